@@ -25,7 +25,7 @@ from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .ports import Declared
 from .variables import Causality, Kind, Variable
 
-INITIALIZATION = ("initialize", "_initialize")  # methods
+INITIALIZATION = ("initialize", "_initialize", "kernels")  # what decides on the initial state
 
 
 def _inherited(cls: type, kind: type) -> dict[str, Any]:

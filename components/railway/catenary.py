@@ -59,7 +59,7 @@ from .line.dropper_table import line_of
 from .line.form import Form, Found, empty_network, find_form_at_rest, form_of
 from .line.from_table import lay_out, support_positions, unused_by
 from .line.layout import Layout, uniform
-from .line.plan import Given, empty_settled, plan_of, settle, settle_droppers, settled_layout
+from .line.plan import Given, empty_numbers, fill_droppers, fill_layout, filled_layout, plan_of
 from .line.temperature import find_form_at, fixed_wires
 from .mesh import (
     NO_WIRE,
@@ -191,7 +191,7 @@ class Catenary(KernelComponent):
     def shapes(self) -> dict[str, Any]:
         """Geometry, the numbers that follow from parameters, and workspace.
 
-        `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `settled`, `network`:
+        `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `filled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `points`: see `contact_points`.  `lateral`:
         rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
@@ -219,7 +219,7 @@ class Catenary(KernelComponent):
         band = (N, reach * W + 1)
         return {
             "x": sum(parts), "numbers": numbers, "indices": indices, "grid": grid, "plan": plan,
-            "settled": empty_settled(len(layout.wires), d, layout.holds.position.size),
+            "filled": empty_numbers(len(layout.wires), d, layout.holds.position.size),
             "network": empty_network(plan, cut) if e.line_table is not None else None, "points": points,
             "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None, "balance": empty_balance(mesh),
             "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))), "limits": 2, "refused": 4,
@@ -292,14 +292,14 @@ class Catenary(KernelComponent):
         given = getattr(given_by, "py_func", given_by)(*self._declared_arguments())
         if "line_table" not in self.on:
             return form_of(layout, given)
-        found = Found(layout, given, fixed)
+        formed = Found(layout, given, fixed)
         if "temperature" in self.on:
             change = self.parameters["temperature.change"]
-            found.check(find_form_at(change, found.plan, given, found.settled, found.net))
+            formed.check(find_form_at(change, formed.plan, given, formed.filled, formed.net))
         else:
-            found.check(find_form_at_rest(found.plan, given, found.settled, found.net))
-            settle_droppers(found.plan.dropper_numbers, given, found.settled.dropper)
-        return form_of(settled_layout(layout, given, found.settled))
+            formed.check(find_form_at_rest(formed.plan, given, formed.filled, formed.net))
+            fill_droppers(formed.plan.dropper_numbers, given, formed.filled.dropper)
+        return form_of(filled_layout(layout, given, formed.filled))
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also what a line's table or the method has no use for, and a support beyond the end."""
@@ -419,13 +419,13 @@ def given_by(p, e):
 
 
 @kernel
-def discretisation(alpha, beta, implicit, settled, p):
+def discretisation(alpha, beta, implicit, filled, p):
     """How waves run along the mesh with the time integration.
 
     Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force that moves
     at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
     """
-    element_time = p.element * math.sqrt(settled.mass[0] / settled.tension[0])
+    element_time = p.element * math.sqrt(filled.mass[0] / filled.tension[0])
     h2 = min(p.substep**2, 0.7 * element_time**2)
     if implicit:
         return Discretisation(2.0 * h2, 1.125 * h2, alpha, beta)
@@ -456,27 +456,27 @@ def catenary_initialize(t, s, p, e):
 
     One kernel: Numba would compile all that stands below another one once more.
     """
-    mesh, given, refused = unpacked(s.numbers, s.indices), given_by(p, e), s.settled.refused
+    mesh, given, refused = unpacked(s.numbers, s.indices), given_by(p, e), s.filled.refused
     alpha, beta = 0.0, 0.0
     if e.damping is not None:
         alpha, beta = e.damping.alpha, e.damping.beta
 
     # what hangs where
     if e.temperature is not None:
-        status = find_form_at(e.temperature.change, s.plan, given, s.settled, s.network)
+        status = find_form_at(e.temperature.change, s.plan, given, s.filled, s.network)
     elif e.line_table is not None:
-        status = find_form_at_rest(s.plan, given, s.settled, s.network)
-        settle_droppers(s.plan.dropper_numbers, given, s.settled.dropper)
+        status = find_form_at_rest(s.plan, given, s.filled, s.network)
+        fill_droppers(s.plan.dropper_numbers, given, s.filled.dropper)
     else:
-        status = settle(s.plan, given, s.settled)
+        status = fill_layout(s.plan, given, s.filled)
 
     # its mesh
     if status == DONE:
-        way = discretisation(alpha, beta, s.solver is not None, s.settled, p)
-        status = spread_wires(mesh, s.plan, s.settled, s.grid, way, s.space)
+        way = discretisation(alpha, beta, s.solver is not None, s.filled, p)
+        status = spread_wires(mesh, s.plan, s.filled, s.grid, way, s.space)
     if status == DONE:
-        add_fittings(mesh, s.plan, s.settled, s.grid, s.space)
-        hang_contact_wires(mesh, s.plan, s.settled, s.grid, s.space, e.gravity_sag is not None)
+        add_fittings(mesh, s.plan, s.filled, s.grid, s.space)
+        hang_contact_wires(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
         if e.dropper_slackening is not None:
             status = find_pushed(mesh, refused)
 

@@ -228,15 +228,15 @@ def fourth_order_term(tension, mass, element, time_error):
 
 
 @kernel
-def wire_on_mesh(k, settled, element, way):
+def wire_on_mesh(k, filled, element, way):
     """Wire k on elements of one length, m; way: `Discretisation`."""
-    T, m, B = settled.tension[k], settled.mass[k], settled.bending[k]
+    T, m, B = filled.tension[k], filled.mass[k], filled.bending[k]
     return WireOnMesh(T, m, B, element, fourth_order_term(T, m, element, way.time_error), B * element**2 / 6.0, way.time_error,
                       1.0 + way.reading_error * T / m / element**2, way.alpha, way.beta)
 
 
 @kernel
-def spread_wires(mesh, plan, settled, grid, way, space):
+def spread_wires(mesh, plan, filled, grid, way, space):
     """Tensions, masses and stiffnesses of the wires along the mesh; a status."""
     n, W, L = mesh.position.size, mesh.bending_gradient.size, mesh.length
     over_right, element_mass, unresolved = space.nodal[OVER_RIGHT], space.nodal[ELEMENT_MASS], space.nodal[UNRESOLVED]
@@ -247,7 +247,7 @@ def spread_wires(mesh, plan, settled, grid, way, space):
     for k in range(plan.wires.shape[0]):
         lane, a, b = plan.wires[k, LANE], grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]]
         for i in range(a, b):
-            over_right[W * i + lane], element_mass[W * i + lane] = settled.tension[k], settled.mass[k] * L[i]
+            over_right[W * i + lane], element_mass[W * i + lane] = filled.tension[k], filled.mass[k] * L[i]
     for k in range(plan.stretches.shape[0]):
         lane = plan.wires[plan.stretches[k, WIRE], LANE]
         for i in range(grid.node[plan.stretches[k, FIRST]], grid.node[plan.stretches[k, LAST]]):
@@ -255,7 +255,7 @@ def spread_wires(mesh, plan, settled, grid, way, space):
             element_mass[W * i + lane] *= plan.stretch_numbers[k, FACTOR]
     for k in range(plan.wires.shape[0]):
         lane, a, b = plan.wires[k, LANE], grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]]
-        wire = wire_on_mesh(k, settled, grid.element[0], way)
+        wire = wire_on_mesh(k, filled, grid.element[0], way)
         left_out = node_compliance(wire)
         mesh.bending_gradient[lane] = min(mesh.bending_gradient[lane], wire.gradient / grid.element[1])
         least = math.inf
@@ -276,8 +276,8 @@ def spread_wires(mesh, plan, settled, grid, way, space):
                 mesh.curvature[j] = (wire.bending / here
                                      + fourth_order_term(smaller, wire.mass, here, way.time_error) / here)
         if least <= 0.0:
-            settled.refused[0] = least
-            settled.refused[1], settled.refused[2] = mesh.position[a], mesh.position[b]
+            filled.refused[0] = least
+            filled.refused[1], filled.refused[2] = mesh.position[a], mesh.position[b]
             return NO_TENSION
         if a == 0:
             mesh.tension[lane] = over_right[lane]
@@ -301,7 +301,7 @@ def spread_wires(mesh, plan, settled, grid, way, space):
 
 
 @kernel
-def add_fittings(mesh, plan, settled, grid, space):
+def add_fittings(mesh, plan, filled, grid, space):
     """Droppers, supports and arms on the wires."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
     weight, lifted, unresolved = space.nodal[WEIGHT], space.nodal[LIFTED], space.nodal[UNRESOLVED]
@@ -309,13 +309,13 @@ def add_fittings(mesh, plan, settled, grid, space):
         weight[j], lifted[j] = GRAVITY * mesh.mass[j], 0.0
     for ends, row in ((mesh.lower, MASS_BELOW), (mesh.upper, MASS_ABOVE)):
         for k in range(ends.size):
-            mesh.mass[ends[k]] += settled.dropper[row, k]
-            weight[ends[k]] += GRAVITY * settled.dropper[row, k]
+            mesh.mass[ends[k]] += filled.dropper[row, k]
+            weight[ends[k]] += GRAVITY * filled.dropper[row, k]
     for k in range(mesh.dropper.size):
         left_out = unresolved[mesh.lower[k]] + unresolved[mesh.upper[k]]
-        mesh.dropper_stiffness[k] = 1.0 / (1.0 / settled.dropper[STIFFNESS, k] + left_out)
+        mesh.dropper_stiffness[k] = 1.0 / (1.0 / filled.dropper[STIFFNESS, k] + left_out)
     for k in range(plan.holds.shape[0]):
-        own, lane = settled.hold[:, k], plan.holds[k, SPRING_LANE]
+        own, lane = filled.hold[:, k], plan.holds[k, SPRING_LANE]
         j = W * grid.node[plan.holds[k, SPRING_PLACE]] + lane
         share = 1.0 if plan.lanes[lane] > 0 else 1.0 / (1.0 + unresolved[j] * own[STIFFNESS])
         mesh.ground[j] += share * own[STIFFNESS]
@@ -336,7 +336,7 @@ def add_fittings(mesh, plan, settled, grid, space):
 
 
 @kernel
-def hang_contact_wires(mesh, plan, settled, grid, space, sag):
+def hang_contact_wires(mesh, plan, filled, grid, space, sag):
     """Heights of the contact wires under their own weight, held by droppers and arms, and the tensions of the droppers.
 
     sag: whether heights keep it; else they are straight lines between clamps.
@@ -353,17 +353,17 @@ def hang_contact_wires(mesh, plan, settled, grid, space, sag):
         y[0], y[size - 1] = plan.wire_numbers[k, HEIGHT_FROM], plan.wire_numbers[k, HEIGHT_TO]
         held[0], held[size - 1] = CLAMPED, CLAMPED
         for m in range(plan.holds.shape[0]):
-            i, height = grid.node[plan.holds[m, SPRING_PLACE]] - a, settled.hold[HOLD_HEIGHT, m]
+            i, height = grid.node[plan.holds[m, SPRING_PLACE]] - a, filled.hold[HOLD_HEIGHT, m]
             if plan.holds[m, SPRING_LANE] == lane and 0 < i < size - 1 and not math.isnan(height):
                 y[i], held[i] = height, 1.0
         for m in range(mesh.dropper.size):
             i = mesh.dropper[m] - a
             if plan.droppers[m, LOWER] == lane and 0 <= i < size:
-                y[i], held[i] = settled.dropper[HEIGHT, m], CLAMPED
+                y[i], held[i] = filled.dropper[HEIGHT, m], CLAMPED
         weight, lifted = space.nodal[WEIGHT, W * a + lane :: W], space.nodal[LIFTED, W * a + lane :: W]
         over_right, curvature = space.nodal[OVER_RIGHT, W * a + lane :: W], space.nodal[CURVATURE]
         for i in range(size):
-            curvature[i] = settled.bending[k] / around(a + i, L) if 0 < i < size - 1 else 0.0
+            curvature[i] = filled.bending[k] / around(a + i, L) if 0 < i < size - 1 else 0.0
         band = space.bands[0, :size:1, ::1]
         band[:] = 0.0
         add_wire(over_right, curvature[::1], 0.0, L[a::1], band)  # exact at the nodes of a string
@@ -385,7 +385,7 @@ def hang_contact_wires(mesh, plan, settled, grid, space, sag):
         for i in range(size):
             mesh.height[at + i] = y[i]
             if sag and i < size - 1:
-                mesh.bow[at + i] = 4.0 * settled.mass[k] * GRAVITY * L[a + i] ** 2 / (8.0 * over_right[i])
+                mesh.bow[at + i] = 4.0 * filled.mass[k] * GRAVITY * L[a + i] ** 2 / (8.0 * over_right[i])
             if not sag and held[i] == CLAMPED:
                 left = mesh.position[a + before]
                 for m in range(before + 1, i):

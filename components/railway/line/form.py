@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...core.banded import factor_band, factor_general, solve_band, solve_general
-from ...core.contract import filled
+from ...core.contract import filled as in_words
 from ...core.errors import BadInput
 from ...core.kernels import DONE, kernel, kernel_tuple
 from .from_table import lay_out
@@ -58,11 +58,11 @@ from .plan import (
     WIRE,
     Given,
     Plan,
-    empty_settled,
+    empty_numbers,
+    fill_droppers,
+    fill_layout,
+    filled_layout,
     plan_of,
-    settle,
-    settle_droppers,
-    settled_layout,
 )
 from .table import Line
 
@@ -94,7 +94,7 @@ def empty_network(plan: Plan, cut_lengths: bool) -> Network:
 
 
 @kernel
-def load_network(plan, settled, net):
+def load_network(plan, filled, net):
     """Weights and tensions of the network, and which of its nodes are held."""
     W, x, nodal = plan.lanes.size, plan.place, net.nodal
     nodal[:] = 0.0
@@ -103,8 +103,8 @@ def load_network(plan, settled, net):
     for k in range(plan.wires.shape[0]):
         lane, a, b = plan.wires[k, LANE], plan.wires[k, FROM], plan.wires[k, TO]
         for i in range(a, b):
-            nodal[PULL, W * i + lane] = settled.tension[k]
-            nodal[OWN_WEIGHT, W * i + lane] = GRAVITY * settled.mass[k] * (x[i + 1] - x[i])
+            nodal[PULL, W * i + lane] = filled.tension[k]
+            nodal[OWN_WEIGHT, W * i + lane] = GRAVITY * filled.mass[k] * (x[i + 1] - x[i])
             if i > a:
                 nodal[FIXED, W * i + lane] = 0.0
         if plan.wires[k, CLAMPED_TO] < 0:
@@ -122,16 +122,16 @@ def load_network(plan, settled, net):
             nodal[WEIGHT, j] += 0.5 * nodal[OWN_WEIGHT, j - W]
     for end, mass in ((LOWER, MASS_BELOW), (UPPER, MASS_ABOVE)):
         for k in range(plan.droppers.shape[0]):
-            nodal[WEIGHT, W * plan.droppers[k, PLACE] + plan.droppers[k, end]] += GRAVITY * settled.dropper[mass, k]
+            nodal[WEIGHT, W * plan.droppers[k, PLACE] + plan.droppers[k, end]] += GRAVITY * filled.dropper[mass, k]
     for j in range(nodal.shape[1]):
         nodal[PLACED, j] = nodal[FIXED, j]
     for k in range(plan.droppers.shape[0]):
         nodal[PLACED, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = 1.0
     for k in range(plan.holds.shape[0]):
         j = W * plan.holds[k, SPRING_PLACE] + plan.holds[k, SPRING_LANE]
-        nodal[WEIGHT, j] -= settled.hold[LIFT, k]
-        if not math.isnan(settled.hold[HOLD_HEIGHT, k]):
-            nodal[PLACED, j], nodal[Z, j] = 1.0, settled.hold[HOLD_HEIGHT, k]
+        nodal[WEIGHT, j] -= filled.hold[LIFT, k]
+        if not math.isnan(filled.hold[HOLD_HEIGHT, k]):
+            nodal[PLACED, j], nodal[Z, j] = 1.0, filled.hold[HOLD_HEIGHT, k]
     net.stiffness[:] = 0.0
     for j in range(nodal.shape[1] - W):
         k_right = nodal[PULL, j] * (1.0 / (x[j // W + 1] - x[j // W]))
@@ -197,7 +197,7 @@ def hang_wires(contact, plan, net):
 
 
 @kernel
-def place_by_cut_lengths(plan, settled, net):
+def place_by_cut_lengths(plan, filled, net):
     """Heights of the contact wires' clamps where droppers have a cut length and no height.
 
     Such a dropper pulls with N = k (L - L0), so that all wires are solved together, node by node. One with a height is cut so
@@ -215,7 +215,7 @@ def place_by_cut_lengths(plan, settled, net):
         if j >= W:
             band[j, m - W] = net.stiffness[j - W, W]
     for k in range(plan.droppers.shape[0]):
-        own = settled.dropper[:, k]
+        own = filled.dropper[:, k]
         i = W * plan.droppers[k, PLACE]
         low, up = i + plan.droppers[k, LOWER], i + plan.droppers[k, UPPER]
         if math.isnan(own[HEIGHT]):
@@ -246,30 +246,30 @@ def place_by_cut_lengths(plan, settled, net):
     factor_general(band)
     solve_general(band, b)
     for k in range(plan.droppers.shape[0]):
-        if math.isnan(settled.dropper[HEIGHT, k]):
-            settled.dropper[HEIGHT, k] = b[W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]]
+        if math.isnan(filled.dropper[HEIGHT, k]):
+            filled.dropper[HEIGHT, k] = b[W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]]
 
 
 @kernel
-def hang(plan, settled, net):
-    """Form of a settled layout: the contact wires hang as their clamps are placed, the others as these load them.
+def hang(plan, filled, net):
+    """Form of a filled layout: the contact wires hang as their clamps are placed, the others as these load them.
 
     Droppers whose height is NaN are cut to the present lengths. Heights, lengths, preloads and reactions become what follows.
     """
     W, nodal, by_length = plan.lanes.size, net.nodal, False
-    load_network(plan, settled, net)
+    load_network(plan, filled, net)
     for k in range(plan.droppers.shape[0]):
-        by_length = by_length or math.isnan(settled.dropper[HEIGHT, k])
+        by_length = by_length or math.isnan(filled.dropper[HEIGHT, k])
     if by_length:
-        place_by_cut_lengths(plan, settled, net)
+        place_by_cut_lengths(plan, filled, net)
     for k in range(plan.droppers.shape[0]):
-        nodal[Z, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = settled.dropper[HEIGHT, k]
+        nodal[Z, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = filled.dropper[HEIGHT, k]
     hang_wires(1, plan, net)
     for k in range(plan.droppers.shape[0]):
         low = W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]
-        settled.dropper[PRELOAD, k] = nodal[WEIGHT, low] + held_by(low, net)
+        filled.dropper[PRELOAD, k] = nodal[WEIGHT, low] + held_by(low, net)
     for k in range(plan.droppers.shape[0]):
-        nodal[LOADS, W * plan.droppers[k, PLACE] + plan.droppers[k, UPPER]] -= settled.dropper[PRELOAD, k]
+        nodal[LOADS, W * plan.droppers[k, PLACE] + plan.droppers[k, UPPER]] -= filled.dropper[PRELOAD, k]
     hang_wires(0, plan, net)
     upward = nodal[UNKNOWN]
     for j in range(upward.size):
@@ -280,59 +280,59 @@ def hang(plan, settled, net):
             if clamp >= 0:
                 upward[W * plan.wires[k, end] + clamp] += upward[W * plan.wires[k, end] + lane]
     for k in range(plan.holds.shape[0]):
-        settled.hold[REACTION, k] = upward[W * plan.holds[k, SPRING_PLACE] + plan.holds[k, SPRING_LANE]]
+        filled.hold[REACTION, k] = upward[W * plan.holds[k, SPRING_PLACE] + plan.holds[k, SPRING_LANE]]
     for k in range(plan.droppers.shape[0]):
-        own, i = settled.dropper[:, k], W * plan.droppers[k, PLACE]
+        own, i = filled.dropper[:, k], W * plan.droppers[k, PLACE]
         own[LENGTH] = nodal[Z, i + plan.droppers[k, UPPER]] - nodal[Z, i + plan.droppers[k, LOWER]]
         own[CUT_LENGTH] = own[LENGTH] - own[PRELOAD] / own[STIFFNESS]
 
 
 @kernel
-def hang_as_planned(plan, settled, net):
+def hang_as_planned(plan, filled, net):
     """`hang` with the cut lengths of the plan, and a status: whether all droppers have a length."""
     worst = -1
     for k in range(plan.droppers.shape[0]):
-        settled.dropper[CUT_LENGTH, k] = plan.dropper_numbers[GIVEN_CUT, k]
-    hang(plan, settled, net)
+        filled.dropper[CUT_LENGTH, k] = plan.dropper_numbers[GIVEN_CUT, k]
+    hang(plan, filled, net)
     for k in range(plan.droppers.shape[0]):
-        length = settled.dropper[LENGTH, k]
-        if length <= 0.0 and (worst < 0 or length < settled.dropper[LENGTH, worst]):
+        length = filled.dropper[LENGTH, k]
+        if length <= 0.0 and (worst < 0 or length < filled.dropper[LENGTH, worst]):
             worst = k
     if worst < 0:
         return DONE
-    settled.refused[0], settled.refused[1] = plan.place[plan.droppers[worst, PLACE]], settled.dropper[LENGTH, worst]
+    filled.refused[0], filled.refused[1] = plan.place[plan.droppers[worst, PLACE]], filled.dropper[LENGTH, worst]
     return SHORT_DROPPER
 
 
 @kernel
-def find_form_at_rest(plan, given, settled, net):
+def find_form_at_rest(plan, given, filled, net):
     """Form of a planned line with masses and stiffnesses that follow from the lengths of its droppers; a status."""
-    settled.dropper[LENGTH] = 1.0
-    status = settle(plan, given, settled)
+    filled.dropper[LENGTH] = 1.0
+    status = fill_layout(plan, given, filled)
     if status == DONE:
-        status = hang_as_planned(plan, settled, net)
+        status = hang_as_planned(plan, filled, net)
     for _ in range(PASSES - 1):
-        if status != DONE or settle_droppers(plan.dropper_numbers, given, settled.dropper) == 0:
+        if status != DONE or fill_droppers(plan.dropper_numbers, given, filled.dropper) == 0:
             break
         for k in range(plan.droppers.shape[0]):
             if math.isnan(plan.dropper_numbers[WANTED, k]):
-                settled.dropper[HEIGHT, k] = math.nan
-        status = hang_as_planned(plan, settled, net)
+                filled.dropper[HEIGHT, k] = math.nan
+        status = hang_as_planned(plan, filled, net)
     if status != DONE:
         return status
     for k in range(plan.droppers.shape[0]):
-        settled.dropper[CUT_AT_REST, k] = settled.dropper[CUT_LENGTH, k]
-    for given_row, found, agreed, status in ((GIVEN_LENGTH, LENGTH, AGREED_LENGTH, OTHER_LENGTH),
+        filled.dropper[CUT_AT_REST, k] = filled.dropper[CUT_LENGTH, k]
+    for given_row, formed, agreed, status in ((GIVEN_LENGTH, LENGTH, AGREED_LENGTH, OTHER_LENGTH),
                                              (GIVEN_CUT, CUT_LENGTH, AGREED_LENGTH, OTHER_CUT),
                                              (GIVEN_PRELOAD, PRELOAD, AGREED_FORCE, OTHER_PRELOAD)):
         worst, most = -1, agreed
         for k in range(plan.droppers.shape[0]):
-            off = abs(plan.dropper_numbers[given_row, k] - settled.dropper[found, k])
+            off = abs(plan.dropper_numbers[given_row, k] - filled.dropper[formed, k])
             if off > most:  # not where nothing is given
                 worst, most = k, off
         if worst >= 0:
-            settled.refused[0] = plan.place[plan.droppers[worst, PLACE]]
-            settled.refused[1], settled.refused[2] = plan.dropper_numbers[given_row, worst], settled.dropper[found, worst]
+            filled.refused[0] = plan.place[plan.droppers[worst, PLACE]]
+            filled.refused[1], filled.refused[2] = plan.dropper_numbers[given_row, worst], filled.dropper[formed, worst]
             return status
     return DONE
 
@@ -360,21 +360,21 @@ class Found:
 
     def __init__(self, layout: Layout, given: Given, fixed: Any = ()) -> None:
         self.layout, self.given, self.plan = layout, given, plan_of(layout, fixed)
-        self.settled = empty_settled(len(layout.wires), layout.droppers.position.size, layout.holds.position.size)
+        self.filled = empty_numbers(len(layout.wires), layout.droppers.position.size, layout.holds.position.size)
         self.net = empty_network(self.plan, cut_lengths=True)
 
     def check(self, status: int) -> None:
         """`BadInput` for a status that is a refusal."""
         if status != DONE:
-            refused = self.settled.refused
-            raise BadInput("line", *(filled(text, lambda name: f"{refused[int(name[-2])]:.6g}") for text in REFUSALS[status]))
+            refused = self.filled.refused
+            raise BadInput("line", *(in_words(text, lambda name: f"{refused[int(name[-2])]:.6g}") for text in REFUSALS[status]))
 
     def form(self) -> Form:
         """The form that is there."""
-        layout, plan = settled_layout(self.layout, self.given, self.settled), self.plan
-        own, h = self.settled.dropper, layout.holds
+        layout, plan = filled_layout(self.layout, self.given, self.filled), self.plan
+        own, h = self.filled.dropper, layout.holds
         messenger = ~np.isin(h.lane, layout.contact_lanes)
-        reaction, held = self.settled.hold[REACTION], ~messenger & ~np.isnan(h.height)
+        reaction, held = self.filled.hold[REACTION], ~messenger & ~np.isnan(h.height)
         stiffness = h.stiffness[messenger]
         with np.errstate(divide="ignore"):
             spring = np.where(stiffness > 0.0, reaction[messenger] / stiffness, np.inf)
@@ -390,9 +390,9 @@ def given_of(p: Any, **more: float) -> Given:
 
 def find_form(line: Line, p: Any) -> Form:
     """Form of a line; p: parameters of `Catenary`."""
-    found = Found(lay_out(line, False), given_of(p))
-    found.check(find_form_at_rest(found.plan, found.given, found.settled, found.net))
-    return found.form()
+    formed = Found(lay_out(line, False), given_of(p))
+    formed.check(find_form_at_rest(formed.plan, formed.given, formed.filled, formed.net))
+    return formed.form()
 
 
 def form_of(layout: Layout, given: Given | None = None) -> Form:
@@ -400,8 +400,8 @@ def form_of(layout: Layout, given: Given | None = None) -> Form:
 
     given: for the numbers that it does not say.
     """
-    found = Found(layout, given or Given(*[math.nan] * len(Given._fields)))
-    found.check(settle(found.plan, found.given, found.settled))
-    found.settled.dropper[CUT_LENGTH] = layout.droppers.cut_length
-    hang(found.plan, found.settled, found.net)
-    return found.form()
+    formed = Found(layout, given or Given(*[math.nan] * len(Given._fields)))
+    formed.check(fill_layout(formed.plan, formed.given, formed.filled))
+    formed.filled.dropper[CUT_LENGTH] = layout.droppers.cut_length
+    hang(formed.plan, formed.filled, formed.net)
+    return formed.form()

@@ -1,6 +1,6 @@
 """A layout as arrays for kernels, and the numbers that parameters put into it.
 
-What hangs where follows from structure alone: `Plan`. Tensions, masses, stiffnesses and heights are `Settled` from what the plan
+What hangs where follows from structure alone: `Plan`. Tensions, masses, stiffnesses and heights are `Filled` from what the plan
 says and, where it says nothing, from `Given`.
 """
 
@@ -31,8 +31,8 @@ EA, OWN, PER_LENGTH, CLAMP_BELOW, CLAMP_ABOVE, WANTED, SAG, WITHIN, SAG_FROM, SA
 GIVEN_CUT, GIVEN_LENGTH, GIVEN_PRELOAD = range(11, 14)
 HOLD_NUMBERS = ("stiffness", "damping", "mass", "lift", "height", "arm_length", "arm_angle", "arm_mass", "kink")
 STIFFNESS, DAMPING, HOLD_MASS, LIFT, HOLD_HEIGHT, ARM_LENGTH, ARM_ANGLE, ARM_MASS, KINK = range(len(HOLD_NUMBERS))
-REACTION = 5  # of `Settled.hold`, whose rows before are those of a plan
-MASS_BELOW, MASS_ABOVE, OWN_MASS, HEIGHT, LENGTH, CUT_LENGTH, PRELOAD, CUT_AT_REST = range(1, 9)  # of `Settled.dropper`
+REACTION = 5  # of `Filled.hold`, whose rows before are those of a plan
+MASS_BELOW, MASS_ABOVE, OWN_MASS, HEIGHT, LENGTH, CUT_LENGTH, PRELOAD, CUT_AT_REST = range(1, 9)  # of `Filled.dropper`
 STEEPEST = 80.0  # degrees below the horizontal that an arm may hang by its own weight
 
 # statuses of `initialize`
@@ -94,7 +94,7 @@ class Plan(NamedTuple):
 
 
 @kernel_tuple
-class Settled(NamedTuple):
+class Filled(NamedTuple):
     """Numbers of a layout."""
 
     tension: np.ndarray  # (w,) N
@@ -105,10 +105,10 @@ class Settled(NamedTuple):
     refused: np.ndarray  # (4,) numbers of a refusal
 
 
-def empty_settled(wires: int, droppers: int, holds: int) -> Settled:
+def empty_numbers(wires: int, droppers: int, holds: int) -> Filled:
     """Room for the numbers of a layout."""
     zeros: Any = (*np.zeros((3, wires)), np.zeros((6, holds)), np.zeros((9, droppers)), np.zeros(4))
-    return Settled(*zeros)
+    return Filled(*zeros)
 
 
 def plan_of(layout: Layout, fixed: Sequence[tuple[int, float, float]] = ()) -> Plan:
@@ -139,23 +139,23 @@ def _whole(rows: object) -> np.ndarray:
     return np.ascontiguousarray(rows, dtype=np.int64)
 
 
-def settled_layout(layout: Layout, given: Given, settled: Settled) -> Layout:
+def filled_layout(layout: Layout, given: Given, filled: Filled) -> Layout:
     """A layout with the numbers that parameters give."""
     wires = tuple(replace(w, tension=float(T), mass=float(m), bending=float(B)) for w, T, m, B in zip(
-        layout.wires, settled.tension, settled.mass, settled.bending, strict=True))
-    d, h, own, none = layout.droppers, layout.holds, settled.dropper, np.zeros(settled.dropper.shape[1])
+        layout.wires, filled.tension, filled.mass, filled.bending, strict=True))
+    d, h, own, none = layout.droppers, layout.holds, filled.dropper, np.zeros(filled.dropper.shape[1])
     clamps = {name: np.where(np.isnan(mass := getattr(d, name)), getattr(given, f"{name}_mass"), mass)
               for name in ("contact_clamp", "messenger_clamp")}
     d = replace(d, stiffness=own[STIFFNESS].copy(), axial_stiffness=none, mass=own[OWN_MASS].copy(), mass_per_length=none,
                 height=own[HEIGHT].copy(), sag=none, **clamps)
-    h = replace(h, **{n: settled.hold[i].copy() for i, n in enumerate(HOLD_NUMBERS[:REACTION])},
+    h = replace(h, **{n: filled.hold[i].copy() for i, n in enumerate(HOLD_NUMBERS[:REACTION])},
                 arm_length=np.zeros(h.position.size))
     return replace(layout, wires=wires, droppers=d, holds=h)
 
 
 # -- kernels -----------------------------------------------------------------------------------------------------------
 @kernel
-def said(number, otherwise):
+def given_at(number, otherwise):
     """A number of a plan, or what takes its place."""
     return otherwise if math.isnan(number) else number
 
@@ -167,20 +167,20 @@ def parabola(x, first, last, depth):
 
 
 @kernel
-def settle_droppers(numbers, given, dropper):
+def fill_droppers(numbers, given, dropper):
     """Stiffnesses and masses of droppers, for their present lengths; returns how many are others than before.
 
-    numbers, dropper: of `Plan` and `Settled`.
+    numbers, dropper: of `Plan` and `Filled`.
     """
     changed = 0
     for k in range(dropper.shape[1]):
         own = dropper[:, k]
-        stiffness, axial = said(numbers[STIFFNESS, k], given.dropper_stiffness), numbers[EA, k]
+        stiffness, axial = given_at(numbers[STIFFNESS, k], given.dropper_stiffness), numbers[EA, k]
         if axial > 0.0:
             stiffness = axial / own[LENGTH]
-        mass = said(numbers[OWN, k], given.dropper_mass) + numbers[PER_LENGTH, k] * own[LENGTH]
-        below = said(numbers[CLAMP_BELOW, k], given.contact_clamp_mass) + 0.5 * mass
-        above = said(numbers[CLAMP_ABOVE, k], given.messenger_clamp_mass) + 0.5 * mass
+        mass = given_at(numbers[OWN, k], given.dropper_mass) + numbers[PER_LENGTH, k] * own[LENGTH]
+        below = given_at(numbers[CLAMP_BELOW, k], given.contact_clamp_mass) + 0.5 * mass
+        above = given_at(numbers[CLAMP_ABOVE, k], given.messenger_clamp_mass) + 0.5 * mass
         if stiffness != own[STIFFNESS] or below != own[MASS_BELOW] or above != own[MASS_ABOVE]:
             changed += 1
         own[STIFFNESS], own[MASS_BELOW], own[MASS_ABOVE], own[OWN_MASS] = stiffness, below, above, mass
@@ -204,13 +204,14 @@ def arm_of(force, length, angle, mass):
 
 
 @kernel
-def settle_holds(plan, given, tension, hold, refused):
-    """Springs to the ground, for the present tensions of wires; hold, refused: of `Settled`. A status."""
+def fill_holds(plan, given, tension, hold, refused):
+    """Springs to the ground, for the present tensions of wires; hold, refused: of `Filled`. A status."""
     for k in range(plan.holds.shape[0]):
         numbers, own = plan.hold_numbers[:, k], hold[:, k]
         on_contact_wire = plan.lanes[plan.holds[k, SPRING_LANE]] > 0
-        own[STIFFNESS] = said(numbers[STIFFNESS], given.arm_stiffness if on_contact_wire else given.support_stiffness)
-        own[DAMPING], own[HOLD_MASS] = said(numbers[DAMPING], given.support_damping), said(numbers[HOLD_MASS], given.arm_mass)
+        own[STIFFNESS] = given_at(numbers[STIFFNESS], given.arm_stiffness if on_contact_wire else given.support_stiffness)
+        own[DAMPING] = given_at(numbers[DAMPING], given.support_damping)
+        own[HOLD_MASS] = given_at(numbers[HOLD_MASS], given.arm_mass)
         own[LIFT], own[HOLD_HEIGHT] = numbers[LIFT], numbers[HOLD_HEIGHT]
         if numbers[ARM_LENGTH] > 0.0:
             force = abs(tension[plan.holds[k, PULLED_BY]] * numbers[KINK])
@@ -225,18 +226,18 @@ def settle_holds(plan, given, tension, hold, refused):
 
 
 @kernel
-def settle(plan, given, settled):
+def fill_layout(plan, given, filled):
     """All numbers, for the present lengths of droppers; heights that follow from cut lengths are NaN. A status."""
     for k in range(plan.wires.shape[0]):
         contact, numbers = plan.wires[k, CONTACT] >= 0, plan.wire_numbers[k]
-        settled.tension[k] = said(numbers[TENSION], given.contact_wire_tension if contact else given.messenger_tension)
-        settled.mass[k] = said(numbers[MASS], given.contact_wire_mass if contact else given.messenger_mass)
-        settled.bending[k] = said(numbers[BENDING], given.contact_wire_bending if contact else given.messenger_bending)
-    settle_droppers(plan.dropper_numbers, given, settled.dropper)
-    for k in range(settled.dropper.shape[1]):
+        filled.tension[k] = given_at(numbers[TENSION], given.contact_wire_tension if contact else given.messenger_tension)
+        filled.mass[k] = given_at(numbers[MASS], given.contact_wire_mass if contact else given.messenger_mass)
+        filled.bending[k] = given_at(numbers[BENDING], given.contact_wire_bending if contact else given.messenger_bending)
+    fill_droppers(plan.dropper_numbers, given, filled.dropper)
+    for k in range(filled.dropper.shape[1]):
         numbers = plan.dropper_numbers[:, k]
-        depth, height = said(numbers[SAG], given.sag), numbers[WANTED]
+        depth, height = given_at(numbers[SAG], given.sag), numbers[WANTED]
         if depth != 0.0:
             height += parabola(numbers[WITHIN], numbers[SAG_FROM], numbers[SAG_TO], depth)
-        settled.dropper[HEIGHT, k] = height
-    return settle_holds(plan, given, settled.tension, settled.hold, settled.refused)
+        filled.dropper[HEIGHT, k] = height
+    return fill_holds(plan, given, filled.tension, filled.hold, filled.refused)

@@ -38,8 +38,8 @@ from .plan import (
     TO,
     UNSETTLED,
     WIRE,
-    settle_droppers,
-    settle_holds,
+    fill_droppers,
+    fill_holds,
 )
 from .table import Line, over
 
@@ -51,18 +51,18 @@ LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND}  # of
 
 def fixed_wires(line: Line, layout: Layout) -> Iterator[tuple[int, float, float]]:
     """Number of each wire that is anchored at both ends, its axial stiffness, N, and its thermal expansion, 1/K."""
-    found = False
+    formed = False
     for row, section, key in _wires_of_sections(line, layout):
         data = getattr(line.sections[section], key)
         if key == "second_contact_wire":
             data = over(data, line.sections[section].contact_wire)
         if data.fixed:
-            found = True
+            formed = True
             if data.axial_stiffness is None:
                 raise BadInput(f"line.sections[{section + 1}].{key}", "a wire that is anchored at both ends without "
                                "axial_stiffness", "its EA, N")
             yield row, data.axial_stiffness, EXPANSION if data.expansion is None else data.expansion
-    if not found:
+    if not formed:
         raise BadInput("temperature.change", "a line whose wires all have automatic tensioning", "a wire that is anchored at "
                        "both ends", "Say fixed = true and axial_stiffness = EA of it; the others keep their tension, and "
                        "nothing changes.")
@@ -81,24 +81,24 @@ def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, s
 def line_at(line: Line, p: Any, change: float) -> tuple[Line, Form]:
     """(line with the tensions, its form) at a temperature `change`, K, above that of the table; p: parameters of `Catenary`."""
     layout = lay_out(line, False)
-    found = Found(layout, given_of(p), tuple(fixed_wires(line, layout)))
-    found.check(find_form_at(change, found.plan, found.given, found.settled, found.net))
+    formed = Found(layout, given_of(p), tuple(fixed_wires(line, layout)))
+    formed.check(find_form_at(change, formed.plan, formed.given, formed.filled, formed.net))
     sections = list(line.sections)
     for row, section, key in _wires_of_sections(line, layout):
-        if row in found.plan.fixed:
-            own = replace(getattr(sections[section], key), tension=float(found.settled.tension[row]))
+        if row in formed.plan.fixed:
+            own = replace(getattr(sections[section], key), tension=float(formed.filled.tension[row]))
             sections[section] = replace(sections[section], **{key: own})
-    return replace(line, sections=tuple(sections)), found.form()
+    return replace(line, sections=tuple(sections)), formed.form()
 
 
 # -- kernels -----------------------------------------------------------------------------------------------------------
 @kernel
-def excess(wire, plan, settled, net):
+def excess(wire, plan, filled, net):
     """Length of a wire over that of its chord, S / L, m/m: slopes between nodes, and parabolas about them."""
     W, x, z, total = plan.lanes.size, plan.place, net.nodal[Z], 0.0
     lane, a, b = plan.wires[wire, LANE], plan.wires[wire, FROM], plan.wires[wire, TO]
     for i in range(a, b):
-        tension, weight, length = settled.tension[wire], GRAVITY * settled.mass[wire], x[i + 1] - x[i]
+        tension, weight, length = filled.tension[wire], GRAVITY * filled.mass[wire], x[i + 1] - x[i]
         for k in range(plan.stretches.shape[0]):
             if plan.stretches[k, WIRE] == wire and plan.stretches[k, FIRST] <= i < plan.stretches[k, LAST]:
                 tension += plan.stretch_numbers[k, ADDED]
@@ -123,31 +123,31 @@ def tension_of(EA, held, excess, tension):
 
 
 @kernel
-def find_form_at(change, plan, given, settled, net):
+def find_form_at(change, plan, given, filled, net):
     """Form of a planned line at a temperature `change`, K, above that of the table: tensions, heights, preloads; a status."""
-    status = find_form_at_rest(plan, given, settled, net)
+    status = find_form_at_rest(plan, given, filled, net)
     if status != DONE:
         return status
     held = plan.fixed_numbers[:, 2]
     for k in range(plan.fixed.size):
         EA, expansion, wire = plan.fixed_numbers[k, 0], plan.fixed_numbers[k, 1], plan.fixed[k]
-        held[k] = settled.tension[wire] / EA - excess(wire, plan, settled, net) - expansion * change
-    settle_droppers(plan.dropper_numbers, given, settled.dropper)  # for the lengths at rest, which they keep
+        held[k] = filled.tension[wire] / EA - excess(wire, plan, filled, net) - expansion * change
+    fill_droppers(plan.dropper_numbers, given, filled.dropper)  # for the lengths at rest, which they keep
     for _ in range(PASSES):
         moved = 0.0
         for k in range(plan.fixed.size):
             wire = plan.fixed[k]
-            now = tension_of(plan.fixed_numbers[k, 0], held[k], excess(wire, plan, settled, net), settled.tension[wire])
-            moved = max(moved, abs(now / settled.tension[wire] - 1.0))
-            settled.tension[wire] = now
-        status = settle_holds(plan, given, settled.tension, settled.hold, settled.refused)
+            now = tension_of(plan.fixed_numbers[k, 0], held[k], excess(wire, plan, filled, net), filled.tension[wire])
+            moved = max(moved, abs(now / filled.tension[wire] - 1.0))
+            filled.tension[wire] = now
+        status = fill_holds(plan, given, filled.tension, filled.hold, filled.refused)
         if status != DONE:
             return status
         for k in range(plan.droppers.shape[0]):
-            settled.dropper[HEIGHT, k] = math.nan
-            settled.dropper[CUT_LENGTH, k] = settled.dropper[CUT_AT_REST, k]
-        hang(plan, settled, net)
+            filled.dropper[HEIGHT, k] = math.nan
+            filled.dropper[CUT_LENGTH, k] = filled.dropper[CUT_AT_REST, k]
+        hang(plan, filled, net)
         if moved < CONVERGED:
             return DONE
-    settled.refused[0] = change
+    filled.refused[0] = change
     return UNSETTLED
