@@ -68,9 +68,11 @@ def never_written(cls: type[OdeComponent]) -> type[OdeComponent]:
     """The component of the classic Runge-Kutta method with kernels of which the branches of all effects are gone."""
     kernels = cls.kernels
     assert python(kernels.step).__code__ is python(rk4).__code__, f"{cls.__name__} has a method of its own"
-    names = {name: kernel(stripped(getattr(kernels, name))[0]) for name in ("derivatives", "outputs")}
-    step = bind(integrators.rk4, f"never_written_{cls.__name__}", **names)
-    bare = type(cls.__name__, (cls,), {**{v.name: v for v in cls.own_variables}, **cls.effects,
-                                       "kernels": kernels._replace(step=step, **names)})
+    bound = python(kernels.step).__globals__
+    step = bind(integrators.rk4, f"never_written_{cls.__name__}",
+                **{name: kernel(stripped(bound[name])[0]) for name in ("derivatives", "outputs")})
+    bare = type(cls.__name__, (cls,), {
+        **{v.name: v for v in cls.own_variables}, **cls.effects,
+        "kernels": kernels._replace(step=step, outputs=kernel(stripped(kernels.outputs)[0]))})
     bare.Values = cls.Values
     return bare
