@@ -20,7 +20,7 @@ def study(options: Options) -> Evidence:
     """Nothing is simulated: elasticity of the reference wires as strings, under a small and a large force."""
     catenary = resting_catenary("en50318-2002", RIGID, bending=False)
     x = np.arange(0.0, SPAN, 0.25)
-    p = catenary.arguments[0]
+    p = catenary.arguments[1]
     k = {f: 1.0 / elasticity(catenary.mesh, SPAN * (p.spans // 2) + x, f) for f in FORCES}
     series = {f: stiffness_series(x, k[f], SPAN, HARMONICS) for f in FORCES}
     small, large = series[FORCES[0]], series[FORCES[1]]
