@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from .integrators import derivatives
-from .kernels import bind, kernel
+from .kernels import kernel
 
 SQUARINGS = 24  # the matrix is raised to the power 2^24: the result is some 1e-6 too large at most
 
@@ -50,24 +48,3 @@ def spectral_radius(A, B):
 def step_within(radius, largest):
     """Longest step, s, for a method's stability radius and the largest |eigenvalue|, 1/s; infinite where nothing moves."""
     return radius / largest if largest > 0.0 else math.inf
-
-
-def jacobian(t, x, s, p, e):
-    """d(derivatives)/dx at x for the present inputs by central differences, into s.jacobian[0]; (3, n, n), the others work."""
-    n = x.size
-    J, high, there = s.jacobian[0], s.jacobian[1, 0], s.jacobian[2, 0]
-    for j in range(n):
-        for i in range(n):
-            there[i] = x[i]
-        by = 6e-6 * max(abs(x[j]), 1.0)
-        there[j] = x[j] + by
-        derivatives(t, there, s.u[0], high, s, p, e)
-        there[j] = x[j] - by
-        derivatives(t, there, s.u[0], s.work[0, :n], s, p, e)
-        for i in range(n):
-            J[i, j] = (high[i] - s.work[0, i]) / (2.0 * by)
-
-
-def bind_jacobian(module: str, derivatives: Any) -> Any:
-    """The kernel `jacobian` of a component's derivatives."""
-    return bind(jacobian, module, derivatives=derivatives)

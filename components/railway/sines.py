@@ -48,10 +48,3 @@ def fill_bands(lowest, highest, longest, exponent, deviation, sines):
         edge = end
     for i in range(count):
         sines[AMPLITUDE, i] = deviation * math.sqrt(2.0 * sines[AMPLITUDE, i] / total)
-
-
-def random_bands(lowest: float, highest: float, count: int, random) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`count` bands of equal ratio between two frequencies: a random frequency in each, its middle and its width, (n,)."""
-    edges = np.geomspace(lowest, highest, int(count) + 1)
-    number = edges[:-1] * (edges[1:] / edges[:-1]) ** random.random(int(count))
-    return number, np.sqrt(edges[1:] * edges[:-1]), np.diff(edges)
