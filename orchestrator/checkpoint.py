@@ -24,13 +24,12 @@ from ..components.core.errors import BadInput
 from .content import DamagedContent, KeptObject, ObjectContent, read_content, write_content
 from .engine.algorithms.energy import SavedAccount
 from .engine.algorithms.master import Master, Saved
-from .engine.algorithms.multirate import MultirateUnit
 from .engine.stepping.loop import Stepping
 from .engine.stepping.observers import BatchObserver
 from .scene.scene import Scene
-from .units import Interface, Unit
+from .units import Interface
 
-FORMAT = "cosimo checkpoint 4"
+FORMAT = "cosimo checkpoint 5"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "units", "parts"}
 
 
@@ -169,12 +168,8 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
     initial = loop.master.save()
     saved = _filled(_without_units(initial), checkpoint.master)
     units = _of_master(saved).units
-    for node, state, packed in zip(master.nodes, _of_master(initial).units, checkpoint.units, strict=True):
-        if isinstance(node.unit, MultirateUnit):
-            units.append((node.unit.unit.unpack(packed[0]), _filled(state[1], packed[1])))  # type: ignore[arg-type]
-        else:
-            units.append(node.unit.unpack(packed))
-    loop.master.restore(saved)
+    units += [node.unit.unpack(packed) for node, packed in zip(master.nodes, checkpoint.units, strict=True)]
+    loop.master.adopt(saved)
     for name, part in parts.items():
         part.take(checkpoint.parts[name])
     loop.tick = checkpoint.tick
@@ -189,12 +184,8 @@ def digest(scene: Scene) -> str:
     return store.digest_of(json.dumps(data, sort_keys=True))
 
 
-def _inner(unit: Unit | MultirateUnit) -> Unit:
-    return unit.unit if isinstance(unit, MultirateUnit) else unit
-
-
 def _kinds(master: Master) -> dict[str, str]:
-    return {node.unit.name: _inner(node.unit).kind for node in master.nodes}
+    return {node.unit.name: node.unit.kind for node in master.nodes}
 
 
 def _of_master(saved: Any) -> Saved:
@@ -209,8 +200,7 @@ def _without_units(saved: Any) -> Any:
 
 
 def _packed(master: Master, saved: Any) -> list[Any]:
-    return [[node.unit.unit.pack(state[0]), state[1]] if isinstance(node.unit, MultirateUnit) else node.unit.pack(state)
-            for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
+    return [node.unit.pack(state) for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
 
 
 # -- what a file holds, put into the objects of a run that has just started --------------------

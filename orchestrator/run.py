@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any
 from ..components.core.errors import BadInput, StepFailed
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import master_of
-from .engine.algorithms.energy import EnergyAccount, metered
+from .engine.algorithms.energy import EnergyAccount
 from .engine.algorithms.master import Runaway, Unstable
 from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
-from .engine.stepping.faults import Faults, LosableUnit, edges
+from .engine.stepping.faults import Faults, edges
 from .engine.stepping.loop import Observer
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
@@ -38,7 +38,6 @@ from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
 from .shorter_steps import asked_for
 from .tables import MemoryTable, Table
-from .units import Unit
 from .units.component import ComponentUnit
 from .units.interface import SimulationEnded
 
@@ -107,15 +106,15 @@ class Run:
         units = open_units(scene, stack, self.in_process, self._rescue, self._native_fmus())
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
-        self.units, self._losable, meters = _wrapped(units, scene, coupling)
+        self.units = units
         self._watched = read_in_every_step(scene)
         self.master = master_of(scene, self.units, coupling, (*self._watched, *coupling.events))
         correction = scene.master.energy_correction
-        self.account = EnergyAccount(self.master, coupling, meters, correction=correction) if meters else None
+        self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
         # warnings of components, in FMUs too: they share this interpreter
         self._caught_warnings = stack.enter_context(warnings.catch_warnings(record=True))
         warnings.simplefilter("always", UserWarning)
-        self.faults = Faults(scene.faults, coupling, self.master, self._losable, self.clock)
+        self.faults = Faults(scene.faults, coupling, self.master, self.clock)
         self.stepping = stepping_of(scene, coupling, self.master, self.account, self.clock, self.faults.stops())
 
     def _native_fmus(self) -> Mapping[str, NativeFmu]:
@@ -363,15 +362,3 @@ def _working_directory() -> str:
         return os.getcwd()
     except OSError:
         return ""
-
-
-def _wrapped(units: dict[str, Unit], scene: Scene, coupling: Coupling
-             ) -> tuple[dict[str, Unit], dict[str, LosableUnit], Mapping[str, Any]]:
-    """(units as the master steps them, those that can be lost, meters at the power bonds).
-
-    A meter is outside of what may be lost: it measures what the other units get, also of a unit that is lost.
-    """
-    losable = {fault.unit: LosableUnit(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
-    whole: dict[str, Any] = units | losable
-    meters = metered(whole, coupling)
-    return whole | meters, losable, meters

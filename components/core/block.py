@@ -12,7 +12,7 @@ into. The same text serves this process, where the address of the kernel stands 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -42,7 +42,9 @@ class Block:
     `s` holds arrays, whose contents are those that the block begins with.
     """
 
-    def __init__(self, s: Any, p: Any, e: Any):
+    def __init__(self, s: Any, p: Any, e: Any, entries: Mapping[str, tuple[str, ...]] = ENTRIES):
+        """entries: what each hands on besides the block."""
+        self.entries = entries
         self.cells, self._leaves = TIME + 1, dict[tuple[str | int, ...], Leaf]()
         first = [name for name in ("u", "y", "x", "counts") if name in s._fields]
         for name in first:
@@ -54,7 +56,7 @@ class Block:
         self._place(("e",), e)
         self.saved = self.cells
         self.addresses_at = self.cells
-        self.cells += len(ENTRIES)
+        self.cells += len(entries)
         for name in s._fields:
             if name not in first:
                 self._place(("s", name), getattr(s, name))
@@ -131,7 +133,7 @@ class Block:
         return "\n".join(self._lines(entry, list(kinds), kernel))
 
     def _lines(self, entry: str, kinds: list[str], kernel: str) -> Iterator[str]:
-        arguments = ["ptr %result", "ptr %raised", *ENTRIES[entry]]
+        arguments = ["ptr %result", "ptr %raised", *self.entries[entry]]
         yield "%result = alloca i64\n%raised = alloca ptr\nstore i64 0, ptr %result"
         given = iter(kinds)
         for k, leaf in enumerate(self.in_order()):
@@ -155,7 +157,7 @@ class Block:
             raise TypeError(f"{entry}: a kernel with more arguments than the block has")
         called = f'@"{kernel}"'
         if not kernel:
-            cell = self.addresses_at + list(ENTRIES).index(entry)
+            cell = self.addresses_at + list(self.entries).index(entry)
             yield f"%place = getelementptr i64, ptr %block, i64 {cell}\n%called = load ptr, ptr %place"
             called = "%called"
         yield f"%failed = call i32 {called}({', '.join(arguments)})"
@@ -164,8 +166,8 @@ class Block:
 
     def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> int:
         """The address of an entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
-        address, kinds = compiled(kernel, len(ENTRIES[name]), tuple(map(kernel.typeof_pyval, arguments)))
-        self.memory.view(np.int64)[self.addresses_at + list(ENTRIES).index(name)] = address
+        address, kinds = compiled(kernel, len(self.entries[name]), tuple(map(kernel.typeof_pyval, arguments)))
+        self.memory.view(np.int64)[self.addresses_at + list(self.entries).index(name)] = address
         return _function(self.body(name, kinds))
 
 

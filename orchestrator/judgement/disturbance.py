@@ -13,22 +13,18 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..engine.algorithms import master_of
-from ..engine.algorithms.energy import EnergyAccount, metered
+from ..engine.algorithms import Master, master_of
+from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Coupling
 from ..engine.coupling.demands import free
-from ..engine.stepping.batch import batch_loop_for
-from ..engine.stepping.loop import Steppable
 from ..open_all import open_units
 from ..scene.scene import Scene
 from ..settings import IterationSettings
-from ..units.interface import PortValues
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 
 PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
@@ -120,14 +116,11 @@ class Disturbed:
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
         units = open_units(scene, stack, in_process=True)
-        meters = metered(units, coupling)
-        units |= meters
         self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
-        account = EnergyAccount(self.master, coupling, meters, correction=scene.master.energy_correction) if meters else None
+        account = EnergyAccount(self.master, coupling, correction=scene.master.energy_correction) if coupling.bonds else None
         (account or self.master).initialize(0.0)
-        self._steppable: Steppable = account or self.master
+        self._steppable: EnergyAccount | Master = account or self.master
         self._start = self._steppable.save()
-        self._stretch = batch_loop_for(self.master, np.zeros(1, dtype=np.uint8), account)
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
 
     @property
@@ -169,7 +162,7 @@ class Disturbed:
 
     def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
         """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""
-        master, rows = self.master, []
+        master, rows = self.master, np.zeros((0, len(self._nominal)))
         self._steppable.restore(self._start)
         times = [k * h for k in range(n + BEFORE + 1)]
         try:
@@ -178,34 +171,28 @@ class Disturbed:
                     _push(master.nodes, self._coupling)
                 self._steppable.step(t, h)
             for node in master.nodes:
-                node.alter = None
-            if self._stretch is not None and self._stretch.possible(h):
-                samples, failure = self._stretch.run(np.array(times[BEFORE + 1 :]), h, np.zeros(0, dtype=np.int64))
-                return samples, "" if failure is None else str(failure)
-            for t in times[BEFORE + 1 :]:
-                self._steppable.step(t, h)
-                rows.append(list(master.sample()))
+                node.alter({})
+            march = self._steppable.march(np.array(times[BEFORE + 1 :]), h)
+            rows = march.rows
+            if march.failure is not None:
+                raise march.failure
         except (StepFailed, OverflowError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
-            return np.array(rows), str(error)
+            return rows, str(error)
         finally:
             for node in master.nodes:
-                node.alter = None
-        return np.array(rows), ""
+                node.alter({})
+        return rows, ""
 
 
 def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
-    """Let every input that changes inside steps be pushed, every other one to the opposite side."""
+    """Push every input that changes inside steps, every other one to the opposite side."""
     for node in nodes:
-        if node.sources:
-            signals = [coupling.interfaces[link.target[0]].inputs[link.target[1]] for link in node.links]
-            node.alter = partial(_pushed, [(k, (-1) ** k * s.nominal) for k, s in enumerate(signals) if k not in node.held])
-
-
-def _pushed(sizes: Sequence[tuple[int, float]], values: PortValues) -> PortValues:
-    """The values of inputs after the push; sizes: position and nominal value, with a sign, of those that are pushed."""
-    for k, nominal in sizes:
-        values[k] += PUSH * math.copysign(max(abs(values[k]), abs(nominal)), nominal)
-    return values
+        pushes = {}
+        for k, (link, value) in enumerate(zip(node.links, node.inputs(), strict=True)):
+            if k not in node.held:
+                nominal = coupling.interfaces[link.target[0]].inputs[link.target[1]].nominal
+                pushes[k] = (False, PUSH * math.copysign(max(abs(value), abs(nominal)), (-1) ** k * nominal))
+        node.alter(pushes)
 
 
 def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float,

@@ -39,6 +39,7 @@ class InstabilityMonitor(BatchObserver):
         self._nodes = [node for node in master.nodes if len(node.held) < len(node.links)]
         self._links = [link for node in self._nodes for link in node.links]
         self._columns = np.array([n in self._nodes for n in master.nodes for _ in n.links], dtype=bool)  # among all inputs
+        self._master = master
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
         self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))], dtype=bool)
         self._blocks = [_Blocks(np.array(nominal), LOOKS) for _ in range(KINDS)]
@@ -50,8 +51,7 @@ class InstabilityMonitor(BatchObserver):
         self._calls += 1
         if self._calls % self._every:
             return
-        rows = [(node.history.present, node.history.present if node.reached is None else node.reached) for node in self._nodes]
-        looks = self._sizes(np.array([[[v for row in rows for v in row[k]] for k in range(2)]]))
+        looks = self._sizes(self._master.inputs()[None, :, self._columns])
         sums = self._account.sums if self._account is not None else None
         if (grown := self._take(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
             raise Unstable(grown[1], t, grown[2])
@@ -89,7 +89,7 @@ class InstabilityMonitor(BatchObserver):
 
     def _sizes(self, looks: np.ndarray) -> np.ndarray:
         """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""
-        led = np.array([node.reached is not None for node in self._nodes for _ in node.links], dtype=bool) & self._free
+        led = self._master.led()[self._columns] & self._free
         return np.stack((np.abs(looks[:, 0]), np.where(led, np.abs(looks[:, 0] - looks[:, 1]), 0.0)), axis=1)
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:

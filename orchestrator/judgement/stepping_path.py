@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ...components.core.contract import KernelComponent
 from ..engine.stepping.adaptive import AdaptiveStepping
-from ..engine.stepping.batch import inner, obstacles
+from ..engine.stepping.batch import obstacles
 from ..run import Run
 from ..scene.scene import Scene
 from ..units.component import ComponentUnit
@@ -32,6 +32,6 @@ def stepping_path(scene: Scene) -> SteppingPath:
         reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
         if isinstance(run.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]
-        units = [unit for node in run.master.nodes if isinstance(unit := inner(node), ComponentUnit)]
+        units = [unit for node in run.master.nodes if isinstance(unit := node.unit, ComponentUnit)]
         python = tuple(unit.name for unit in units if not isinstance(unit.component, KernelComponent))
         return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), python)

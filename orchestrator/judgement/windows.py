@@ -21,8 +21,7 @@ import numpy as np
 from ...components.core.errors import StepFailed
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.master import Master
-from ..engine.stepping.batch import BatchStepping
-from ..engine.stepping.loop import Steppable, Stepping
+from ..engine.stepping.loop import Stepping
 from ..engine.stepping.observers import BatchObserver
 from ..scene.scene import Scene
 from .comparison import Difference, difference
@@ -76,7 +75,7 @@ class Windows(BatchObserver):
                  angles: Collection[str] = ()):
         """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them. `angles`: signals in rad."""
         self._master, self._stepping, self._angles = master, stepping, angles
-        self._stepper: Steppable = account if account is not None and account.correction else master
+        self._stepper: EnergyAccount | Master = account if account is not None and account.correction else master
         # a window is one step at H and two at H/2, so that its cost is three times its share of the run
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
         self._every = max(steps // WINDOWS_PLACES, 1)
@@ -161,17 +160,10 @@ class Windows(BatchObserver):
         """The master's signals behind each of n steps from a saved state, (n, signals)."""
         self._stepper.restore(saved)
         times = t + h * np.arange(n)
-        loop = self._stepping.loop if isinstance(self._stepping, BatchStepping) else None
-        if loop is not None and loop.possible(h):
-            samples, failure = loop.run(times, h, np.zeros(0, dtype=np.int64))
-            if failure is not None:
-                raise failure
-            return samples
-        rows = []
-        for time in times.tolist():
-            self._stepper.step(time, h)
-            rows.append(list(self._master.sample()))
-        return np.array(rows)
+        march = self._stepper.march(times, h)
+        if march.failure is not None:
+            raise march.failure
+        return march.rows
 
 
 def bends(rows: Chunks, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -26,3 +26,9 @@ class Callback:
 
         self._call = ENTRY(call)
         self.function = ctypes.cast(self._call, ctypes.c_void_p).value or 0
+
+    def raise_error(self) -> None:
+        """What it has kept, once."""
+        if (error := self.error) is not None:
+            self.error = None
+            raise error

@@ -1,75 +1,124 @@
-"""Calls by address and access to memory for compiled code: what `CallTable`s hold is data, so one loop serves every unit."""
+"""Calls by address and access to memory for kernels: what `CallTable`s hold is data, so one loop serves every unit.
+
+The functions have no body: what they do follows from the types that stand before them. It is machine code where kernels are compiled,
+and the same by ctypes where they run as plain Python.
+"""
 
 from __future__ import annotations
 
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
+import ctypes
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
 
-POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
+from ...components.core.kernels import COMPILED
 
-
-def _call(builder, address, kinds, arguments):
-    """Code that calls the function at `address`; addresses among the arguments become pointers."""
-    function = builder.inttoptr(address, ir.FunctionType(INT, kinds).as_pointer())
-    typed = [builder.inttoptr(a, POINTER) if kind is POINTER else a for kind, a in zip(kinds, arguments, strict=True)]
-    return builder.call(function, typed)
+# types: an address is an int64 for kernels, `POINTER` where a C function gets it
+DOUBLE, INT, WIDE, POINTER = "double", "int32", "int64", "pointer"
+C = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, WIDE: ctypes.c_int64, POINTER: ctypes.c_void_p}
 
 
-@intrinsic
+def _made(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
+    """A function for kernels; emit(builder, arguments): its instructions."""
+    from numba import types
+    from numba.extending import intrinsic
+
+    numba = {DOUBLE: types.float64, INT: types.int32, WIDE: types.int64, POINTER: types.int64, "": types.void}
+    signature = numba[result](*(numba[kind] for kind in kinds))
+
+    @wraps(function)
+    def typed(_: Any, *arguments: Any) -> Any:
+        return signature, lambda context, builder, signature, given: emit(builder, given) or context.get_dummy_value()
+
+    return intrinsic(typed)
+
+
+def _llvm(kind: str) -> Any:
+    from llvmlite import ir
+
+    return {DOUBLE: ir.DoubleType(), INT: ir.IntType(32), WIDE: ir.IntType(64), POINTER: ir.IntType(8).as_pointer()}[kind]
+
+
+def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
+    """A decorator: the function calls the C function at its first argument with the others, which are of these types."""
+    def decorate(function: Callable[..., Any]) -> Any:
+        if not COMPILED:
+            prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *(C[kind] for kind in kinds))
+            return lambda address, *given: prototype(int(address))(*(C[kind](v).value for kind, v in zip(kinds, given, strict=True)))
+
+        def emit(builder: Any, given: Any) -> Any:
+            from llvmlite import ir
+
+            llvm = [_llvm(kind) for kind in kinds]
+            called = builder.inttoptr(given[0], ir.FunctionType(_llvm(INT), llvm).as_pointer())
+            return builder.call(called, [builder.inttoptr(v, to) if kind == POINTER else v
+                                         for kind, to, v in zip(kinds, llvm, given[1:], strict=True)])
+
+        return _made(function, INT, (WIDE, *kinds), emit)
+
+    return decorate
+
+
+def loads(kind: str) -> Callable[[Callable[..., Any]], Any]:
+    """A decorator: the function gives the number of a type at its argument."""
+    def decorate(function: Callable[..., Any]) -> Any:
+        if not COMPILED:
+            return lambda address: C[kind].from_address(int(address)).value
+        return _made(function, kind, (WIDE,),
+                     lambda builder, given: builder.load(builder.inttoptr(given[0], _llvm(kind).as_pointer())))
+
+    return decorate
+
+
+def stores(function: Callable[..., Any]) -> Any:
+    """A decorator: the function writes its second argument, a float, to the address that is its first."""
+    if not COMPILED:
+        def write(address: int, value: float) -> None:
+            ctypes.c_double.from_address(int(address)).value = value
+
+        return write
+
+    def emit(builder: Any, given: Any) -> None:
+        builder.store(given[1], builder.inttoptr(given[0], _llvm(DOUBLE).as_pointer()))
+
+    return _made(function, "", (WIDE, DOUBLE), emit)
+
+
+@calls(POINTER, POINTER, WIDE, POINTER)
 def call_values(typing, address, instance, references, count, values):
-    """fmi2GetReal or fmi2SetReal of `count` numbers; all arguments are addresses or counts, int64; returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, POINTER, SIZE, POINTER], arguments[1:])
-
-    return types.int32(*[types.int64] * 5), generate
+    """fmi2GetReal or fmi2SetReal of `count` numbers; returns the status, int32."""
 
 
-@intrinsic
+@calls(POINTER, POINTER, WIDE, POINTER, POINTER)
 def call_derivatives(typing, address, instance, references, count, orders, values):
     """fmi2SetRealInputDerivatives of `count` numbers; returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, POINTER, SIZE, POINTER, POINTER], arguments[1:])
-
-    return types.int32(*[types.int64] * 6), generate
 
 
-@intrinsic
+@calls(POINTER, DOUBLE, DOUBLE, INT)
 def call_step(typing, address, instance, t, h, no_return):
     """fmi2DoStep from t over h; `no_return`: no state before t will be taken back, int32. Returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, DOUBLE, DOUBLE, INT], arguments[1:])
-
-    return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
 
 
-@intrinsic
+@calls(DOUBLE, DOUBLE, POINTER)
 def call_entry(typing, address, t, h, argument):
     """An entry of a component, or a callback: the status of a kernel, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [DOUBLE, DOUBLE, POINTER], arguments[1:])
-
-    return types.int32(types.int64, types.float64, types.float64, types.int64), generate
 
 
-def _loader(kind, result):
-    def load(typing, address):
-        def generate(context, builder, signature, arguments):
-            return builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
-
-        return result(types.int64), generate
-
-    return intrinsic(load)
+@loads(DOUBLE)
+def load(typing, address):
+    """The float at an address."""
 
 
-load, load_int32, load_int64 = _loader(DOUBLE, types.float64), _loader(INT, types.int32), _loader(SIZE, types.int64)
+@loads(INT)
+def load_int32(typing, address):
+    """The int32 at an address."""
 
 
-@intrinsic
+@loads(WIDE)
+def load_int64(typing, address):
+    """The int64 at an address."""
+
+
+@stores
 def store(typing, address, value):
-    """Write a number to an address."""
-    def generate(context, builder, signature, arguments):
-        builder.store(arguments[1], builder.inttoptr(arguments[0], DOUBLE.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.float64), generate
+    """Write a float to an address."""

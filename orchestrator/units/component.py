@@ -11,8 +11,9 @@ from ...components.catalogue import component_class
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import StepFailed
+from ...components.core.kernels import COMPILED
 from ..settings import UnitSettings
-from .call_names import IN_MEMORY, OF_COMPONENT
+from .call_names import FAILED, IN_MEMORY
 from .call_table import CallTable
 from .callback import Callback
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
@@ -99,12 +100,12 @@ class ComponentUnit:
         """Addresses of outputs."""
         return _addresses(self.component.y, self.component.output_positions(names))
 
-    def call_table(self, h: float) -> CallTable:
-        """For compiled steps of the initialized component."""
+    def call_table(self) -> CallTable:
+        """For steps of the initialized component."""
         c = self.component
         self._callbacks: tuple[Callback, ...] = ()
         self.written = None
-        if isinstance(c, KernelComponent):
+        if isinstance(c, KernelComponent) and COMPILED:
             assert c.block is not None
             alive: tuple[Any, ...] = (c.block,)
             self.written = [c.block.memory] if type(c).stepped is Component.stepped else None
@@ -116,21 +117,18 @@ class ComponentUnit:
 
             alive = self._callbacks = Callback(refresh), Callback(c.step)
             outputs, step, argument = *(callback.function for callback in self._callbacks), 0
-        calls = (outputs, argument, step, argument, c.u.strides[0])
-        none_held = (False,) * len(self._at[0])
-        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, alive, *self._at, none_held)
+        calls = {"step": step, "outputs": outputs, "argument": argument, "row": c.u.strides[0]}
+        return CallTable(calls, IN_MEMORY, alive, *self._at, (False,) * len(self._at[0]))
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
         self.component.stepped(t)
 
-    def stopped(self, status: int, t: float) -> None:
-        """The step from t, s, has ended with this status; raises the reason."""
+    def stopped(self, status: int, t: float, h: float) -> None:
+        """The step from t over h, s, has ended with this status; raises the reason."""
         for callback in self._callbacks:
-            if callback.error is not None:
-                error, callback.error = callback.error, None
-                raise error
-        self.component._check(status)
+            callback.raise_error()
+        self.component._check(status // FAILED)
 
     def wire_texts(self, inputs: Sequence[str]) -> None:
         raise NotImplementedError  # components have no texts among their inputs and outputs

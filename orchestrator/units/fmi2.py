@@ -82,36 +82,36 @@ class Fmi2CoSimulation(Fmi2Unit):
         super().wire(inputs, outputs)
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
+        self._held_values = np.zeros(len(self._rows[2]))
 
-    def call_table(self, h: float = 0.0) -> CallTable | None:
-        """For compiled steps of any length; None where they need Python."""
+    def call_table(self) -> CallTable | None:
+        """For compiled steps; None where they need Python."""
         interface = self._interface()
         if interface.canRunAsynchronuously:
             return None
-        places = self._rows[2]
-        self._held_values = np.zeros(len(places))
+        self.hold_anew()
         self._hand_over_held = Callback(self._hand_over_values)
         return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
-                          interface.canInterpolateInputs, self._scalars, Held(places, self._held_values, self._hand_over_held))
+                          interface.canInterpolateInputs, self._scalars, Held(self._rows[2], self._held_values, self._hand_over_held))
 
     def _hand_over_values(self, t: float, _: float) -> None:
         """Compiled code has changed `_held_values`; the last step was from t."""
         self._time = t
         self._hold(self._held_values.tolist())
 
-    def last_start(self) -> float:
-        """Compiled code is to go on: the time, s, from which the last step was; it finds the inputs that the FMU has."""
+    def _take(self, beside: Any) -> None:
+        super()._take(beside)
+        self.hold_anew()
+
+    def hold_anew(self) -> None:
+        """The inputs that compiled code finds in the FMU are those that it has."""
         self._held_values[:] = nan if self._last_held is None else self._last_held
-        return self._time
 
-    @property
-    def ended(self) -> bool:
-        """Whether the FMU has ended the simulation."""
-        return self._ended is not None
-
-    def keeps_states(self) -> bool:
-        """Whether a step may be repeated from an earlier state."""
-        return not self._states.none
+    def begin_steps(self) -> bool:
+        """Compiled steps begin: whether none will be taken back; raises `SimulationEnded` where the FMU has ended it."""
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        return self._states.none
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, the last one from t."""
@@ -120,9 +120,7 @@ class Fmi2CoSimulation(Fmi2Unit):
 
     def stopped(self, status: int, t: float, h: float) -> None:
         """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""
-        if (error := self._hand_over_held.error) is not None:
-            self._hand_over_held.error = None
-            raise error
+        self._hand_over_held.raise_error()
         self._not_done(status, t, t + h)
 
     def step(self, t: float, h: float) -> None:

@@ -36,13 +36,6 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     return _class(description)(name, description, given, None, component)
 
 
-def called_by_address(unit: Any) -> bool:
-    """Whether a unit that is no component is an FMU that compiled code can call."""
-    from .fmi2 import Fmi2CoSimulation  # loads FMPy
-
-    return isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None
-
-
 def _class(description: Any) -> type[FmuUnit]:
     if description.fmi3:
         from .fmi3 import Fmi3CoSimulation
@@ -53,4 +46,4 @@ def _class(description: Any) -> type[FmuUnit]:
     return Fmi2CoSimulation
 
 
-__all__ = ["called_by_address", "describe_fmu", "open_fmu"]
+__all__ = ["describe_fmu", "open_fmu"]

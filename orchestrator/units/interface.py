@@ -16,6 +16,11 @@ Kind = Literal["real", "integer", "boolean", "enumeration", "string", "binary"]
 ARRAY_THRESHOLD = 24  # numbers: more of them are handed over as arrays, fewer as lists
 
 
+def port_values(values: np.ndarray) -> PortValues:
+    """Numbers of a table, (n,), as units get them."""
+    return values.copy() if values.size > ARRAY_THRESHOLD else values.tolist()
+
+
 @dataclass(frozen=True)
 class Signal:
     """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared.

@@ -8,7 +8,7 @@ with what the leader's answer shows. The other forces are estimated from what th
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...settings import ContactSettings
 from ...settings.contacts import SideSettings
 from ...units.interface import PortValues
 from ..coupling.contacts import PARTS, SIDES
-from .polynomial import History
+from .kernels import end_of, extrapolation
 
 AGAIN = 3  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
 
@@ -36,6 +36,25 @@ def line(impulse: float, moment: float, h: float) -> Line:
     return Line(impulse / h - 0.5 * h * slope, slope)
 
 
+class Forces:
+    """The last samples of a force, as `extrapolation` takes them."""
+
+    def __init__(self, degree: int):
+        self.degree = degree
+        self.take(0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def take(self, count: int, present: float, before: float, earlier: float, h1: float, h2: float) -> None:
+        """`count` samples, N, and the times between them, s."""
+        self.count, self.present, self.before, self.earlier, self.h1, self.h2 = count, present, before, earlier, h1, h2
+
+    def __iter__(self) -> Iterator[float]:
+        return iter((self.count, self.present, self.before, self.earlier, self.h1, self.h2))
+
+    def push(self, force: float, h: float) -> None:
+        """Add a sample that lies h behind the newest one."""
+        self.take(min(self.count + 1, self.degree + 1), force, self.present, self.before, h, self.h1)
+
+
 class Side:
     """One body: its reduced model, what is known of the other forces on it, and the force it gets."""
 
@@ -45,7 +64,7 @@ class Side:
         self.yielding = 1.0 / settings.impedance if settings.impedance else 0.0
         self.weight: float = settings.inertia or settings.impedance or 0.0
         self.by_acceleration = settings.acceleration is not None
-        self.others = History(degree if settings.degree is None else settings.degree)  # forces: at instants, or means of steps
+        self.others = Forces(degree if settings.degree is None else settings.degree)  # at instants, or means of steps
         self.parts = [0.0, 0.0, 0.0, 0.0]  # position, velocity, acceleration, compliance
         self.before = 0.0  # position (impedance) or velocity (inertia) when the step began
         self.impulse = 0.0  # N s, that the body has got over the step, of F
@@ -75,32 +94,29 @@ class Side:
         """The other forces over the coming step; h: length of the last one, 0 before the first."""
         if not self.others.count:
             return self.at_rest(force), 0.0, 0.0
-        (a,), slopes, halves = self.others.ahead()
-        b, c = slopes[0] if slopes else 0.0, halves[0] if halves else 0.0
+        a, b, c = extrapolation(*self.others)
         back = 0.0 if self.by_acceleration else 0.5 * h  # a mean stands for the middle of its step
         return a + back * (b + back * c), b + 2.0 * back * c, c
 
     def answered(self, force: float, h: float, last: float) -> tuple[float, float, float]:
         """The other forces over the step that the body has just made; h, last: its length and that of the step before."""
         if self.by_acceleration:
-            present = self.others.present[0]
+            present = self.others.present
             fed = self.line.value + h * self.line.slope
             return present, (self.weight * self.parts[2] - self.sign * fed - present) / h, 0.0
         mean = self.mean(force, h)
-        slope = (mean - self.others.present[0]) / (0.5 * (h + last)) if self.others.count else 0.0
+        slope = (mean - self.others.present) / (0.5 * (h + last)) if self.others.count else 0.0
         return mean - 0.5 * h * slope, slope, 0.0
 
     def save(self) -> list[Any]:
         """Everything a repeated step depends on, as plain numbers."""
-        past = self.others
-        return [[past.count, past.present, past.before, past.earlier, past.h1, past.h2], self.parts, self.before, self.impulse,
+        return [list(self.others), self.parts, self.before, self.impulse,
                 list(self.line), self.ahead, self.ahead_rate]
 
     def restore(self, state: list[Any]) -> None:
         """Take back what `save` gave."""
-        past = self.others
-        numbers, self.parts, self.before, self.impulse, force, self.ahead, self.ahead_rate = state
-        past.count, past.present, past.before, past.earlier, past.h1, past.h2 = numbers
+        others, self.parts, self.before, self.impulse, force, self.ahead, self.ahead_rate = state
+        self.others.take(*others)
         self.line = Line(*force)
 
 
@@ -160,9 +176,9 @@ class ContactUnit:
             side.others.count = 0
 
     def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        ends = [v + h * ((slopes[k] if slopes is not None else 0.0) + h * (halves[k] if halves is not None else 0.0))
-                for k, v in enumerate(values)]
-        self._take(ends)
+        none = [0.0] * len(values)
+        rows = zip(values, none if slopes is None else slopes, none if halves is None else halves, strict=True)
+        self._take([end_of(v, s, c, 2, h) for v, s, c in rows])
 
     def step(self, t: float, h: float) -> None:
         """The force at the end of the step; only the interface model has more to ask."""
@@ -193,9 +209,9 @@ class ContactUnit:
         last, force = self.last, self.force
         for side in self.sides:
             if side.by_acceleration:
-                side.others.push([side.at_rest(force)], last)
+                side.others.push(side.at_rest(force), last)
             elif last:
-                side.others.push([side.mean(force, last)], 0.5 * (last + self.before_last))
+                side.others.push(side.mean(force, last), 0.5 * (last + self.before_last))
         self._start = [(side.parts[0] + side.ahead + side.sign * side.parts[3] * force, side.parts[1] + side.ahead_rate)
                        for side in self.sides]
         self._others = [side.polynomial(force, last) for side in self.sides]

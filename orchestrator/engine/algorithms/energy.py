@@ -8,53 +8,16 @@ power bonds in co-simulations" (Engineering with Computers 33, 2017, arXiv 1602.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...units import Unit
-from ...units.interface import PortValues
 from ..coupling import Coupling
 from .energy_steps import POINTS, WEIGHTS, enter_steps
-from .master import Master, Saved
-
-
-class Meter:
-    """A unit whose inputs are noted as they are given, and corrected where that is wished."""
-
-    def __init__(self, unit: Unit, input_degree: int):
-        self.unit, self.input_degree = unit, input_degree
-        self.terms: tuple[PortValues, PortValues | None, PortValues | None] = ([], None, None)
-        self.owed: dict[int, float] = {}  # by position of an input: its integral over time that it still has to be given
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.unit, name)
-
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        """As `Unit.drive`. What is owed is added as a parabola that vanishes at both ends of the step, where inputs stay true."""
-        if self.owed:
-            slopes = [0.0] * len(values) if slopes is None else list(slopes)
-            halves = [0.0] * len(values) if halves is None else list(halves)
-            for k, integral in self.owed.items():
-                slopes[k] += 6.0 * integral / h**2
-                halves[k] -= 6.0 * integral / h**3
-        self.terms = values, slopes, halves
-        self.unit.drive(values, slopes, halves, h)
-
-    def given(self, k: int) -> tuple[float, float, float, float]:
-        """(value, slope, half of the second derivative, degree) of one input over the last step."""
-        values, slopes, halves = self.terms
-        value, slope, half = (0.0 if row is None else row[k] for row in (values, slopes, halves))
-        return value, slope, half, 2.0 if halves is not None else 1.0 if slopes is not None else 0.0
-
-
-def metered(units: Mapping[str, Unit], coupling: Coupling) -> dict[str, Any]:
-    """The units at power bonds by name, with a `Meter` on each."""
-    names = dict.fromkeys(unit for bond in coupling.bonds for unit, _ in bond.given)
-    return {name: Meter(units[name], coupling.interfaces[name].input_degree) for name in names}
+from .master import NONE, March, Master, Saved, singly
 
 
 class Sums(NamedTuple):
@@ -89,14 +52,12 @@ class EnergyAccount:
     unit feels, the order of accuracy rises by one.
     """
 
-    def __init__(self, master: Master, coupling: Coupling, meters: Mapping[str, Meter], *, correction: bool):
+    def __init__(self, master: Master, coupling: Coupling, *, correction: bool):
         self.master, self.bonds = master, coupling.bonds
-        nodes = {node.unit.name: node for node in master.nodes}
         ends = [(end, link) for bond in self.bonds for end, link in zip(bond.given, bond.links, strict=True)]
         self._places = np.array([master.positions[end] for end, _ in ends])
-        self.inputs = [(meters[link.target[0]], nodes[link.target[0]].links.index(link), link.factor) for _, link in ends]
-        self._factors = np.array([factor for _, _, factor in self.inputs])
-        self._degrees = np.array([meter.input_degree for meter, _, _ in self.inputs])
+        self._factors = np.array([link.factor for _, link in ends])
+        self._degrees = np.array([coupling.interfaces[link.target[0]].input_degree for _, link in ends])
         self._watts = np.array([bond.watts for bond in self.bonds])
         nominals = np.array([coupling.interfaces[u].outputs[n].nominal for (u, n), _ in ends])
         self.nominal = np.abs(self._watts * nominals[::2] * nominals[1::2])  # W
@@ -117,15 +78,24 @@ class EnergyAccount:
 
     def restart(self) -> None:
         """After a jump: the past of the outputs tells nothing any more."""
-        self.times, self.samples = np.zeros(1), np.asarray(self.master.signals)[None, self._places]
+        self.times, self.samples = np.zeros(1), self.master.signals[None, self._places]
 
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h, and its entry in the account."""
         self.master.step(t, h)
-        self.enter(h, np.asarray(self.master.signals)[None], np.array([[meter.given(k) for meter, k, _ in self.inputs]]))
+        self.enter(h, self.master.signals[None], self.master.given()[None])
+
+    def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
+        """As `Master.march`, with their entries in the account."""
+        if self.correction or not self.master.in_batches:
+            return singly(self, self.master, times, h)
+        march = self.master.march(times, h, looks, keep)
+        if len(march.rows):
+            self.enter(h, march.rows, march.given)
+        return march
 
     def enter(self, h: float, signals: np.ndarray, given: np.ndarray) -> None:
-        """Enter n equal steps: the master's signals behind each, (n, S), and `Meter.given` of each input, (n, inputs, 4)."""
+        """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 4)."""
         n, kept, first = len(signals), len(self.samples), 0
         outputs = np.empty((kept + n, self._places.size))  # oldest first
         outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places]
@@ -148,8 +118,16 @@ class EnergyAccount:
             self._owe()
 
     def _owe(self) -> None:
-        for (meter, k, factor), integral in zip(self.inputs, self.integrals.tolist(), strict=True):
-            meter.owed[k] = -factor * integral
+        self.master.owe(-self._factors * self.integrals)
+
+    def halt(self) -> None:
+        """As `Master.halt`."""
+        self.master.halt()
+
+    @property
+    def in_batches(self) -> bool:
+        """Whether many macro steps are one call."""
+        return self.master.in_batches and not self.correction
 
     @property
     def sums(self) -> Sums:
@@ -174,6 +152,14 @@ class EnergyAccount:
     def restore(self, saved: SavedAccount) -> None:
         """As `Master.restore`, with the account."""
         self.master.restore(saved.master)
+        self._come_back(saved)
+
+    def adopt(self, saved: SavedAccount) -> None:
+        """As `Master.adopt`, with the account."""
+        self.master.adopt(saved.master)
+        self._come_back(saved)
+
+    def _come_back(self, saved: SavedAccount) -> None:
         self.times, self.samples, self.integrals = saved.times, saved.samples, saved.integrals
         self.created, self.exchanged, self.elapsed = saved.created, saved.exchanged, saved.elapsed
         if self.correction:

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
-from ...units import Unit
-from ...units.interface import PortValues
-from ..coupling import Coupling, Endpoint, Link
-from .master import Master, Node
-from .polynomial import History, Terms
-
-ALONE, LED, AHEAD, BOTH = range(4)  # no inputs; led to known values; extrapolated; the late ones extrapolated, the others led
+from ..coupling import Link
+from .master import Acts, Master
+from .records import READ, START
 
 
 class GaussSeidel(Master):
@@ -27,11 +21,7 @@ class GaussSeidel(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
-    sequential = batched = True
-
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), **settings):
-        super().__init__(units, coupling, watched, **settings)
-        self._turns = [(node, node.unit, late, _way(node, late)) for node, late in zip(self.nodes, self.late, strict=True)]
+    batched = True
 
     @property
     def late(self) -> list[int]:
@@ -47,32 +37,6 @@ class GaussSeidel(Master):
         """Links from later units first, so that both groups are contiguous."""
         return sorted(links, key=lambda link: order.index(link.source[0]) < order.index(link.target[0]))
 
-    def step(self, t: float, h: float, done: int = 0) -> None:
-        """As in `Steppable`; the first units may have been `done` already."""
-        signals = self.signals
-        for node, unit, late, way in self._turns[done:] if done else self._turns:
-            if way == LED:
-                node.interpolate(node.inputs(), h)
-            elif way == AHEAD:
-                node.drive(node.history.ahead(), h)
-            elif way == BOTH:
-                node.drive(_joined(node.history, node.inputs(), late, h), h)
-            unit.step(t, h)
-            signals[node.place] = unit.get()
-        self._finish(t, h)
-
-
-def _way(node: Node, late: int) -> int:
-    if not node.sources:
-        return ALONE
-    if late == 0 and node.follows:
-        return LED
-    return AHEAD if late == len(node.sources) else BOTH
-
-
-def _joined(history: History, known: PortValues, late: int, h: float) -> Terms:
-    """Extrapolation of the first `late` inputs, interpolation of the others."""
-    ahead, towards = history.ahead(), history.towards(known, h)
-    n = len(known)
-    values, slopes, halves = (history.rows.joined(a, b, late, n) for a, b in zip(ahead, towards, strict=True))
-    return values, slopes, halves
+    def acts(self) -> Acts:
+        """Each unit steps when those before it have been read."""
+        return [(act, [node]) for node in self.nodes for act in (START, READ)]

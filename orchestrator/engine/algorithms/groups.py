@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ...units.interface import Interface, PortValues
+from ...units.interface import Interface
 from ..coupling import Endpoint, Link
-from .master import Node
-from .multirate import MultirateUnit
+from .master import Acts, Master, Node
+from .records import READ, START, UPDATE
 
 TRIED = 6  # units of a circle all orders of which are tried; of a larger one every rotation is
 
@@ -36,11 +36,10 @@ class StronglyConnectedGroup:
     and step at the same time where they run in processes of their own.
     """
 
-    def __init__(self, nodes: Sequence[Node], signals: PortValues, positions: Mapping[Endpoint, int],
-                 interfaces: Mapping[str, Interface]):
-        self.nodes = list(nodes)
-        self._signals = signals
-        self._ends = list(positions)
+    def __init__(self, name: str, nodes: Sequence[Node], master: Master, interfaces: Mapping[str, Interface]):
+        """`name`: of its rows in the master's program."""
+        self.name, self.nodes, self._master = name, list(nodes), master
+        self._ends = list(master.positions)
         owner = {k: i for i, node in enumerate(nodes) for k in range(node.place.start, node.place.stop)}
         depths: list[int] = []
         for i, node in enumerate(nodes):
@@ -71,13 +70,14 @@ class StronglyConnectedGroup:
 
     def predicted(self, h: float) -> np.ndarray:
         """Where the signals at the cut will be h later, from what their readers have got so far."""
+        self._master.perform("foresee", 0.0, h)
         guess = []
         for k, reader in zip(self.cut, self._readers, strict=True):
-            value = self._signals[k]
+            value = self._master.signals[k]
             if reader is not None:
                 node, j = reader
                 link = node.links[j]
-                value = (node.rows.end(*node.history.ahead(), h)[j] - link.offset) / link.factor
+                value = (node.foreseen()[j] - link.offset) / link.factor
             guess.append(value)
         return np.array(guess)
 
@@ -93,18 +93,16 @@ class StronglyConnectedGroup:
 
     def respond(self, guess: np.ndarray, t: float, h: float) -> np.ndarray:
         """Step from t to t + h with these values at the cut at the end, (n,), and give the values that come back."""
-        signals = self._signals
-        for k, value in zip(self.cut, guess.tolist(), strict=True):
-            signals[k] = value
+        self._master.signals[self.cut] = guess
         self.sweep(t, h)
-        return np.array([signals[k] for k in self.cut])
+        return self._master.signals[self.cut]
 
     def derivatives(self) -> np.ndarray | None:
         """Of the response within the instant, (n, n), from the units' own; None where not all that answer at once give theirs.
 
         What the states add in the course of a step is not in them: it falls with the step.
         """
-        if not self._direct or any(node.alter is not None for node in self.nodes):
+        if not self._direct or any(node.altered for node in self.nodes):
             return None
         n = len(self.cut)
         rows = dict(zip(self.cut, np.eye(n), strict=True))  # of signals, by their places
@@ -112,7 +110,7 @@ class StronglyConnectedGroup:
             answers: dict[int, np.ndarray] = {}
             for node in level:
                 answer = np.zeros((node.place.stop - node.place.start, n))
-                if node in self._direct and not isinstance(node.unit, MultirateUnit):
+                if node in self._direct:
                     own = node.unit.jacobian()
                     for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
                         if k in rows:
@@ -121,23 +119,17 @@ class StronglyConnectedGroup:
             rows |= answers
         return np.array([rows[k] for k in self.cut])
 
-    def sweep(self, t: float, h: float) -> None:
-        """Step every unit once, towards what the table of signals says that its inputs will be."""
-        signals = self._signals
+    def acts(self) -> Acts:
+        """Rows of the program: every unit steps once, towards what the table of signals says that its inputs will be."""
+        acts: list[tuple[int, Sequence[Node]]] = []
         for level in self._levels:
-            for node in level:
-                if node.sources:
-                    values = node.inputs()
-                    if node.follows:
-                        node.interpolate(values, h)
-                    else:
-                        node.drive(node.history.towards(values, h), h)
-                node.unit.step(t, h)
-            for node in level:
-                signals[node.place] = node.unit.get()
-                if node in self._behind:
-                    node.unit.update(node.inputs())
-                    signals[node.place] = node.unit.get()
+            behind = [node for node in level if node in self._behind]
+            acts += [(START, level), (READ, level), (UPDATE, behind), (READ, behind)]
+        return acts
+
+    def sweep(self, t: float, h: float) -> None:
+        """Step every unit once."""
+        self._master.perform(self.name, t, h)
 
 
 def _answers_at_once(node: Node, interface: Interface) -> bool:

@@ -15,7 +15,6 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Interface
-from ...units.interface import PortValues
 from ..coupling import Endpoint
 from .node import Node
 from .texts import Texts
@@ -43,7 +42,7 @@ class InitializationResult:
 class Group:
     """Units that feed one another, before the first step."""
 
-    def __init__(self, nodes: Sequence[Node], signals: PortValues, cells: Mapping[Endpoint, int],
+    def __init__(self, nodes: Sequence[Node], signals: np.ndarray, cells: Mapping[Endpoint, int],
                  interfaces: Mapping[str, Interface],
                  texts: Texts | None, check: Callable[[float], None], t: float):
         """`signals`: the master's table, `cells`: where in it every output stands; `check` raises for values that are none."""
@@ -112,23 +111,21 @@ class Group:
                           "Give parameters closer to a common equilibrium")
 
     def _sweep(self) -> None:
-        signals, texts = self._signals, self._texts
+        texts = self._texts
         for node in self._nodes:
             if texts is not None:
                 texts.give(node.unit.name)
             node.unit.initialize(self._t, node.inputs())
-            signals[node.place] = node.unit.get()
+            node.read()
             if texts is not None:
                 texts.take(node.unit.name)
 
     def _values(self) -> np.ndarray:
         """Outputs of the group, (n,)."""
-        signals = self._signals
-        return np.array([signals[k] for k in self._cells])
+        return self._signals[self._cells]
 
     def _set(self, values: np.ndarray) -> None:
-        for k, value in zip(self._cells, values.tolist(), strict=True):
-            self._signals[k] = value
+        self._signals[self._cells] = values
 
     def _residual(self, before: np.ndarray) -> float:
         """Largest change in the last sweep; infinite where an output has run away."""

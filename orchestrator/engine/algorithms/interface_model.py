@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from ...units import Unit
-from ..coupling import Coupling, Endpoint
 from .contact import ContactUnit, Side
-from .master import Master, Node
-from .polynomial import Terms
+from .master import Acts, Master, Node
+from .records import READ, START
 
-
-class ContactNode(Node):
-    """A contact in the graph; it never steps, its outputs follow its bodies."""
-
-    def restart(self) -> None:
-        super().restart()
-        assert isinstance(self.unit, ContactUnit)
-        self.unit.restart()
+STAGES = "leaders", "followers"
 
 
 class Pressed(NamedTuple):
@@ -51,50 +41,30 @@ class InterfaceModel(Master):
     Needs of a unit: linear inputs, or it gets the mean force.
     """
 
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), **settings):
-        super().__init__(units, coupling, watched, **settings)
+    def own_acts(self) -> dict[str, Acts]:
+        """Bodies that lead, and those that follow what these have shown; contacts never step, their outputs follow their bodies."""
         self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactUnit)]
         self._led = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}
         followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._led if unit.leader is not None}
-        self._stages: list[list[tuple[Node, list[Pressed]]]] = [[], []]
+        stages: list[list[Node]] = [[], []]
+        self._pressed: list[list[tuple[Node, Pressed]]] = [[], []]
         for node in self.nodes:
             if not isinstance(node.unit, ContactUnit):
                 pressed = [Pressed(k, side, link.factor, link.offset) for k, link in enumerate(node.links)
                            if (side := ends.get((link.source[0], ".".join(link.target)))) is not None]
                 later = any(one.side.settings.force in followers for one in pressed)
-                self._stages[later].append((node, pressed))
+                stages[later].append(node)
+                self._pressed[later] += [(node, one) for one in pressed]
+        return {name: [(START, stage), (READ, stage)] for name, stage in zip(STAGES, stages, strict=True)}
 
-    def _node(self, make, unit, *more):
-        return super()._node(ContactNode if isinstance(unit, ContactUnit) else make, unit, *more)
-
-    def step(self, t: float, h: float) -> None:
-        signals = self.signals
+    def advance(self, t: float, h: float) -> None:
         for node, contact in self._contacts:
             contact.predict(node.inputs(), h)
-        for stage in self._stages:
-            for node, pressed in stage:
-                if node.sources:
-                    node.drive(self._terms(node, pressed) if pressed else node.history.ahead(), h)
-                node.unit.step(t, h)
-            for node, _ in stage:
-                signals[node.place] = node.unit.get()
-            if stage is self._stages[0]:
+        for stage, pressed in zip(STAGES, self._pressed, strict=True):
+            for node, one in pressed:
+                node.press(one.k, one.factor * one.side.line.value + one.offset, one.factor * one.side.line.slope)
+            self.perform(stage, t, h)
+            if stage is STAGES[0]:
                 for node, contact in self._led:
                     contact.correct(node.inputs())
-        self._finish(t, h)
-
-    @staticmethod
-    def _terms(node: Node, pressed: list[Pressed]) -> Terms:
-        """Extrapolated inputs of a body, but for the forces of its contacts; a fault on one makes it an input like others."""
-        values, slopes, halves = node.history.ahead()
-        if node.alter is not None:
-            return values, slopes, halves
-        values, slopes = values.copy(), node.rows.zeros(len(node.links)) if slopes is None else slopes.copy()
-        halves = None if halves is None else halves.copy()
-        for k, side, factor, offset in pressed:
-            value, slope = side.line
-            values[k], slopes[k] = factor * value + offset, factor * slope
-            if halves is not None:
-                halves[k] = 0.0
-        return values, slopes, halves

@@ -16,7 +16,7 @@ from ..coupling import Coupling, Endpoint
 from ..coupling.graph import groups, smooth
 from .acceleration import Acceleration, Memory, accelerated
 from .groups import StronglyConnectedGroup, best_cut
-from .master import Master, Saved
+from .master import Acts, Master, Saved
 
 
 @dataclass
@@ -45,30 +45,38 @@ class Iterative(Master):
 
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *,
                  iteration: IterationSettings | None = None, **settings: Any):
-        super().__init__(units, coupling, watched, **settings)
         self.iteration = iteration or IterationSettings()
-        nodes = {node.unit.name: node for node in self.nodes}
-        self._solving = False  # after a step, algebraic loops have been solved with the rest of their circles
-        links = smooth(coupling.interfaces, coupling.links)
+        super().__init__(units, coupling, watched, **settings)
+        self.iterations = self.restores = self.unconverged = 0
+        self.worst = 0.0  # largest miss that was left, relative
+
+    solves_loops = False  # they are solved with the rest of their circles
+
+    @property
+    def late(self) -> list[int]:
+        """None: inputs are led to what others give, or are guessed to give."""
+        return [0] * len(self.nodes)
+
+    def own_acts(self) -> dict[str, Acts]:
+        """A sweep of each circle, and of what stands between two of them."""
+        coupling, links = self.coupling, smooth(self.coupling.interfaces, self.coupling.links)
         runs: list[list[str]] = [[]]  # every circle, and between two of them all units in none
         for group in groups(coupling.interfaces, links):
             if len(group) > 1:
                 runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
-        chains = [StronglyConnectedGroup([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces)
+        chains = [StronglyConnectedGroup(" ".join(names), [self.node_of[name] for name in names], self, coupling.interfaces)
                   for names in runs if names]
         self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
-        self.iterations = self.restores = self.unconverged = 0
-        self.worst = 0.0  # largest miss that was left, relative
+        return {chain.name: chain.acts() for chain in chains}
 
-    def step(self, t: float, h: float) -> None:
+    def advance(self, t: float, h: float) -> None:
         for chain, method in self._chains:
             if chain.cut:
                 self._iterate(chain, method, t, h)
             else:
                 chain.sweep(t, h)
-        self._finish(t, h)
 
     def _iterate(self, chain: StronglyConnectedGroup, method: Acceleration, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""

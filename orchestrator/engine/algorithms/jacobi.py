@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .master import Master
+from .master import Acts, Master
+from .records import READ, START
 
 
 class Jacobi(Master):
@@ -20,14 +21,6 @@ class Jacobi(Master):
 
     batched = True
 
-    def step(self, t: float, h: float, done: int = 0) -> None:
-        """As in `Steppable`; the first units may have been `done` already."""
-        signals = self.signals
-        for node in self.nodes[done:] if done else self.nodes:
-            unit = node.unit
-            if node.sources:
-                node.drive(node.history.ahead(), h)
-            unit.step(t, h)
-        for node in self.nodes:  # only now, so that units in processes of their own step at the same time
-            signals[node.place] = node.unit.get()
-        self._finish(t, h)
+    def acts(self) -> Acts:
+        """Outputs are read when all have begun to step, so that units in processes of their own step at the same time."""
+        return [(START, self.nodes), (READ, self.nodes)]

@@ -8,14 +8,15 @@ next for as long as it takes away enough of the residual, so that a linear loop 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Interface
-from ...units.interface import PortValues
-from ..coupling import Endpoint
 from ..coupling.graph import Loop
+from .node import Node
+from .records import READ, UPDATE
 
 CONVERGED = 1e-12  # residual of an output relative to its size
 STANDING = 1e-9  # and where it no longer falls: gains above 1 amplify the rounding
@@ -28,21 +29,25 @@ NUDGE = 2.0**-20  # of an output's size, for finite differences
 
 
 class LoopSolver:
-    """One loop: `solve` at each communication point. `nodes`: its units as the master has them; `signals`: the master's table."""
+    """One loop of a master: `solve` at each communication point. `nodes`: its units as the master has them."""
 
-    def __init__(self, loop: Loop, nodes: Sequence, signals: PortValues, positions: Mapping[Endpoint, int],
-                 interfaces: Mapping[str, Interface]):
-        self.loop, self.nodes = loop, list(nodes)
-        self._signals, self._cells = signals, [positions[end] for end in loop.outputs]
+    def __init__(self, loop: Loop, nodes: Sequence[Node], master: Any, interfaces: Mapping[str, Interface]):
+        self.loop, self.nodes, self._master = loop, list(nodes), master
+        self._cells = [master.positions[end] for end in loop.outputs]
         self._nominals = np.array([interfaces[u].outputs[n].nominal for u, n in loop.outputs])
         self._exact = all(interfaces[node.unit.name].gives_jacobian for node in nodes)
         self.jacobian: np.ndarray | None = None  # dG/dx, (n, n); never changed in place
         self.points = self.evaluations = self.jacobians = 0
         self.residual = 0.0  # the largest that was left
 
+    def acts(self) -> list[tuple[int, list[Node]]]:
+        """Rows of the program: what the units give back."""
+        return [(UPDATE, self.nodes), (READ, self.nodes)]
+
     def solve(self, t: float) -> None:
         """Bring the loop's outputs and the inputs of its units together; raises `StepFailed` where that does not come about."""
         self.points += 1
+        self._t = t
         x = self._present()
         answer = self._answer(x)
         residual = self._residual(x, answer)
@@ -98,18 +103,13 @@ class LoopSolver:
         return tried, given, left if np.isfinite(left) else np.inf
 
     def _present(self) -> np.ndarray:
-        return np.array([self._signals[k] for k in self._cells])
+        return self._master.signals[self._cells]
 
     def _answer(self, x: np.ndarray) -> np.ndarray:
         """What the units give where the loop's outputs are x, (n,)."""
-        signals = self._signals
         self.evaluations += 1
-        for k, value in zip(self._cells, x.tolist(), strict=True):
-            signals[k] = value
-        for node in self.nodes:
-            node.unit.update(node.inputs())
-        for node in self.nodes:
-            signals[node.place] = node.unit.get()
+        self._master.signals[self._cells] = x
+        self._master.perform(self.loop.text, self._t, 0.0)
         return self._present()
 
     def _sizes(self, x: np.ndarray, answer: np.ndarray) -> np.ndarray:
@@ -124,7 +124,7 @@ class LoopSolver:
     def _derivatives(self, x: np.ndarray, answer: np.ndarray) -> np.ndarray:
         """dG/dx, (n, n)."""
         self.jacobians += 1
-        if self._exact and all(node.alter is None for node in self.nodes):
+        if self._exact and not any(node.altered for node in self.nodes):
             return self._chained()
         columns = []
         for k, size in enumerate(np.maximum(np.abs(x), self._nominals)):

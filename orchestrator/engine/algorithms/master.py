@@ -1,35 +1,34 @@
-"""What all master algorithms share: the table of signals, initialization, and outputs that follow within an instant.
+"""What all master algorithms share: the table of signals, initialization, and the loop of kernels that takes the steps.
 
-What a scene does not use is decided when the master is made and costs nothing in a step: held inputs are another kind of
-history, smoothing another kind of node, a unit with a rate of its own another unit in its place, texts another `step`.
+What a scene does not use is decided when the master is made and costs nothing in a step: rows of the program that do nothing are
+not in it.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from copy import copy
+from ctypes import c_double
 from dataclasses import dataclass
 from math import inf, isfinite
-from operator import mul
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Unit
-from ...units.interface import ARRAY_THRESHOLD, PortValues
+from ...units.component import ComponentUnit
+from ...units.python_calls import calls_of
 from ..coupling import Coupling, Endpoint, Link
 from ..coupling.graph import Loop, is_discrete
 from .initial import RUNAWAY, Group, InitializationResult
+from .layout import ROUNDING, Program, lay_out
 from .loops import LoopSolver
-from .multirate import MultirateUnit, history
-from .node import Node, SmoothNode
-from .polynomial import History
-from .rows import rows_for
+from .node import Node, Samples, samples_of
+from .records import BEYOND, FOLLOW, FORESEE, GUESSED, LED, LOOK, PUSH
 from .texts import Texts
 
-ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
+Acts = Sequence[tuple[int, Sequence[Node]]]  # rows of the program: what is done with which units
+NONE = np.zeros(0, dtype=np.int64)
 
 
 class Runaway(StepFailed):
@@ -42,14 +41,25 @@ class Unstable(Runaway):
 
 @dataclass
 class Saved:
-    """A master and its units at an instant."""
+    """A master and its units at an instant; cells: its records and signals."""
 
     units: list[Any]
-    signals: PortValues
-    histories: list[History]
-    ends: list[tuple[PortValues | None, PortValues | None]]
+    cells: np.ndarray
     steps: int
     jacobians: list[np.ndarray | None]  # of the algebraic loops, (n, n) each
+
+
+class March(NamedTuple):
+    """Macro steps that were taken together. rows: (n, S), signals behind each; given: (n, B, 4), value, slope, half of the second
+    derivative and degree of what bonded inputs were given; inputs: (m, 2, L), all inputs behind the steps that were asked for, and
+    where they were led to; outputs: (n, W), what `watch` has asked for; kept: what was saved; failure: why there are fewer steps."""
+
+    rows: np.ndarray
+    given: np.ndarray = np.zeros((0, 0, 4))
+    inputs: np.ndarray = np.zeros((0, 2, 0))
+    outputs: np.ndarray = np.zeros((0, 0))
+    kept: Sequence[Any] = ()
+    failure: BaseException | None = None
 
 
 class Master:
@@ -57,7 +67,8 @@ class Master:
 
     `watched`: outputs to read in every step although no connection needs them. `end`: s, of the run; units with a rate of
     their own take a shorter last step to it. The table of signals may be longer than `positions`, for values that only the
-    master goes by; `sample` gives the outputs alone, in their order.
+    master goes by; `sample` gives the outputs alone, in their order. An algorithm gives `acts`, or `advance` where it decides
+    something inside a step.
     """
 
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *, degree: int = 1,
@@ -71,28 +82,31 @@ class Master:
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
         guessed = [source for source in read if source[0] in coupling.rates]  # their estimates stand behind all that is read
         self.cells = self.positions | {source: len(read) + k for k, source in enumerate(guessed)}  # what links take, by source
-        driven, given = Counter(link.target[0] for link in coupling.links), Counter(u for u, _ in read)
-        wide = max([*driven.values(), *given.values()], default=0) > ARRAY_THRESHOLD
-        n, whole = len(read), len(read) + len(guessed)
-        signals: PortValues = np.zeros(whole) if wide else [0.0] * whole
-        self.signals = signals
-        self.sample = signals[:n].tolist if wide else (lambda: signals[:n]) if guessed else lambda: signals
-        self.weights = sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read] + [0.0] * len(guessed)
-        inverse = np.array(sizes)
-        self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
+        self.weights = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
         self.steps = 0
         self.initialization: list[InitializationResult] = []  # how each group came to its initial values
         order = tuple(order) or self.usual_order(tuple(units))
-        make = SmoothNode if smoothing else Node
-        nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
-        self.nodes = [nodes[name] for name in order]
+        self.nodes = [self._node(units[name], read, order) for name in order]
+        self.node_of = {node.unit.name: node for node in self.nodes}
         self.texts = Texts(units, coupling) if coupling.texts else None  # behind the nodes, which wire the units
-        if self.texts is not None:
-            self._step, self.step = self.step, self._step_with_texts  # type: ignore[method-assign]
         self.feedthrough_schedule, self.loops, self._plan = (
-            self._following(nodes, read) if feedthrough == "immediate" else ([], [], []))
+            self._following(read) if feedthrough == "immediate" else ([], [], []))
         self._fed = [node for node in self.nodes if node.sources]
-        self._solving = bool(self.loops)  # algebraic loops are solved after each step
+        program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
+        self._rows = {"step": program.add(*self.acts(), *((FOLLOW, part) for part in following), (PUSH, self._fed)),
+                      "push": program.add((PUSH, self._fed)), "foresee": program.add((FORESEE, self._fed))}
+        self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}
+        self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
+        self._follow = {id(part): program.add((FOLLOW, part)) for part in following}
+        for node in self.nodes:
+            node.looks = program.add((LOOK, [node]))
+        bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
+        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, len(self.cells), smoothing, end)
+        self.signals: np.ndarray = records.memory.signals[: len(self.cells)]
+        self.sample = self.signals[: len(read)].tolist
+        self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
+        self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
+        self._watched = NONE
         self.delayed_feedthrough = ""  # why a coupling grows whose algebraic loop gets its values one step late
         loop = next((part for part in coupling.feedthrough_schedule if isinstance(part, Loop)), None)
         if feedthrough == "delayed" and loop is not None:
@@ -100,8 +114,13 @@ class Master:
                                         "one step late; where that amplifies, no shorter step helps. Use master.feedthrough = "
                                         "'immediate', which solves their loop")
 
-    sequential = False  # units step one after the other
-    batched = False  # many steps are one compiled loop; `step` takes the number of units that have stepped already
+    batched = False  # a macro step is `acts` alone, unless there are algebraic loops
+    solves_loops = True  # behind a step; else the algorithm has done so in it
+
+    @property
+    def in_batches(self) -> bool:
+        """Whether many macro steps are one call of the kernels."""
+        return self.batched and not self.loops and self.texts is None
 
     @property
     def late(self) -> list[int]:
@@ -112,7 +131,15 @@ class Master:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
         return scene
 
-    def _node(self, make: type[Node], unit: Unit, read: Sequence[Endpoint], order: tuple[str, ...], end: float) -> Node:
+    def acts(self) -> Acts:
+        """What a macro step begins with, before outputs follow their inputs."""
+        return []
+
+    def own_acts(self) -> dict[str, Acts]:
+        """Rows of the program that the algorithm takes by these names, see `perform`."""
+        return {}
+
+    def _node(self, unit: Unit, read: Sequence[Endpoint], order: tuple[str, ...]) -> Node:
         """The node of a unit, which is wired."""
         coupling, interfaces = self.coupling, self.coupling.interfaces
         name, rates = unit.name, coupling.rates
@@ -120,7 +147,6 @@ class Master:
         place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
         links = self.sorted_links([link for link in coupling.links if link.target[0] == name], order)
         unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
-        rows = rows_for(len(links))
         held = [k for k, link in enumerate(links) if is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
                 or is_discrete(interfaces[name].inputs[link.target[1]])]
         follows = interfaces[name].input_degree >= self.degree and not held
@@ -129,29 +155,29 @@ class Master:
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
         moving = [k for k, link in enumerate(links) if interfaces[name].inputs[link.target[1]].moving and k not in held
                   and self._moving_places == "linear"]
-        past = history(self.degree, rows, len(links), held, by_rate, moving)
-        used: Unit | MultirateUnit = unit
+        samples = tuple(samples_of(self.degree, at, every, held, moving) for every, at in by_rate.items())
+        own: tuple[Samples, Samples] | None = None
+        estimates: slice | None = None
         if name in rates:
             still = [k for k, output in enumerate(mine) if is_discrete(interfaces[name].outputs[read[output][1]])]
             first = self.cells[read[mine[0]]] if mine else 0
-            used = MultirateUnit(unit, rates[name], history(self.degree, rows, len(links), held, moving=moving),
-                        history(self.degree, rows_for(len(mine)), len(mine), still), self.signals,
-                        slice(first, first + len(mine)), end)
-        sources = [self.cells[link.source] for link in links]
-        return make(used, place, links, sources, self.signals, past, held, follows and set(by_rate) <= {1})
+            estimates = slice(first, first + len(mine))
+            own = (samples_of(self.degree, range(len(links)), 1, held, moving), samples_of(self.degree, range(len(mine)), 1, still))
+        sources = tuple(self.cells[link.source] for link in links)
+        return Node(unit, place, tuple(links), sources, tuple(held), follows and set(by_rate) <= {1}, samples, own,
+                    rates.get(name, 1), estimates)
 
-    def _following(self, nodes: Mapping[str, Node], read: Sequence[Endpoint]
-                   ) -> tuple[list[Node], list[LoopSolver], list[LoopSolver | list[Node]]]:
+    def _following(self, read: Sequence[Endpoint]) -> tuple[list[Node], list[LoopSolver], list[LoopSolver | list[Node]]]:
         """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""
         interfaces = self.coupling.interfaces
         plan: list[LoopSolver | list[Node]] = []
         for step in self.coupling.feedthrough_schedule:
             if isinstance(step, Loop):
-                plan.append(LoopSolver(step, [nodes[name] for name in step.units], self.signals, self.positions, interfaces))
+                plan.append(LoopSolver(step, [self.node_of[name] for name in step.units], self, interfaces))
             elif plan and isinstance(plan[-1], list):
-                plan[-1].append(nodes[step])
+                plan[-1].append(self.node_of[step])
             else:
-                plan.append([nodes[step]])
+                plan.append([self.node_of[step]])
         updated = [node for part in plan if isinstance(part, list) for node in part]
         for node in dict.fromkeys(updated):
             interface = interfaces[node.unit.name]
@@ -166,16 +192,211 @@ class Master:
         """The links into one unit in the order the algorithm wants to have them."""
         return links
 
+    # -- the loop ----------------------------------------------------------------------------------------------------
+    def address(self) -> None:
+        """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
+        records = self.records
+        self._called, self._fmus, self._tables = [], [], []
+        for node in self.nodes:
+            row, links = node.of_called
+            unit, table = calls_of(node.unit, links, self.signals[node.place])
+            row["way"] = table.way
+            for name, address in table.calls.items():
+                row[name] = address
+            links["at"], records.memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
+            links["apart"], row["apart"] = table.apart, sum(table.apart)
+            self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
+            if hasattr(unit, "begin_steps"):
+                self._fmus.append((unit, records.place("units", node.called, "no_return")))
+            self._tables.append(table)  # which keep what addresses point to
+
+    def perform(self, rows: str | tuple[int, int], t: float, h: float) -> None:
+        """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
+        first, last = self._rows[rows] if isinstance(rows, str) else rows
+        self.records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=0)
+        self.records.march(t, h)
+        self._go_on(t, h)
+
+    def _go_on(self, t: float, h: float) -> None:
+        """Where the call of a unit has failed, raises the reason; if its step is done all the same, the rest follows."""
+        records = self.records
+        while (unit := records.answer("unit")) >= 0:
+            node = self.nodes[unit]
+            begin, length = (float(node.record[name][0]) for name in ("start", "length")) if node.own else (t, h)
+            self._note()
+            self._called[unit][0].stopped(records.answer("status"), begin, length)
+            records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
+            records.march(t, h)
+
+    def _note(self) -> None:
+        """Tell the units how far they have come."""
+        integers, numbers = self.records.integers, self.records.numbers
+        for unit, taken, time in self._called:
+            if integers[taken]:
+                unit.stepped(integers[taken], numbers[time])
+                integers[taken] = 0
+
+    def _begin(self) -> None:
+        """Before steps: texts are handed over, and FMUs tell whether a state will come back."""
+        if self.texts is not None:
+            self.texts.hand_over()
+        for fmu, place in self._fmus:
+            self.records.integers[place] = fmu.begin_steps()
+
+    def step(self, t: float, h: float) -> None:
+        """One macro step from t to t + h."""
+        self._begin()
+        if self.in_batches:
+            first, last = self._rows["step"]
+            self.records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=1, rows=0, look_count=0)
+            self.records.march(t, h)
+            self._go_on(t, h)
+            beyond = self.records.answer("unit") == BEYOND
+        else:
+            self.advance(t, h)
+            beyond = self._finish(t, h)
+        self._note()
+        self.steps += 1
+        if beyond:
+            self.check_finite(t + h)
+
+    def advance(self, t: float, h: float) -> None:
+        """The steps of all units from t to t + h, where they are more than `acts`."""
+        self.perform("advance", t, h)
+
+    def _finish(self, t: float, h: float) -> bool:
+        """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant.
+
+        Returns whether the outputs have to be looked at.
+        """
+        self._solve(t + h, self.solves_loops)
+        self.perform("push", t, h)
+        weights = self.records.memory.inverse
+        return not abs(float(self.signals[: weights.size] @ weights)) < RUNAWAY
+
+    def follow(self, t: float) -> None:
+        """Let the outputs follow inputs that were changed at an instant, between two steps."""
+        for node in self.nodes:
+            if node.record["ends"][0] == LED:
+                node.jump()
+        self._solve(t)
+
+    def _solve(self, t: float, loops: bool = True) -> None:
+        """Update the units whose inputs have moved, and solve algebraic loops, each where it stands among them."""
+        self.records.ask(updated=0)
+        for part in self._plan:
+            if isinstance(part, list):
+                self.perform(self._follow[id(part)], t, 0.0)
+            elif loops:
+                part.solve(t)
+                self.records.ask(updated=1)
+
+    def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
+        """Macro steps from each of `times`, s, of length h, in as few calls as possible.
+
+        looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved. Both, and
+        all but `rows` and `failure` of what is returned, where steps are taken `in_batches`.
+        """
+        if not self.in_batches:
+            return singly(self, self, times, h)
+        n, memory = times.size, self.records.memory
+        space = March(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
+                      np.empty((looks.size, 2, self.records.driven)), np.empty((n, self._watched.size)))
+        done, failure, kept = 0, None, list[Any]()
+        for last in (*(step + 1 for step in keep), n):
+            begun = done
+            done, failure = self._together(times, h, looks, space, begun, last)
+            if done < last or failure is not None:
+                break
+            if last < n:
+                kept.append(self.save())
+        self.records.ask(halt=0)
+        return March(space.rows[:done], space.given[:done], space.inputs, space.outputs[:done], kept, failure)
+
+    def _together(self, times: np.ndarray, h: float, looks: np.ndarray, space: March, first: int, last: int
+                  ) -> tuple[int, BaseException | None]:
+        """The macro steps from one to another, in one call; returns how many there are then, and why not all."""
+        records, seen = self.records, int(np.searchsorted(looks, first))
+        of_steps, ahead = times[first:last], looks[seen:] - first
+        rows, behind = self._rows["step"]
+        done = first
+        try:
+            self._begin()
+            records.ask(first=rows, last=behind, steps=last - first, times=of_steps.ctypes.data, begin=0, whole=1,
+                        rows=space.rows[first:].ctypes.data, given=space.given[first:].ctypes.data,
+                        inputs=space.inputs[seen:].ctypes.data, outputs=space.outputs[first:].ctypes.data,
+                        looks=ahead.ctypes.data, look_count=ahead.size, driven=records.driven,
+                        watched=self._watched.ctypes.data, watches=self._watched.size)
+            records.march(0.0, h)
+            done += records.answer("done")
+            self.steps += records.answer("done")
+            if records.answer("unit") >= 0:
+                self._go_on(float(times[done]), h)
+                self._keep(space, done, looks)
+                done, self.steps = done + 1, self.steps + 1
+            self._note()
+            if records.answer("unit") == BEYOND:
+                done -= 1
+                self.check_finite(float(times[done]) + h)
+                done += 1
+        except (Exception, SystemExit) as error:  # those of Python in a unit, too: the steps before it stand
+            return done, error
+        return done, None
+
+    def _keep(self, space: March, step: int, looks: np.ndarray) -> None:
+        """What a march wants of the step that has just been completed."""
+        space.rows[step], space.given[step] = self.sample(), self.given()
+        space.inputs[looks == step] = self.inputs()
+        space.outputs[step] = [c_double.from_address(address).value for address in self._watched.tolist()]
+
+    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
+        """Columns of a march's `outputs` in which these outputs will stand; None where not all are those of components."""
+        first, at = self._watched.size, list[int]()
+        for name, output in ends:
+            unit = self.node_of[name].unit if name in self.node_of else None
+            if not isinstance(unit, ComponentUnit):
+                return None
+            at += unit.outputs_at([output])
+        self._watched = np.array([*self._watched, *at], dtype=np.int64)
+        return slice(first, first + len(at))
+
+    def halt(self) -> None:
+        """End a march behind its present step."""
+        self.records.ask(halt=1)
+
+    # -- what others look at -----------------------------------------------------------------------------------------
+    def given(self) -> np.ndarray:
+        """What bonded inputs were given in the last step, (B, 4), as of `March`."""
+        links = self.records.memory.links[self.records.memory.bonded]
+        return np.stack([links[name] for name in ("value", "slope", "half", "degree")], axis=1)
+
+    def owe(self, integrals: np.ndarray) -> None:
+        """What bonded inputs still have to be given: their integrals over time, (B,)."""
+        links, units = self.records.memory.links, self.records.memory.units
+        links["owed"][self.records.memory.bonded] = integrals
+        for node in self.nodes:
+            if any(link in bond.links for bond in self.coupling.bonds for link in node.links):
+                units["corrected"][node.index] = 1
+
+    def inputs(self) -> np.ndarray:
+        """All inputs behind the last step, in the order of the nodes' links, and where they were led to, (2, L)."""
+        links = self.records.memory.links[: self.records.driven]
+        return np.stack([links["now"], links["reached"]])
+
+    def led(self) -> np.ndarray:
+        """Of all inputs whether extrapolation has led them, (L,)."""
+        return np.array([node.record["ends"][0] == GUESSED for node in self.nodes for _ in node.links], dtype=bool)
+
+    # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
         """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
         signals, inputs = self.signals, self.coupling.interfaces
-        nodes = {node.unit.name: node for node in self.nodes}
         for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
             for link, k in zip(node.links, node.sources, strict=True):
                 if link.factor:
                     signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
         for names in self.coupling.groups:
-            members = sorted((nodes[name] for name in names), key=self._direct_share)
+            members = sorted((self.node_of[name] for name in names), key=self._direct_share)
             group = Group(members, signals, self.cells, inputs, self.texts, self.check_finite, t)
             try:
                 group.solve()
@@ -183,12 +404,13 @@ class Master:
                 self.initialization += [group.initialization] if group.initialization else []
         for node in self.nodes:
             node.unit.start()
-            signals[node.place] = node.unit.get()
-        for loop in self.loops:
-            loop.solve(t)
+            node.read()
+        self.address()
+        self.records.memory.units["time"] = t
+        for solver in self.loops:
+            solver.solve(t)
         self.check_finite(t)
-        for node in self.nodes:
-            node.history.push(node.inputs(), 0.0)
+        self.perform("push", t, 0.0)
 
     def _direct_share(self, node: Node) -> float:
         """Share of a unit's signals that depend on its inputs directly.
@@ -199,15 +421,6 @@ class Master:
         outputs = self.coupling.interfaces[node.unit.name].outputs
         direct = [outputs[n].feedthrough != () for u, n in self.positions if u == node.unit.name]
         return sum(direct) / max(len(direct), 1)
-
-    def step(self, t: float, h: float) -> None:
-        """One macro step from t to t + h."""
-        raise NotImplementedError
-
-    def _step_with_texts(self, t: float, h: float) -> None:
-        assert self.texts is not None
-        self.texts.hand_over()
-        self._step(t, h)
 
     def counters(self) -> dict[str, Any]:
         """For run.json; algorithms add their own."""
@@ -227,59 +440,24 @@ class Master:
     def save(self, reuse: Saved | None = None) -> Saved:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
-        return Saved(units, self.signals[:] if isinstance(self.signals, list) else self.signals.copy(),
-                     [copy(node.history) for node in self.nodes], [(node.reached, node.known) for node in self.nodes], self.steps,
-                     [loop.jacobian for loop in self.loops])
+        return Saved(units, self.records.block.memory.copy(), self.steps, [loop.jacobian for loop in self.loops])
 
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
-        self.signals[:] = saved.signals
+        self.records.block.memory[:] = saved.cells
+        self._come_back(saved)
+
+    def adopt(self, saved: Saved) -> None:
+        """As `restore`, of another master of the same scene; raises `ValueError` where it is of another size."""
+        self.records.adopt(saved.cells)
+        self._come_back(saved)
+
+    def _come_back(self, saved: Saved) -> None:
         self.steps = saved.steps
-        for node, state, past, ends in zip(self.nodes, saved.units, saved.histories, saved.ends, strict=True):
+        for node, state in zip(self.nodes, saved.units, strict=True):
             node.unit.restore(state)
-            node.history.take(past)
-            node.reached, node.known = ends
         for loop, jacobian in zip(self.loops, saved.jacobians, strict=True):
             loop.jacobian = jacobian
-
-    def _finish(self, t: float, h: float) -> None:
-        """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
-        updated = self._solve(t + h) if self._solving else self._update(self.feedthrough_schedule, False)
-        for node in self._fed:
-            known = node.known
-            node.history.push(node.inputs() if known is None or updated else known, h)
-        self.steps += 1
-        if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
-            self.check_finite(t + h)
-
-    def follow(self, t: float) -> None:
-        """Let the outputs follow inputs that were changed at an instant, between two steps."""
-        for node in self.nodes:
-            node.known = None
-        self._solve(t)
-
-    def _update(self, nodes: Sequence[Node], updated: bool) -> bool:
-        """Update the units whose outputs depend on inputs that have moved; tells whether there were any, now or before."""
-        signals = self.signals
-        for node in nodes:
-            if node.known is None or updated:
-                values = node.inputs()
-                if not node.outputs_hold(values):
-                    node.unit.update(values)
-                    signals[node.place] = node.unit.get()
-                    updated = True
-        return updated
-
-    def _solve(self, t: float) -> bool:
-        """The same for all units that have to follow, and algebraic loops solved, each where it stands among them."""
-        updated = False
-        for part in self._plan:
-            if isinstance(part, LoopSolver):
-                part.solve(t)
-                updated = True
-            else:
-                updated = self._update(part, updated)
-        return updated
 
     def check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
@@ -288,3 +466,23 @@ class Master:
                 raise Runaway(unit, t, f"output {name} is {value}")
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
                 raise Unstable(unit, t, f"output {name} has grown to {value:.3g}")
+
+
+class Stepper(Protocol):
+    """What takes single macro steps."""
+
+    def step(self, t: float, h: float) -> None:
+        """One macro step from t to t + h."""
+
+
+def singly(stepper: Stepper, master: Master, times: np.ndarray, h: float) -> March:
+    """Macro steps one by one, with the master's signals behind each."""
+    rows: list[list[float]] = []
+    failure: BaseException | None = None
+    try:
+        for t in times.tolist():
+            stepper.step(t, h)
+            rows.append(master.sample())
+    except (Exception, SystemExit) as error:
+        failure = error
+    return March(np.array(rows).reshape(len(rows), len(master.positions)), failure=failure)

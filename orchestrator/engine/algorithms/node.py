@@ -1,105 +1,166 @@
-"""A unit as a master sees it: where its inputs come from, how they are led over a step, where its outputs go."""
+"""A unit as a master sees it: where its inputs come from and where its outputs go, with its records."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from ...units import Unit
-from ...units.interface import PortValues
+from ...units.interface import PortValues, port_values
 from ..coupling import Link
-from .multirate import MultirateUnit
-from .polynomial import History, Terms
-from .rows import Rows
+from .memory import Records
+from .records import NOWHERE, OVERRIDDEN, SHIFTED, UNALTERED
 
 
-class Alteration:
-    """What faults make of a unit's inputs on their way."""
+@dataclass(frozen=True)
+class Samples:
+    """Inputs whose sources step together, in every `every`-th macro step: their places, and which of these do not change inside one.
 
-    def __init__(self, changes: Sequence[tuple[int, float | None, float]]):
-        """`changes`, one after the other: position of the input, value in its place (None: an offset), offset."""
-        self._changes = changes
-        together: dict[int, tuple[bool, float]] = {}
-        alike = True
-        for k, value, offset in changes:
-            replaced, before = together.get(k, (False, None))
-            alike &= value is not None or before is None or replaced  # a sum of two offsets could differ in the last digit
-            together[k] = (True, value) if value is not None else (replaced, offset if before is None else before + offset)
-        self.together = together if alike else None  # position -> (whether it is replaced, by what, or its offset)
+    jumping: those that change at instants only; constant: those that are held beside places that move on.
+    """
 
-    def __call__(self, values: PortValues) -> PortValues:
-        for k, value, offset in self._changes:
-            values[k] = values[k] + offset if value is None else value
-        return values
+    degree: int
+    places: tuple[int, ...]
+    every: int = 1
+    jumping: tuple[int, ...] = ()
+    constant: tuple[int, ...] = ()
 
 
+def samples_of(degree: int, places: Sequence[int], every: int, held: Sequence[int], moving: Sequence[int] = ()) -> Samples:
+    """`moving`: places that move on, which have degree 1 at least, the others beside them the degree that was asked for."""
+    jumping = tuple(k for k in places if k in held)
+    if degree == 0 and any(k in moving for k in places):
+        return Samples(1, tuple(places), every, jumping, tuple(k for k in places if k not in held and k not in moving))
+    return Samples(degree if len(jumping) < len(places) else 0, tuple(places), every, jumping)
+
+
+@dataclass(eq=False)
 class Node:
-    """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
+    """One unit in the graph.
 
-    def __init__(self, unit: Unit | MultirateUnit, place: slice, links: Sequence[Link], sources: Sequence[int],
-                 table: PortValues, past: History, held: Sequence[int], follows: bool):
-        self.unit, self.place = unit, place
-        self.held = tuple(held)  # positions of inputs that jump between steps and never change inside one
-        self.follows = follows  # inputs end where they are led to: the unit takes polynomials, and none of them is held
-        self.links, self.sources = tuple(links), tuple(sources)
-        self.rows = past.rows
-        self._pick = self.rows.picker(table, sources)
-        converted = [(k, link.factor, link.offset) for k, link in enumerate(links) if (link.factor, link.offset) != (1.0, 0.0)]
-        self._conversions = converted or None
-        self.alter: Callable[[PortValues], PortValues] | None = None  # faults: from the values as they should be to those given
-        self.history = past
-        self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
-        self.reached: PortValues | None = None  # where extrapolation has taken the inputs in the last step
-        self.known: PortValues | None = None  # or what they were interpolated to: values that others had reached already
+    place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
+    between steps and never change inside one; follows: inputs end where they are led to: the unit takes polynomials, and none of
+    them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to one of
+    its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of what
+    others go by. looks: rows of the program that look at its inputs.
+    """
+
+    unit: Unit
+    place: slice
+    links: tuple[Link, ...]
+    sources: tuple[int, ...]
+    held: tuple[int, ...]
+    follows: bool
+    samples: tuple[Samples, ...]
+    own: tuple[Samples, Samples] | None = None
+    every: int = 1
+    estimates: slice | None = None
+    direct: list[tuple[int, float]] = field(default_factory=list)
+    looks: tuple[int, int] = (0, 0)
+
+    def bind(self, records: Records, k: int) -> None:
+        """The node's records: the k-th unit, its links and their samples, and those of its other two units if it has a rate."""
+        units, links, pasts = records.memory.units, records.memory.links, records.memory.pasts
+
+        def part(array: np.ndarray, unit: int, first: str, count: str) -> np.ndarray:
+            return array[int(units[first][unit]) : int(units[first][unit] + units[count][unit])]
+
+        self.index, self._records = k, records
+        self.called = k if self.own is None else int(units["slow"][k])  # the record of what steps
+        self.record, self._links = units[k : k + 1], part(links, k, "first_link", "links")
+        self._pasts = part(pasts, k, "first_past", "pasts")
+        self.of_called = units[self.called : self.called + 1], part(links, self.called, "first_link", "links")
+        if self.own is not None:
+            self._own, self._seen = (part(pasts, self.called + i, "first_past", "pasts") for i in range(2))
+            self._seen_links = part(links, self.called + 1, "first_link", "links")
 
     def inputs(self) -> PortValues:
         """Present values of the driven inputs, in the order of `links`."""
-        values = self._pick()
-        if self._conversions is not None:
-            for k, factor, offset in self._conversions:
-                values[k] = factor * values[k] + offset
-        return values if self.alter is None else self.alter(values)
+        self._look()
+        return port_values(self._links["looked"])
+
+    def _look(self) -> None:
+        records, (first, last) = self._records, self.looks
+        records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=0)
+        records.march(0.0, 0.0)
+
+    def foreseen(self) -> np.ndarray:
+        """Where extrapolation will have taken the inputs, see `Master.foresee`, (n,)."""
+        return self._links["foreseen"]
+
+    def read(self) -> None:
+        """The present outputs of the unit into the table of signals."""
+        self._records.memory.signals[self.place] = given = self.unit.get()
+        if self.estimates is not None:
+            self._records.memory.signals[self.estimates] = given
+
+    @property
+    def event(self) -> float | None:
+        """The first event inside the unit's last step, s; none in a macro step in which it does not step."""
+        row = self.record[0]
+        return None if row["lost"] or row["count"] else self.unit.event
+
+    @property
+    def kept(self) -> int:
+        """Samples of the inputs that there are."""
+        return int(self._pasts["samples"].max(initial=0))
+
+    @property
+    def spans(self) -> tuple[float, ...]:
+        """Between the samples of the inputs, s, the newest first."""
+        return tuple(float(self._pasts[name][0]) for name in ("h1", "h2")[: self.kept - 1])
+
+    @property
+    def ends(self) -> np.ndarray:
+        """The inputs behind the last step, and where they were led to, (2, n)."""
+        return np.stack([self._links["now"], self._links["reached"]])
 
     def restart(self) -> None:
         """After a jump: the past of the inputs tells nothing any more, their present values are the only sample."""
-        self.history.restart(self.inputs())
-        if isinstance(self.unit, MultirateUnit):
-            self.unit.restart()
+        self._look()
+        links = self._links
+        links["now"] = links["present"] = links["looked"]
+        self._pasts["samples"], self._pasts["elapsed"] = 1, 0.0
+        if self.record["smooth"][0]:
+            self.jump()
+        if self.own is not None:
+            self._own["samples"] = 0
+        if (restart := getattr(self.unit, "restart", None)) is not None:
+            restart()
 
-    def drive(self, terms: Terms, h: float) -> None:
-        """Give the unit its inputs over the coming step, and note where they will end."""
-        self.unit.drive(*terms, h)
-        self.known = None
-        self.reached = self.rows.end(*terms, h)
+    def jump(self) -> None:
+        """Where the inputs were led to is no guess of where they are."""
+        self.record["ends"] = NOWHERE
 
-    def interpolate(self, known: PortValues, h: float) -> None:
-        """Give the unit inputs over the coming step that end at values which are known already."""
-        self.unit.drive(*self.history.towards(known, h), h)
-        self.known, self.reached = known, None
+    def lose(self) -> None:
+        """The unit takes no more steps and no inputs, and its outputs stay as they are, those that others go by, too."""
+        self.record["lost"] = 1
+        if self.estimates is not None:
+            signals = self._records.memory.signals
+            signals[self.estimates] = self._seen_links["present"] = signals[self.place]
+            self._seen["samples"] = 1
 
-    def outputs_hold(self, values: PortValues) -> bool:
-        """Whether the outputs hold for these inputs as they are: none that they depend on at once has moved."""
-        reached = self.reached
-        return reached is not None and all(
-            abs(values[k] - reached[k]) <= change * abs(values[k]) for k, change in self.direct
-        )
+    def press(self, k: int, value: float, slope: float) -> None:
+        """Over the coming step the k-th input is a line, unless a fault alters it."""
+        links = self._links
+        links["pressed"][k], links["force"][k], links["rate"][k] = 1, value, slope
+        self.record["pressed"] = 1
 
+    def alter(self, changes: Mapping[int, tuple[bool, float]]) -> None:
+        """What faults make of inputs, by place: whether they are replaced, and by what, or what is added to them."""
+        links = self._links
+        links["fault"] = UNALTERED
+        for k, (replaced, number) in changes.items():
+            links["fault"][k], links["alteration"][k] = OVERRIDDEN if replaced else SHIFTED, number
 
-class SmoothNode(Node):
-    """A node whose inputs have no jumps: they start where they have ended, and go to where they should by the end of the step."""
+    @property
+    def given(self) -> np.ndarray:
+        """What the inputs were given in the last step, (n, 4): value, slope, half of the second derivative, degree."""
+        return np.stack([self._links[name] for name in ("value", "slope", "half", "degree")], axis=1)
 
-    def restart(self) -> None:
-        super().restart()
-        self.reached = None  # a jump on purpose remains one
-
-    def drive(self, terms: Terms, h: float) -> None:
-        values, slopes, halves = terms
-        if self.reached is not None:
-            rows, last = self.rows, rows_held(self.rows, self.reached, self.held, values)
-            back = rows.chord(values, last, h)
-            values, slopes = last, back if slopes is None else rows.shifted(slopes, back, 1.0)
-        super().drive((values, slopes, halves), h)
-
-
-def rows_held(rows: Rows, row: PortValues, held: Sequence[int], values: PortValues) -> PortValues:
-    """The row with those of `values` that are held."""
-    return rows.put(row, held, rows.picked(values, held)) if held else row
+    @property
+    def altered(self) -> bool:
+        """Whether faults change any input."""
+        return bool(self._links["fault"].any())

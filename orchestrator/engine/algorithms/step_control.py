@@ -15,7 +15,7 @@ from ...settings import ControlSettings
 from ..coupling import Coupling
 from ..coupling.graph import is_discrete
 from .energy import EnergyAccount
-from .master import Master, Node, SmoothNode
+from .master import Master, Node
 
 SAFETY = 0.9  # of the step that would just meet the tolerance
 SHRINK, GROW = 0.2, 2.0  # limits of one change
@@ -46,7 +46,7 @@ class Milne:
     """
 
     def __init__(self, master: Master, coupling: Coupling, settings: ControlSettings):
-        self._settings = settings
+        self._settings, self._master = settings, master
         self._nodes: list[tuple[Node, np.ndarray, np.ndarray]] = []  # with places and nominal values of inputs that are not held
         for node in master.nodes:
             at = [k for k in range(len(node.links)) if k not in node.held]
@@ -57,21 +57,19 @@ class Milne:
 
     def prepare(self, h: float) -> None:
         self._predicted = []
+        self._master.perform("foresee", 0.0, h)
         for node, at, _ in self._nodes:
-            history = node.history
-            predicted = np.asarray(history.rows.end(*history.ahead(), h))[at]
-            extrapolated, interpolated = shares(h, *(history.h1, history.h2)[: history.count - 1])
-            if isinstance(node, SmoothNode):  # begins where it ended wrong, and loses that over the step
+            extrapolated, interpolated = shares(h, *node.spans)
+            if node.record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
                 extrapolated += 0.5
-            self._predicted.append((predicted, history.count, (extrapolated, interpolated)))
+            self._predicted.append((node.foreseen()[at], node.kept, (extrapolated, interpolated)))
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
         worst, order = 0.0, 3
         for (node, at, nominal), (predicted, count, weights) in zip(self._nodes, self._predicted, strict=True):
-            present = np.asarray(node.history.present)[at]
+            present, ends = node.ends[:, at]
             missed = np.abs(present - predicted)
-            ends = node.known if node.reached is None else node.reached
-            interpolated = np.abs(present - np.asarray(ends)[at]) < LED * missed
+            interpolated = np.abs(present - ends) < LED * missed
             allowed = self._settings.absolute * nominal + self._settings.relative * np.abs(present)
             worst = max(worst, float(np.max(np.where(interpolated, weights[1], weights[0]) * missed / allowed)))
             order = min(order, count)
@@ -111,7 +109,7 @@ class Doubling:
         self._counts = 1
 
     def prepare(self, h: float) -> None:
-        self._counts = max((node.history.count for node in self._master.nodes if node.sources), default=1)
+        self._counts = max((node.kept for node in self._master.nodes if node.sources), default=1)
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
         whole = np.array(self._master.signals)[self._at]

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from ....components.core.errors import StepFailed
 from ...settings import ControlSettings, SceneSettings
-from ...units import Unit
 from ...units.interface import SimulationEnded
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
-from ..algorithms.multirate import MultirateUnit
+from ..algorithms.node import Node
 from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
 from ..coupling import Coupling
-from .batch import BatchStepping, batch_loop_for
+from .batch import BatchStepping
 from .clock import Clock
 from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
@@ -39,7 +36,7 @@ class AdaptiveStepping(Stepping):
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
                  restarts: Sequence[Action] = (), control: Controller | None = None, estimate: Estimate | None = None,
-                 crossings: Crossings | None = None, early: Sequence[Unit | MultirateUnit] = (), resolution: int = 1,
+                 crossings: Crossings | None = None, early: Sequence[Node] = (), resolution: int = 1,
                  rollback: bool = True):
         super().__init__(master, clock, stride, end, stops)
         self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
@@ -127,7 +124,7 @@ class AdaptiveStepping(Stepping):
         """
         self._step(ahead)
         event, before, crossings = False, ahead, self._crossings
-        while (times := [unit.event for unit in self._early if unit.event is not None]):
+        while (times := [event for node in self._early if (event := node.event) is not None]):
             event, first = True, max(self.clock.not_before(min(times)), self.tick + 1)
             before = first - 1
             if first >= ahead or not self._rollback:
@@ -218,15 +215,13 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
     if account is not None:  # what happens at a stop makes outputs jump
         stops = {tick: [*acts, account.restart] for tick, acts in stops.items()}
     stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
-    # as the master has them: a unit with a rate of its own tells an event once only, behind its own step
-    early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
+    early = [node for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
-        halt = np.zeros(1, dtype=np.uint8)
+        if not (account or master).in_batches:
+            return Stepping(steppable, clock, stride, end, stops)
         # whether components keep their state where it belongs is known of those of the catalogue only
         trusted = {name for name, unit in scene.units.items() if unit.component and ":" not in unit.component}
-        stretch = batch_loop_for(master, halt, account, trusted)
-        return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
-            BatchStepping(steppable, clock, stride, end, stops, stretch, halt)
+        return BatchStepping(master, account, clock, stride, end, stops, trusted)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:

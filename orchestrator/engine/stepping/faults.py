@@ -11,44 +11,10 @@ from functools import partial
 from typing import Any
 
 from ...settings import FaultSettings
-from ...units import Unit
-from ...units.interface import PortValues
 from ..algorithms import Master
-from ..algorithms.multirate import MultirateUnit
-from ..algorithms.node import Alteration
 from ..coupling import Coupling
 from .clock import Clock
 from .loop import Action
-
-
-class LosableUnit:
-    """A unit that can be lost: from then on it takes no steps and no inputs, and its outputs stay as they are."""
-
-    def __init__(self, unit: Unit):
-        self._unit, self.lost = unit, False
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._unit, name)
-
-    @property
-    def event(self) -> float | None:
-        """The first event inside the last step, none in one that was not taken."""
-        return None if self.lost else self._unit.event
-
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        """As of the unit."""
-        if not self.lost:
-            self._unit.drive(values, slopes, halves, h)
-
-    def step(self, t: float, h: float) -> None:
-        """As of the unit."""
-        if not self.lost:
-            self._unit.step(t, h)
-
-    def update(self, values: PortValues) -> None:
-        """As of the unit."""
-        if not self.lost:
-            self._unit.update(values)
 
 
 def edges(faults: Iterable[FaultSettings]) -> list[float]:
@@ -57,11 +23,10 @@ def edges(faults: Iterable[FaultSettings]) -> list[float]:
 
 
 class Faults:
-    """The faults of a scene on the way to the inputs of a master's units; `losable`: the units that will be lost, by name."""
+    """The faults of a scene: on the way to the inputs of a master's units, or that units are lost."""
 
-    def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, losable: Mapping[str, LosableUnit],
-                 clock: Clock):
-        self.faults, self._master, self._losable, self._clock = faults, master, losable, clock
+    def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, clock: Clock):
+        self.faults, self._master, self._clock = faults, master, clock
         inputs = {link.target: (node, k) for node in master.nodes for k, link in enumerate(node.links)}
         self._places = [[inputs[end] for end in ends] for ends in coupling.faults]
         self._starts = [[float(coupling.interfaces[u].inputs[n].start) for u, n in ends] for ends in coupling.faults]
@@ -86,23 +51,17 @@ class Faults:
 
     def state(self) -> dict[str, Any]:
         """What acts now, as plain data for a checkpoint."""
-        return {"values": [[i, values] for i, values in self._values.items()],
-                "lost": [name for name, unit in self._losable.items() if unit.lost]}
+        return {"values": [[i, values] for i, values in self._values.items()]}
 
     def take(self, state: Mapping[str, Any]) -> None:
-        """Go on from a `state`; the units and the master's histories come from elsewhere."""
+        """Go on from a `state`; what is lost, and the samples of the inputs, the master knows."""
         self._values = {i: list(values) for i, values in state["values"]}
-        for name in state["lost"]:
-            self._losable[name].lost = True
         self._alter()
 
     def _begin(self, i: int) -> None:
         fault = self.faults[i]
         if fault.kind == "lost":
-            self._losable[fault.unit].lost = True
-            unit = next(node.unit for node in self._master.nodes if node.unit.name == fault.unit)
-            if isinstance(unit, MultirateUnit):
-                unit.hold()
+            self._master.node_of[fault.unit].lose()
         elif fault.kind == "freeze":
             self._values[i] = [float(node.inputs()[k]) for node, k in self._places[i]]
         elif fault.kind == "drop":
@@ -126,13 +85,15 @@ class Faults:
         for node, values in zip(fed, before, strict=True):
             if id(node) in changed or list(node.inputs()) != values:
                 node.restart()
-                node.reached = node.known = None  # where its inputs were led to is no guess of where they have jumped
+                node.jump()
 
     def _alter(self) -> None:
         """Put what acts now between the signals and the units, in the order of the scene."""
-        changes: dict[int, list[tuple[int, float | None, float]]] = {}
+        changes: dict[int, dict[int, tuple[bool, float]]] = {}
         for i in sorted(self._values):
             for (node, k), value in zip(self._places[i], self._values[i], strict=True):
-                changes.setdefault(id(node), []).append((k, value, self.faults[i].value or 0.0))
+                of_node = changes.setdefault(id(node), {})
+                replaced, before = of_node.get(k, (False, 0.0))
+                of_node[k] = (replaced, before + (self.faults[i].value or 0.0)) if value is None else (True, value)
         for node in self._master.nodes:
-            node.alter = Alteration(changes[id(node)]) if id(node) in changes else None
+            node.alter(changes.get(id(node), {}))

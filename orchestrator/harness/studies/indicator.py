@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -129,11 +130,11 @@ class Windows:
     def _restore(self, master: Master, saved: Saved, changed: Sequence[str], others: Mapping[str, Component], t: float) -> None:
         states = [_translated(state, self._components[n], others[n]) if (n := node.unit.name) in changed else state
                   for node, state in zip(master.nodes, saved.units, strict=True)]
-        master.restore(Saved(states, saved.signals, saved.histories, saved.ends, saved.steps, saved.jacobians))
+        master.adopt(replace(saved, units=states))
         for node in master.nodes:
             if node.unit.name in changed:
                 others[node.unit.name].refresh()
-                master.signals[node.place] = node.unit.get()
+                node.read()
         master.follow(t)
 
     def _way(self, master: Master, first: int, count: int) -> np.ndarray:

@@ -1,0 +1,453 @@
+"""The loop: what a master does in a macro step, as kernels over its `records`. No other code does any of it.
+
+A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, `UPDATE` their
+outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved, `PUSH` the samples of the new instant. `march`
+takes the rows of a macro step one after the other, and many macro steps; algorithms that decide something in between have it take
+the rows up to there.
+
+A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
+Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own is three of `UNIT`:
+the one that takes part in every macro step (`NOTED`), and behind it the one that steps, whose inputs are where those of the first
+have been led to, and its outputs as the others see them in between.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....components.core.kernels import kernel
+from ...units.call_names import COMPANIONS, DERIVATIVES, FAILED, IN_MEMORY, IN_PYTHON, MEAN, NOTED
+from ...units.calls import call_derivatives, call_entry, call_step, call_values, load, load_int32, load_int64, store
+from .records import (
+    BEYOND,
+    CONSTANT,
+    FOLLOW,
+    FORESEE,
+    GUESSED,
+    JUMPS,
+    LED,
+    LOOK,
+    PUSH,
+    READ,
+    SHIFTED,
+    START,
+    UNALTERED,
+    UPDATE,
+)
+
+WARNING = 1
+LIMIT = 1e12  # of the sum of all outputs, each relative to its nominal value: what is beyond is to be looked at
+LAST = 1.0 - 1e-12  # of the end of a run: rounding of sums of steps
+
+
+@kernel
+def _given(link, signals):
+    """What a link hands over at this instant."""
+    v = signals[link.source]
+    if link.converted != 0:
+        v = link.factor * v + link.offset
+    if link.fault != UNALTERED:
+        v = v + link.alteration if link.fault == SHIFTED else link.alteration
+    return v
+
+
+@kernel
+def extrapolation(samples, v, before, earlier, h1, h2):
+    """The polynomial through the last samples, h1 and h2 apart: value, slope and half of the second derivative at the newest, v."""
+    if samples < 2:
+        return v, 0.0, 0.0
+    s, c = (v - before) / h1, 0.0
+    if samples > 2:
+        c = (s - (before - earlier) / h2) / (h1 + h2)
+        s += h1 * c
+    return v, s, c
+
+
+@kernel
+def end_of(v, s, c, degree, h):
+    """Where a polynomial is after h."""
+    if degree == 2:
+        return v + h * (s + h * c)
+    return v + h * s if degree == 1 else v
+
+
+@kernel
+def _ahead(past, link):
+    """The polynomial of an input over the coming step, from its samples."""
+    if link.held != 0:
+        return link.present, 0.0, 0.0
+    v, s, c = extrapolation(past.samples, link.present, link.before, link.earlier, past.h1, past.h2)
+    return _seen(past, v, s, c, past.samples > 2)
+
+
+@kernel
+def _towards(past, link, h):
+    """The polynomial that ends at the known value, h ahead; where the source does not step, that of its samples goes on."""
+    if past.left != 0:
+        return _ahead(past, link)
+    h += past.elapsed
+    v, c = link.known if link.held == CONSTANT else link.present, 0.0
+    if past.degree == 0:
+        return v if link.held == JUMPS else link.known, 0.0, 0.0
+    bent = past.degree == 2 and past.samples > 1
+    s = 0.0 if link.held != 0 else (link.known - v) / h
+    if bent and link.held == 0:
+        c = (s - (v - link.before) / past.h1) / (h + past.h1)
+        s += -h * c
+    return _seen(past, v, s, c, bent)
+
+
+@kernel
+def _seen(past, v, s, c, bent):
+    """A polynomial from the present instant instead of from the last sample."""
+    e = past.elapsed
+    if e == 0.0:
+        return v, s, c
+    return (v + e * (s + e * c), s + 2.0 * e * c, c) if bent else (v + e * s, s, c)
+
+
+@kernel
+def _degree(unit, past):
+    """Of the polynomials that a history gives a unit."""
+    degree = past.samples - 1
+    if unit.late < unit.links and past.degree > 0 and past.left == 0:
+        degree = max(degree, 2 if past.degree == 2 and past.samples > 1 else 1)
+    return degree
+
+
+@kernel
+def _drive(unit, links, pasts, signals, buffer, h):
+    """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
+    first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
+    degree = 0  # that of the most bent input
+    for k in range(unit.first_past, unit.first_past + unit.pasts):
+        degree = max(degree, _degree(unit, pasts[k]))
+    held, smooth = degree == 0, unit.smooth != 0 and unit.ends == GUESSED
+    if smooth or unit.pressed != 0:
+        degree = max(degree, 1)
+    given = 2 if unit.corrected != 0 else degree
+    in_memory = unit.way == IN_MEMORY and unit.lost == 0
+    for i in range(first, behind):
+        link = links[i]
+        past = pasts[link.past]
+        if i >= extrapolated:
+            link.known = _given(link, signals)
+            v, s, c = _towards(past, link, h)
+        elif link.pressed != 0 and link.fault == UNALTERED:
+            v, s, c = link.force, link.rate, 0.0
+        else:
+            v, s, c = _ahead(past, link)
+        if smooth and link.held != JUMPS:  # from where it ended to where it should end
+            back = (v - link.reached) / h
+            v, s = link.reached, back if held else s + back
+        link.reached = end_of(v, s, c, degree, h)
+        if given > degree:  # what is owed, as a parabola that vanishes at both ends of the step, where inputs stay true
+            s += 6.0 * link.owed / h**2
+            c -= 6.0 * link.owed / h**3
+        link.value, link.slope, link.half, link.degree = v, s, c, given
+        if in_memory:
+            store(link.at, v)
+            if given > 0:
+                store(link.at + unit.row, s)
+            if given > 1:
+                store(link.at + 2 * unit.row, c)
+    unit.ends = LED if unit.led != 0 else GUESSED
+    if unit.way >= IN_MEMORY or unit.lost != 0:
+        return 0
+    return _drive_fmu(unit, links, buffer, given, h, False)
+
+
+@kernel
+def _hold(unit, links, known):
+    """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
+    changed, at = False, unit.held_values
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        if link.apart != 0:
+            v = link.known if known else link.value
+            changed = changed or load(at) != v
+            store(at, v)
+            at += 8
+    return call_entry(unit.hold, unit.time, 0.0, 0) if changed else 0
+
+
+@kernel
+def _drive_fmu(unit, links, buffer, degree, h, known):
+    """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
+    first, n, way = 3 * unit.first_link, unit.links - unit.apart, unit.way
+    status = _hold(unit, links, known) if unit.apart > 0 else 0
+    if status > WARNING or n == 0:
+        return status
+    values, k = buffer.ctypes.data + 8 * first, first
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        if link.apart != 0:
+            continue
+        v, s, c = link.known if known else link.value, link.slope, link.half
+        if way == MEAN and degree > 0:
+            v = v + h * (s / 2.0 + h * c / 3.0)
+        buffer[k], buffer[k + n], buffer[k + 2 * n] = v, s, 2.0 * c
+        k += 1
+    if way == COMPANIONS:
+        return call_values(unit.set, unit.instance, unit.input_references, n * (degree + 1), values)
+    status = call_values(unit.set, unit.instance, unit.input_references, n, values)
+    if way == DERIVATIVES:
+        for order in range(degree):
+            if status <= WARNING:
+                status = call_derivatives(unit.set_derivatives, unit.instance, unit.input_references, n,
+                                          unit.orders + 4 * order * n, values + 8 * (order + 1) * n)
+    return status
+
+
+@kernel
+def _step(unit, t, h):
+    """Step one unit; returns its status."""
+    unit.taken += 1
+    if unit.way < IN_MEMORY:
+        unit.time = t
+        return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
+    status = FAILED * call_entry(unit.step, t, h, unit.argument)
+    if status == 0:
+        unit.time = t + h
+    return status
+
+
+@kernel
+def _start(unit, units, links, pasts, signals, buffer, t, h):
+    """Drive a unit over the coming step and let it step; returns the status."""
+    status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
+    if status > WARNING or unit.lost != 0:
+        return status
+    if unit.way == NOTED:
+        return _start_rated(unit, units, links, pasts, signals, buffer, t, h)
+    return _step(unit, t, h)
+
+
+@kernel
+def _start_rated(unit, units, links, pasts, signals, buffer, t, h):
+    """A macro step of a unit with a rate of its own; it steps in the last one of its own step, or of the run."""
+    own, seen = units[unit.slow], units[unit.slow + 1]  # the unit that steps, and its outputs between its steps
+    if unit.count == 0:
+        for k in range(unit.links):
+            signals[links[own.first_link + k].source] = links[unit.first_link + k].value
+        _push(own, links, pasts, signals, unit.length, False)
+        _push(seen, links, pasts, signals, unit.length, False)
+        unit.start = t
+    unit.count += 1
+    equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
+    unit.length = unit.count * h if equal else unit.length + h
+    if unit.count < unit.every and t + h < unit.stop * LAST:
+        return 0
+    unit.count = 0
+    for k in range(unit.links):
+        signals[links[own.first_link + k].source] = links[unit.first_link + k].reached
+    status = _drive(own, links, pasts, signals, buffer, unit.length) if unit.links > 0 else 0
+    return _step(own, unit.start, unit.length) if status <= WARNING else status
+
+
+@kernel
+def _read(unit, outputs_at, signals):
+    """Outputs of a unit into the table of signals; returns the status."""
+    first, n = unit.first_signal, unit.signals
+    if unit.way == IN_MEMORY:
+        for k in range(first, first + n):
+            signals[k] = load(outputs_at[k])
+        return 0
+    if unit.way == IN_PYTHON:
+        return FAILED * call_entry(unit.read, unit.time, 0.0, 0)
+    if unit.parts == 0:
+        return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
+    cell = unit.part_cells
+    for _ in range(unit.parts):  # as `call_table.output_parts` writes them
+        whole, n = load_int64(cell + 32), load_int64(cell + 40)
+        status = call_values(load_int64(cell), unit.instance, load_int64(cell + 8), load_int64(cell + 16), load_int64(cell + 24))
+        if status > WARNING:
+            return status
+        cell += 48
+        for _ in range(n):
+            row, at = first + load_int64(cell), load_int64(cell + 8)
+            signals[row] = load_int32(at) if whole != 0 else load(at)
+            cell += 16
+    return 0
+
+
+@kernel
+def _read_any(unit, units, links, pasts, outputs_at, signals):
+    """Outputs of a unit of any rate into the table of signals; returns the status."""
+    if unit.lost != 0:
+        return 0
+    if unit.way != NOTED:
+        return _read(unit, outputs_at, signals)
+    status = _read(units[unit.slow], outputs_at, signals) if unit.count == 0 else 0
+    _show(unit, units, links, pasts, signals)
+    return status
+
+
+@kernel
+def _show(unit, units, links, pasts, signals):
+    """What the others go by: the outputs of a unit with a rate of its own, between its steps what their polynomials say."""
+    seen = units[unit.slow + 1]
+    for k in range(seen.links):
+        link = links[seen.first_link + k]
+        past, v = pasts[link.past], signals[link.source]
+        if unit.count > 0:
+            v, s, c = _ahead(past, link)
+            v = end_of(v, s, c, past.samples - 1, unit.length)
+        signals[seen.first_signal + k] = v
+
+
+@kernel
+def _stands(unit, links, signals):
+    """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved; these are noted as known."""
+    stands = unit.ends == GUESSED
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        link.known = v = _given(link, signals)
+        if link.direct != 0 and not abs(v - link.reached) <= link.change * abs(v):
+            stands = False
+    return stands
+
+
+@kernel
+def _update(unit, links, buffer):
+    """Bring the outputs of a unit up to date for its known inputs; returns the status."""
+    if unit.way < IN_MEMORY:
+        return _drive_fmu(unit, links, buffer, 0, 0.0, True)
+    if unit.way == IN_MEMORY:
+        for i in range(unit.first_link, unit.first_link + unit.links):
+            store(links[i].at, links[i].known)
+    return FAILED * call_entry(unit.outputs, unit.time, 0.0, unit.argument)
+
+
+@kernel
+def _update_any(unit, units, links, buffer):
+    """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
+    if unit.lost != 0 or (unit.way == NOTED and unit.count > 0):
+        return 0
+    if unit.way != NOTED:
+        return _update(unit, links, buffer)
+    own = units[unit.slow]
+    for k in range(unit.links):
+        links[own.first_link + k].known = links[unit.first_link + k].known
+    return _update(own, links, buffer)
+
+
+@kernel
+def _push(unit, links, pasts, signals, h, known):
+    """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped.
+
+    known: they are what they were led to.
+    """
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        link.now = link.known if known else _given(link, signals)
+        if pasts[link.past].left == 0:
+            link.earlier = link.before
+            link.before = link.present
+            link.present = link.now
+    for k in range(unit.first_past, unit.first_past + unit.pasts):
+        past = pasts[k]
+        past.elapsed += h
+        if past.left == 0:
+            past.h2, past.h1 = past.h1, past.elapsed
+            if past.samples <= past.degree:
+                past.samples += 1
+            past.elapsed = 0.0
+            past.left = past.every
+        past.left -= 1
+
+
+@kernel
+def _look(unit, links, pasts, signals, h, ahead):
+    """Note what the inputs are, or where extrapolation will have taken them after h."""
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        if ahead:
+            v, s, c = _ahead(pasts[link.past], link)
+            link.foreseen = end_of(v, s, c, pasts[link.past].samples - 1, h)
+        else:
+            link.looked = _given(link, signals)
+
+
+@kernel
+def _act(act, unit, m, t, h):
+    """One row of the program for one unit; returns the status."""
+    request = m.request[0]
+    if act == START:
+        return _start(unit, m.units, m.links, m.pasts, m.signals, m.buffer, t, h)
+    if act == READ:
+        return _read_any(unit, m.units, m.links, m.pasts, m.outputs_at, m.signals)
+    if act == PUSH:
+        _push(unit, m.links, m.pasts, m.signals, h, unit.ends == LED and request.updated == 0)
+        return 0
+    if act == LOOK or act == FORESEE:
+        _look(unit, m.links, m.pasts, m.signals, h, act == FORESEE)
+        return 0
+    if act == FOLLOW and unit.ends == LED and request.updated == 0:
+        return 0
+    if _stands(unit, m.links, m.signals) and act == FOLLOW:
+        return 0
+    status = _update_any(unit, m.units, m.links, m.buffer)
+    if status <= WARNING and act == FOLLOW:
+        status = _read_any(unit, m.units, m.links, m.pasts, m.outputs_at, m.signals)
+    request.updated = 1
+    return status
+
+
+@kernel
+def _keep(step, look, m):
+    """What is wanted of a macro step; returns the number of looks so far."""
+    request, links, n = m.request[0], m.links, m.inverse.size
+    if request.rows != 0:
+        for k in range(n):
+            store(request.rows + 8 * (step * n + k), m.signals[k])
+        for k in range(m.bonded.size):
+            link, at = links[m.bonded[k]], request.given + 32 * (step * m.bonded.size + k)
+            store(at, link.value)
+            store(at + 8, link.slope)
+            store(at + 16, link.half)
+            store(at + 24, link.degree)
+        for k in range(request.watches):
+            store(request.outputs + 8 * (step * request.watches + k), load(load_int64(request.watched + 8 * k)))
+    if look < request.look_count and load_int64(request.looks + 8 * look) == step:
+        for i in range(request.driven):
+            store(request.inputs + 8 * (2 * look * request.driven + i), links[i].now)
+            store(request.inputs + 8 * ((2 * look + 1) * request.driven + i), links[i].reached)
+        look += 1
+    return look
+
+
+@kernel
+def march(t, h, m):
+    """Take the rows of the program that the request names, in each of its macro steps of length h; see `records.REQUEST`."""
+    request = m.request[0]
+    look, begin = 0, request.begin
+    request.unit, request.status, request.done = -1, 0, 0
+    for step in range(request.steps):
+        if request.times != 0:
+            t = load(request.times + 8 * step)
+        if request.whole != 0:
+            request.updated = 0
+        for row in range(request.first, request.last):
+            act, place, last = m.program[row, 0], m.program[row, 1] + begin, m.program[row, 2]
+            begin = 0
+            while place < last:
+                k = m.order[place]
+                status = _act(act, m.units[k], m, t, h)
+                if status > WARNING:
+                    request.row, request.place, request.unit, request.status = row, place - m.program[row, 1], k, status
+                    return 0
+                place += 1
+        if request.whole == 0:
+            continue
+        look = _keep(step, look, m)
+        total = 0.0
+        for k in range(m.inverse.size):
+            total += m.signals[k] * m.inverse[k]
+        request.done += 1
+        if not abs(total) < LIMIT:
+            request.unit = BEYOND
+            return 0
+        if request.halt != 0:
+            return 0
+    return 0

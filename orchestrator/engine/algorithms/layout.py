@@ -1,0 +1,88 @@
+"""From the nodes of a master to its records: what stands where, and the program of its macro step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from ...units.call_names import NOTED
+from ..coupling import Link
+from .memory import Records
+from .node import Node, Samples
+from .records import CONSTANT, JUMPS
+
+ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
+
+
+class Program:
+    """Rows of acts: what is done, and with which part of `order`, places of units."""
+
+    def __init__(self, nodes: Sequence[Node]):
+        self._places = {id(node): k for k, node in enumerate(nodes)}
+        self.rows: list[tuple[int, int, int]] = []
+        self.order: list[int] = []
+
+    def add(self, *acts: tuple[int, Sequence[Node]]) -> tuple[int, int]:
+        """The first row of some acts, and the one behind them."""
+        first = len(self.rows)
+        for act, nodes in acts:
+            place = len(self.order)
+            self.order += [self._places[id(node)] for node in nodes]
+            self.rows += [(act, place, len(self.order))] if nodes else []
+        return first, len(self.rows)
+
+
+def lay_out(nodes: Sequence[Node], late: Sequence[int], program: Program, weights: Sequence[float],
+            bonded: Sequence[tuple[Node, Link]], table: int, smoothing: bool, end: float) -> Records:
+    """The records of nodes, each bound to its own.
+
+    A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table` of
+    signals, and the one that gives its outputs between its steps. late: of each node, how many of its links are extrapolated, those
+    come first; bonded: links whose polynomials are noted; end: s, of the run.
+    """
+    rated = [node for node in nodes if node.own is not None]
+    parts: list[tuple[int, tuple[Samples, ...]]] = [(len(node.links), node.samples) for node in nodes]
+    for node in rated:
+        own, seen = node.own  # type: ignore[misc]
+        parts += [(len(node.links), (own,) if node.links else ()), (node.place.stop - node.place.start, (seen,))]
+    first_links = [0, *accumulate(n for n, _ in parts)]
+    first_pasts = [0, *accumulate(len(samples) for _, samples in parts)]
+    places = {id(node): k for k, node in enumerate(nodes)}
+    bonds = [first_links[places[id(node)]] + node.links.index(link) for node, link in bonded]
+    records = Records(len(parts), first_links[-1], first_pasts[-1], program.rows, program.order, weights, bonds,
+                      table + sum(len(node.links) for node in rated), first_links[len(nodes)])
+    units, links, pasts = records.memory.units, records.memory.links, records.memory.pasts
+    units["first_link"], units["links"] = first_links[:-1], [n for n, _ in parts]
+    units["first_past"], units["pasts"] = first_pasts[:-1], [len(samples) for _, samples in parts]
+    units["every"], units["stop"], links["factor"] = 1, end, 1.0
+    for (_, samples), first_link, first_past in zip(parts, first_links, first_pasts, strict=False):
+        for k, sample in enumerate(samples, first_past):
+            pasts["degree"][k], pasts["every"][k] = sample.degree, sample.every
+            for held, which in ((0, sample.places), (JUMPS, sample.jumping), (CONSTANT, sample.constant)):
+                links["held"][[first_link + place for place in which]] = held
+            links["past"][[first_link + place for place in sample.places]] = k
+    for k, (node, behind) in enumerate(zip(nodes, late, strict=True)):
+        row, mine = units[k : k + 1], links[first_links[k] : first_links[k + 1]]
+        row["late"], row["led"], row["smooth"] = behind, behind == 0 and bool(node.links) and node.follows, smoothing
+        row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start
+        mine["source"] = node.sources
+        for name in ("factor", "offset"):
+            mine[name] = [getattr(link, name) for link in node.links]
+        for place, change in node.direct:
+            mine["direct"][place], mine["change"][place] = 1, change
+    links["converted"] = (links["factor"] != 1.0) | (links["offset"] != 0.0)
+    cells = table
+    for k, node in enumerate(rated, 0):
+        own, outer = len(nodes) + 2 * k, units[places[id(node)] : places[id(node)] + 1]
+        outer["way"], outer["slow"], outer["every"] = NOTED, own, node.every
+        assert node.estimates is not None
+        for row, first, n in ((own, node.place.start, outer["signals"][0]), (own + 1, node.estimates.start, 0)):
+            units["first_signal"][row], units["signals"][row] = first, n
+        links["source"][first_links[own] : first_links[own + 1]] = np.arange(cells, cells + len(node.links))
+        links["source"][first_links[own + 1] : first_links[own + 2]] = np.arange(node.place.start, node.place.stop)
+        cells += len(node.links)
+    for k, node in enumerate(nodes):
+        node.bind(records, k)
+    return records

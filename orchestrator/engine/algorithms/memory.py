@@ -1,0 +1,86 @@
+"""The block of a master, and how Python calls the kernels on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....components.core.block import CELL, Block, callable_of
+from ....components.core.kernels import COMPILED, RAISED
+from .kernels import march
+from .records import LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, UNIT, UNIT_STATE, Memory
+
+
+class Records:
+    """The block of a master; `memory` has views of it, as kernels get them.
+
+    integers, numbers: its cells, and `place` that of a field of a record among them.
+    """
+
+    def __init__(self, units: int, links: int, pasts: int, program: Sequence[tuple[int, int, int]], order: Sequence[int],
+                 weights: Sequence[float], bonded: Sequence[int], signals: int, driven: int):
+        """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with; weights:
+        1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of the units of a macro step."""
+        def whole(values: Sequence[Any], *shape: int) -> np.ndarray:
+            return np.array(values, dtype=np.int64).reshape(*shape)
+
+        zeros, inverse = np.zeros, np.array(weights, dtype=float)
+        begin = Memory(zeros(1, REQUEST), zeros(units, UNIT), zeros(links, LINK), zeros(pasts, PAST), whole(program, -1, 3),
+                       whole(order, -1), zeros(inverse.size, np.int64), inverse, whole(bonded, -1), zeros(signals), zeros(3 * links))
+        self.block, self.driven = Block(begin, (), (), {"march": ("double %t", "double %h")}), driven
+        self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
+        self.integers, self.numbers = memoryview(self.block.memory.view(np.int64)), memoryview(self.block.memory)
+        self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
+        self._march: Callable[[float, float], int] | None = None
+
+    def place(self, array: str, k: int, field: str) -> int:
+        """The cell of a field of the k-th record of an array."""
+        offset: int = getattr(self.memory, array).dtype.fields[field][1]
+        return self.block.cell("s", array) + (k * getattr(self.memory, array).dtype.itemsize + offset) // CELL
+
+    def ask(self, **fields: int) -> None:
+        """Write into the request."""
+        integers, places = self.integers, self._requested
+        for name, value in fields.items():
+            integers[places[name]] = value
+
+    def answer(self, field: str) -> int:
+        """A field of the request."""
+        return self.integers[self._requested[field]]
+
+    def march(self, t: float, h: float) -> None:
+        """Call the kernel of the loop: compiled, the first time, if need be."""
+        if self._march is None:
+            memory, address = self.memory, self.block.address
+            if COMPILED:
+                entry = callable_of(self.block.entry("march", march, (memory,)))
+                self._march = lambda t, h: entry(t, h, address)
+            else:
+                self._march = lambda t, h: march(t, h, memory)
+        if self._march(t, h) == RAISED:
+            raise RuntimeError("a kernel of the loop has raised an exception")
+
+    @property
+    def cells(self) -> np.ndarray:
+        """A copy of the block: the records, the signals, and addresses of this process."""
+        return self.block.memory.copy()
+
+    def take(self, cells: np.ndarray) -> None:
+        """Everything as in `cells`, of this master."""
+        self.block.memory[:] = cells
+
+    def adopt(self, cells: np.ndarray) -> None:
+        """What changes as in `cells`, of a master of the same scene in another process; raises `ValueError` for one of another size."""
+        if cells.shape != self.block.memory.shape:
+            raise ValueError(f"a master of {cells.size} cells, not {self.block.memory.size}")
+        mine, before = self.memory, self.block.memory.copy()
+        self.block.memory[:] = cells
+        theirs = [array.copy() for array in (mine.units, mine.links, mine.pasts)]
+        signals = mine.signals.copy()
+        self.block.memory[:] = before
+        for array, given, names in zip((mine.units, mine.links, mine.pasts), theirs, (UNIT_STATE, LINK_STATE, PAST_STATE), strict=True):
+            for name in names:
+                array[name] = given[name]
+        mine.signals[:] = signals
