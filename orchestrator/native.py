@@ -44,7 +44,7 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
         observed = {n: _Initialized(units[n]) for n, unit in scene.units.items() if unit.component}
         read = (*read_in_every_step(scene), *scene.coupling.events)
         master = master_of(scene, units | observed, scene.coupling, read)
-        Faults(scene.faults, scene.coupling, master, {}, clock_for(scene, scene.coupling)).before_start()
+        Faults(scene.faults, scene.coupling, master, clock_for(scene, scene.coupling)).before_start()
         master.initialize(0.0)
         return {name: unit.starts for name, unit in observed.items()}
 

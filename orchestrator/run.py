@@ -13,7 +13,7 @@ from math import isfinite
 from pathlib import Path
 from signal import SIGINT
 from time import perf_counter, process_time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..components.core.errors import BadInput, StepFailed
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore

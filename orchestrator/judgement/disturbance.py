@@ -17,11 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..engine.algorithms import Master, master_of
+from ..engine.algorithms import master_of
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Coupling
 from ..engine.coupling.demands import free
+from ..engine.stepping.loop import Steppable
 from ..open_all import open_units
 from ..scene.scene import Scene
 from ..settings import IterationSettings
@@ -119,7 +120,7 @@ class Disturbed:
         self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
         account = EnergyAccount(self.master, coupling, correction=scene.master.energy_correction) if coupling.bonds else None
         (account or self.master).initialize(0.0)
-        self._steppable: EnergyAccount | Master = account or self.master
+        self._steppable: Steppable = account or self.master
         self._start = self._steppable.save()
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
 

@@ -21,7 +21,7 @@ import numpy as np
 from ...components.core.errors import StepFailed
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.master import Master
-from ..engine.stepping.loop import Stepping
+from ..engine.stepping.loop import Steppable, Stepping
 from ..engine.stepping.observers import BatchObserver
 from ..scene.scene import Scene
 from .comparison import Difference, difference
@@ -75,7 +75,7 @@ class Windows(BatchObserver):
                  angles: Collection[str] = ()):
         """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them. `angles`: signals in rad."""
         self._master, self._stepping, self._angles = master, stepping, angles
-        self._stepper: EnergyAccount | Master = account if account is not None and account.correction else master
+        self._stepper: Steppable = account if account is not None and account.correction else master
         # a window is one step at H and two at H/2, so that its cost is three times its share of the run
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
         self._every = max(steps // WINDOWS_PLACES, 1)

@@ -1,7 +1,7 @@
 """Calls by address and access to memory for kernels: what `CallTable`s hold is data, so one loop serves every unit.
 
-The functions have no body: what they do follows from the types that stand before them. It is machine code where kernels are compiled,
-and the same by ctypes where they run as plain Python.
+The functions have no body: what they do follows from the types that stand before them. It is machine code where kernels are
+compiled, and the same by ctypes where they run as plain Python.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...components.core.kernels import COMPILED
 
 # types: an address is an int64 for kernels, `POINTER` where a C function gets it
 DOUBLE, INT, WIDE, POINTER = "double", "int32", "int64", "pointer"
-C = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, WIDE: ctypes.c_int64, POINTER: ctypes.c_void_p}
+C: dict[str, Any] = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, WIDE: ctypes.c_int64, POINTER: ctypes.c_void_p}
 
 
 def _made(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
@@ -44,7 +44,8 @@ def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         if not COMPILED:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *(C[kind] for kind in kinds))
-            return lambda address, *given: prototype(int(address))(*(C[kind](v).value for kind, v in zip(kinds, given, strict=True)))
+            return lambda address, *given: prototype(int(address))(
+                *(float(v) if kind == DOUBLE else int(v) for kind, v in zip(kinds, given, strict=True)))
 
         def emit(builder: Any, given: Any) -> Any:
             from llvmlite import ir

@@ -91,8 +91,9 @@ class Fmi2CoSimulation(Fmi2Unit):
             return None
         self.hold_anew()
         self._hand_over_held = Callback(self._hand_over_values)
+        held = Held(self._rows[2], self._held_values, self._hand_over_held)
         return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
-                          interface.canInterpolateInputs, self._scalars, Held(self._rows[2], self._held_values, self._hand_over_held))
+                          interface.canInterpolateInputs, self._scalars, held)
 
     def _hand_over_values(self, t: float, _: float) -> None:
         """Compiled code has changed `_held_values`; the last step was from t."""

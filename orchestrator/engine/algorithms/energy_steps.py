@@ -16,9 +16,9 @@ def enter_steps(h, basis, outputs, given, degrees, factors, watts, work, integra
     """Equal steps of an account, for I inputs and I / 2 bonds, of which the k-th has the inputs 2 k and 2 k + 1.
 
     basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first; given: (n, I,
-    4), value, slope, half of the second derivative and degree; work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added
-    to; alone: (2, I / 2), J, created and exchanged in the last step; course: (n + 1, 1 + I), the sums behind each step, of which
-    the first are given.
+    4), value, slope, half of the second derivative and degree; work: (2, I, 3), what the inputs stand for and what they were
+    given, at `POINTS`; integrals: (I,), added to; alone: (2, I / 2), J, created and exchanged in the last step; course:
+    (n + 1, 1 + I), the sums behind each step, of which the first are given.
     """
     kept, bonds = basis.shape[1], watts.size
     for i in range(len(given)):

@@ -42,7 +42,7 @@ class InterfaceModel(Master):
     """
 
     def own_acts(self) -> dict[str, Acts]:
-        """Bodies that lead, and those that follow what these have shown; contacts never step, their outputs follow their bodies."""
+        """Bodies that lead, and those that follow what these have shown. Contacts never step, their outputs follow the bodies."""
         self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactUnit)]
         self._led = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}

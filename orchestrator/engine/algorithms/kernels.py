@@ -1,9 +1,9 @@
 """The loop: what a master does in a macro step, as kernels over its `records`. No other code does any of it.
 
-A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, `UPDATE` their
-outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved, `PUSH` the samples of the new instant. `march`
-takes the rows of a macro step one after the other, and many macro steps; algorithms that decide something in between have it take
-the rows up to there.
+A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, `UPDATE`
+their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved, `PUSH` the samples of the new instant.
+`march` takes the rows of a macro step one after the other, and many macro steps; algorithms that decide something in between have
+it take the rows up to there.
 
 A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
 Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own is three of `UNIT`:
@@ -32,7 +32,6 @@ from .records import (
     SHIFTED,
     START,
     UNALTERED,
-    UPDATE,
 )
 
 WARNING = 1
@@ -53,7 +52,7 @@ def _given(link, signals):
 
 @kernel
 def extrapolation(samples, v, before, earlier, h1, h2):
-    """The polynomial through the last samples, h1 and h2 apart: value, slope and half of the second derivative at the newest, v."""
+    """The polynomial through the last samples, h1 and h2 apart: value, slope, half of the second derivative at the newest, v."""
     if samples < 2:
         return v, 0.0, 0.0
     s, c = (v - before) / h1, 0.0
@@ -298,7 +297,7 @@ def _show(unit, units, links, pasts, signals):
 
 @kernel
 def _stands(unit, links, signals):
-    """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved; these are noted as known."""
+    """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved. Notes these as known."""
     stands = unit.ends == GUESSED
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
@@ -380,7 +379,7 @@ def _act(act, unit, m, t, h):
     if act == PUSH:
         _push(unit, m.links, m.pasts, m.signals, h, unit.ends == LED and request.updated == 0)
         return 0
-    if act == LOOK or act == FORESEE:
+    if act in (LOOK, FORESEE):
         _look(unit, m.links, m.pasts, m.signals, h, act == FORESEE)
         return 0
     if act == FOLLOW and unit.ends == LED and request.updated == 0:

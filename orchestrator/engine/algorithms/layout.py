@@ -38,9 +38,9 @@ def lay_out(nodes: Sequence[Node], late: Sequence[int], program: Program, weight
             bonded: Sequence[tuple[Node, Link]], table: int, smoothing: bool, end: float) -> Records:
     """The records of nodes, each bound to its own.
 
-    A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table` of
-    signals, and the one that gives its outputs between its steps. late: of each node, how many of its links are extrapolated, those
-    come first; bonded: links whose polynomials are noted; end: s, of the run.
+    A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
+    of signals, and the one that gives its outputs between its steps. late: of each node, how many of its links are extrapolated,
+    those come first; bonded: links whose polynomials are noted; end: s, of the run.
     """
     rated = [node for node in nodes if node.own is not None]
     parts: list[tuple[int, tuple[Samples, ...]]] = [(len(node.links), node.samples) for node in nodes]

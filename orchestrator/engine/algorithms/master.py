@@ -50,15 +50,13 @@ class Saved:
 
 
 class March(NamedTuple):
-    """Macro steps that were taken together. rows: (n, S), signals behind each; given: (n, B, 4), value, slope, half of the second
-    derivative and degree of what bonded inputs were given; inputs: (m, 2, L), all inputs behind the steps that were asked for, and
-    where they were led to; outputs: (n, W), what `watch` has asked for; kept: what was saved; failure: why there are fewer steps."""
+    """Macro steps that were taken together, and why there are fewer, if there are."""
 
-    rows: np.ndarray
-    given: np.ndarray = np.zeros((0, 0, 4))
-    inputs: np.ndarray = np.zeros((0, 2, 0))
-    outputs: np.ndarray = np.zeros((0, 0))
-    kept: Sequence[Any] = ()
+    rows: np.ndarray  # (n, S), the signals behind each
+    given: np.ndarray = np.zeros((0, 0, 4))  # (n, B, 4), value, slope, half of the second derivative, degree of bonded inputs
+    inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the steps asked for, and where they were led to
+    outputs: np.ndarray = np.zeros((0, 0))  # (n, W), what `watch` has asked for
+    kept: Sequence[Any] = ()  # what was saved
     failure: BaseException | None = None
 
 
@@ -162,7 +160,8 @@ class Master:
             still = [k for k, output in enumerate(mine) if is_discrete(interfaces[name].outputs[read[output][1]])]
             first = self.cells[read[mine[0]]] if mine else 0
             estimates = slice(first, first + len(mine))
-            own = (samples_of(self.degree, range(len(links)), 1, held, moving), samples_of(self.degree, range(len(mine)), 1, still))
+            own = (samples_of(self.degree, range(len(links)), 1, held, moving),
+                   samples_of(self.degree, range(len(mine)), 1, still))
         sources = tuple(self.cells[link.source] for link in links)
         return Node(unit, place, tuple(links), sources, tuple(held), follows and set(by_rate) <= {1}, samples, own,
                     rates.get(name, 1), estimates)
@@ -294,8 +293,8 @@ class Master:
     def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
         """Macro steps from each of `times`, s, of length h, in as few calls as possible.
 
-        looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved. Both, and
-        all but `rows` and `failure` of what is returned, where steps are taken `in_batches`.
+        looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved. Both,
+        and all but `rows` and `failure` of what is returned, where steps are taken `in_batches`.
         """
         if not self.in_batches:
             return singly(self, self, times, h)

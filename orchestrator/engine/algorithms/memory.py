@@ -21,17 +21,18 @@ class Records:
 
     def __init__(self, units: int, links: int, pasts: int, program: Sequence[tuple[int, int, int]], order: Sequence[int],
                  weights: Sequence[float], bonded: Sequence[int], signals: int, driven: int):
-        """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with; weights:
-        1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of the units of a macro step."""
+        """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with;
+        weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units."""
         def whole(values: Sequence[Any], *shape: int) -> np.ndarray:
             return np.array(values, dtype=np.int64).reshape(*shape)
 
         zeros, inverse = np.zeros, np.array(weights, dtype=float)
-        begin = Memory(zeros(1, REQUEST), zeros(units, UNIT), zeros(links, LINK), zeros(pasts, PAST), whole(program, -1, 3),
-                       whole(order, -1), zeros(inverse.size, np.int64), inverse, whole(bonded, -1), zeros(signals), zeros(3 * links))
+        records = (zeros(n, dtype) for n, dtype in ((1, REQUEST), (units, UNIT), (links, LINK), (pasts, PAST)))
+        begin = Memory(*records, whole(program, -1, 3), whole(order, -1), zeros(inverse.size, np.int64), inverse,
+                       whole(bonded, -1), zeros(signals), zeros(3 * links))
         self.block, self.driven = Block(begin, (), (), {"march": ("double %t", "double %h")}), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
-        self.integers, self.numbers = memoryview(self.block.memory.view(np.int64)), memoryview(self.block.memory)
+        self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
         self._march: Callable[[float, float], int] | None = None
 
@@ -62,17 +63,8 @@ class Records:
         if self._march(t, h) == RAISED:
             raise RuntimeError("a kernel of the loop has raised an exception")
 
-    @property
-    def cells(self) -> np.ndarray:
-        """A copy of the block: the records, the signals, and addresses of this process."""
-        return self.block.memory.copy()
-
-    def take(self, cells: np.ndarray) -> None:
-        """Everything as in `cells`, of this master."""
-        self.block.memory[:] = cells
-
     def adopt(self, cells: np.ndarray) -> None:
-        """What changes as in `cells`, of a master of the same scene in another process; raises `ValueError` for one of another size."""
+        """What changes as in `cells`, of another master of the same scene; raises `ValueError` for one of another size."""
         if cells.shape != self.block.memory.shape:
             raise ValueError(f"a master of {cells.size} cells, not {self.block.memory.size}")
         mine, before = self.memory, self.block.memory.copy()
@@ -80,7 +72,13 @@ class Records:
         theirs = [array.copy() for array in (mine.units, mine.links, mine.pasts)]
         signals = mine.signals.copy()
         self.block.memory[:] = before
-        for array, given, names in zip((mine.units, mine.links, mine.pasts), theirs, (UNIT_STATE, LINK_STATE, PAST_STATE), strict=True):
+        states = UNIT_STATE, LINK_STATE, PAST_STATE
+        for array, given, names in zip((mine.units, mine.links, mine.pasts), theirs, states, strict=True):
             for name in names:
                 array[name] = given[name]
         mine.signals[:] = signals
+
+
+def _cells(array: Any) -> Any:
+    """An array whose items Python reads and writes twice as fast."""
+    return memoryview(array)

@@ -16,7 +16,7 @@ from .records import NOWHERE, OVERRIDDEN, SHIFTED, UNALTERED
 
 @dataclass(frozen=True)
 class Samples:
-    """Inputs whose sources step together, in every `every`-th macro step: their places, and which of these do not change inside one.
+    """Inputs whose sources step together, in every `every`-th macro step: their places, and which of these do not change in one.
 
     jumping: those that change at instants only; constant: those that are held beside places that move on.
     """
@@ -41,10 +41,10 @@ class Node:
     """One unit in the graph.
 
     place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
-    between steps and never change inside one; follows: inputs end where they are led to: the unit takes polynomials, and none of
-    them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to one of
-    its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of what
-    others go by. looks: rows of the program that look at its inputs.
+    between steps and never change inside one; follows: inputs end where they are led to: the unit takes polynomials, and none
+    of them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to
+    one of its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of
+    what others go by. looks: rows of the program that look at its inputs.
     """
 
     unit: Unit

@@ -16,46 +16,111 @@ from ...units.call_names import OF_ENTRIES, OF_FMU
 NOWHERE, LED, GUESSED = range(3)  # where inputs end: not known; at values that were known; where extrapolation has taken them
 CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump between steps; are held beside a place that moves on
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
-START, READ, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(7)  # what a row of the program does, see `kernels.perform`
+START, READ, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(7)  # what a row of the program does, see `kernels`
+BEYOND = -2  # in the place of a unit: signals have left the limit
 
 
-def _records(integers: str, numbers: str = "") -> np.dtype:
-    return np.dtype([(name, np.int64) for name in integers.split()] + [(name, np.float64) for name in numbers.split()])
+def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
+    """A record with a field for each line: its name, i for int64 or f for float64, and what it is; and those marked by *.
+
+    They change from step to step; the others stay as they are.
+    """
+    lines = [line.split(maxsplit=2) for line in fields.strip().splitlines()]
+    kinds = {"i": np.int64, "f": np.float64}
+    return np.dtype([(name, kinds[kind[0]]) for name, kind, _ in lines]), tuple(name for name, kind, _ in lines if "*" in kind)
 
 
-# A unit. Addresses as in `CallTable`; way: in which it gets inputs; first_link, links, late: its links, of which the first `late` are
-# extrapolated; led: all of them are led to values that are known; first_signal, signals: in the table of signals; first_past, pasts:
-# histories of its links; apart: links an FMU is handed only when they change; smooth: inputs begin where they ended; pressed: some
-# are the force of a contact; corrected: some are owed something; every, slow: macro steps to one of the unit, and the first of its
-# other two records, see `kernels`. What changes: ends: of its inputs; taken: steps; kept: states to come back to are kept; lost: takes
-# no more steps; count: macro steps since `start`, s, over `length`, s; time: s, reached, of an FMU the start of its last step.
-UNIT = _records(" ".join((*OF_FMU, *OF_ENTRIES)) + " way first_link links late led first_signal signals first_past pasts apart smooth "
-                "pressed corrected every slow ends taken no_return lost count", "stop start length time")
-UNIT_STATE = ("ends", "taken", "lost", "count", "start", "length", "time")
-# A link; those of a unit stand together. at: address of a component's input; apart: see `UNIT`; source: in the table of signals;
-# past: its history; converted, factor, offset: of the connection; direct, change: an output follows it within an instant, unless it
-# has moved by no more than this part; held: `CHANGES`, ... What changes: fault, alteration: by a fault; pressed, force, rate: the
-# line that a contact gives in place of its source; now: its value behind the last step; looked: at the last `LOOK`; foreseen: at the
-# last `FORESEE`; present, before, earlier: samples; known: what it is led to; value, slope, half of the second derivative, degree:
-# given in the last step; reached: where that ends; owed: its integral over time that is still to be given.
-LINK = _records("at apart source past converted direct held fault pressed", "factor offset change alteration force rate now looked "
-                "foreseen present before earlier known value slope half degree reached owed")
-LINK_STATE = ("fault", "alteration", "pressed", "force", "rate", "now", "present", "before", "earlier", "known", "value", "slope",
-              "half", "degree", "reached", "owed")
-# Samples of links whose sources step together: degree of the polynomial; samples kept, up to degree + 1; every: macro steps from one to
-# the next, `left` of which are to come before the step that ends at one; h1, h2: s, between them, the newest first; elapsed: s, since.
-PAST = _records("degree samples every left", "h1 h2 elapsed")
-PAST_STATE = ("samples", "left", "h1", "h2", "elapsed")
-# What is asked of the kernels: rows of the program from `first` to `last`, in `steps` macro steps from `times` (an address; 0: from t
-# on); begin: units of the first row that are done; updated: outputs have moved already; whole: these are macro steps, whose
-# signals go to `rows`, what bonded links were given to `given`, what `watched` (`watches` addresses) has to `outputs`, and behind the
-# steps `looks` (`look_count`) all inputs, `driven` in number, to `inputs`: addresses, 0 where none is wanted; halt: ends the march
-# behind the present step.
-# What they answer: done: steps; row, place, unit, status: where a call failed, unit is -1 where none has, `BEYOND` where signals
-# have left the limit.
-REQUEST = _records("first last steps times begin updated whole rows given inputs outputs looks look_count driven watched watches halt done row "
-                   "place unit status")
-BEYOND = -2
+UNIT, UNIT_STATE = _record("\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES)) + """
+    way          i  in which it gets inputs, see `call_names`
+    first_link   i  its links
+    links        i  their number
+    late         i  of which so many have their values extrapolated; those come first
+    led          i  whether all are led to values that are known
+    first_signal i  its outputs in the table of signals
+    signals      i  their number
+    first_past   i  its samples
+    pasts        i  their number
+    apart        i  links an FMU is handed only when they change
+    smooth       i  whether inputs begin where they ended
+    pressed      i  whether some are the force of a contact
+    corrected    i  whether something may be owed to some
+    every        i  macro steps to one of the unit
+    slow         i  of a unit with a rate of its own, the first of its other two records
+    stop         f  s, end of the run
+    no_return    i  no state before a step will be taken back
+    ends         i* of its inputs: `NOWHERE`, ...
+    taken        i* steps since the unit was told
+    lost         i* it takes no more steps
+    count        i* macro steps since it stepped
+    start        f* s, where they began
+    length       f* s, of all of them
+    time         f* s, reached; of an FMU the start of its last step
+""")
+LINK, LINK_STATE = _record("""
+    at         i  address of a component's input
+    apart      i  whether an FMU is handed it only when it changes
+    source     i  in the table of signals
+    past       i  its samples
+    converted  i  whether it has another factor than 1, or an offset
+    factor     f  of the connection
+    offset     f  of the connection
+    direct     i  whether an output follows it within an instant
+    change     f  unless it has moved by no more than this part
+    held       i  `CHANGES`, ...
+    fault      i* `UNALTERED`, ...
+    alteration f* by the fault
+    pressed    i* whether a contact gives a line in place of its source
+    force      f* value of that line
+    rate       f* and slope
+    now        f* value behind the last step
+    looked     f  value at the last `LOOK`
+    foreseen   f  value at the last `FORESEE`
+    present    f* newest sample
+    before     f* the one before
+    earlier    f* and before that
+    known      f* what it is led to
+    value      f* given over the last step
+    slope      f* given
+    half       f* given, half of the second derivative
+    degree     f* of what was given
+    reached    f* where that ends
+    owed       f* its integral over time that is still to be given
+""")
+PAST, PAST_STATE = _record("""
+    degree  i  of the polynomial
+    every   i  macro steps from one sample to the next
+    samples i* that are kept, up to degree + 1
+    left    i* macro steps to come before the one that ends at a sample
+    h1      f* s, between the newest samples
+    h2      f* s, between those before
+    elapsed f* s, since the newest one
+""")
+REQUEST, _ = _record("""
+    first      i rows of the program, from this one
+    last       i to before this one
+    steps      i macro steps
+    times      i address of the times at which they begin; 0: the one that is handed over
+    begin      i units of the first row that are done already
+    updated    i whether outputs have moved
+    whole      i whether the rows are a macro step
+    rows       i address for the signals behind each, (steps, S); 0: none of what follows is wanted
+    given      i address for what bonded links were given in each, (steps, B, 4)
+    watched    i address of addresses of further numbers
+    watches    i how many
+    outputs    i address for them, (steps, watches)
+    looks      i address of steps behind which inputs are wanted
+    look_count i how many
+    driven     i inputs
+    inputs     i address for them and where they were led to, (looks, 2, driven)
+    halt       i end behind the present step
+    done       i answer: macro steps that were completed
+    unit       i answer: the unit whose call failed, -1, or `BEYOND`
+    status     i answer: of the call
+    row        i answer: row of the program in which it failed
+    place      i answer: units of it that were done
+""")
 
+# outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output; bonded: links that are noted; buffer: what
+# FMUs are handed
 FIELDS = "request units links pasts program order outputs_at inverse bonded signals buffer"
 Memory = kernel_tuple(namedtuple("Memory", FIELDS))  # type: ignore[misc]

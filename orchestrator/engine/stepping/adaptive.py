@@ -124,7 +124,7 @@ class AdaptiveStepping(Stepping):
         """
         self._step(ahead)
         event, before, crossings = False, ahead, self._crossings
-        while (times := [event for node in self._early if (event := node.event) is not None]):
+        while (times := [at for node in self._early if (at := node.event) is not None]):
             event, first = True, max(self.clock.not_before(min(times)), self.tick + 1)
             before = first - 1
             if first >= ahead or not self._rollback:

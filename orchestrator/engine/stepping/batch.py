@@ -24,8 +24,8 @@ class BatchStepping(Stepping):
     The observers see what they would have seen step by step.
     """
 
-    def __init__(self, master: Master, account: EnergyAccount | None, clock: Clock, stride: int, end: int, stops: Stops | None = None,
-                 trusted: Collection[str] = ()):
+    def __init__(self, master: Master, account: EnergyAccount | None, clock: Clock, stride: int, end: int,
+                 stops: Stops | None = None, trusted: Collection[str] = ()):
         """`trusted`: components that save their whole state; of others all that kernels write is kept, if their steps are nothing
         else."""
         super().__init__(account or master, clock, stride, end, stops)

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
+import numpy as np
+
+from ..algorithms.master import March
 from ..coupling import Endpoint
 from .clock import Clock
 
@@ -24,6 +27,12 @@ class Steppable(Protocol):
 
     def restore(self, saved: Any) -> None:
         """Take back what `save` gave."""
+
+    def adopt(self, saved: Any) -> None:
+        """As `restore`, of another one of the same scene; raises `ValueError` where it does not fit."""
+
+    def march(self, times: np.ndarray, h: float) -> March:
+        """Steps from each of `times` (n,), s, of length h."""
 
 
 ROUNDING = 1_000_000_000  # less than this part of a stride is no step of its own: 3 * 1e-4 is 3.0000000000000003e-4
