@@ -92,15 +92,15 @@ class Master:
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
         self._rows = {"step": program.add(*self.acts(), *((FOLLOW, part) for part in following), (PUSH, self._fed)),
-                      "push": program.add((PUSH, self._fed)), "foresee": program.add((FORESEE, self._fed))}
+                      "advance": program.add(*self.acts()), "push": program.add((PUSH, self._fed)), "foresee": program.add((FORESEE, self._fed))}
         self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}
         self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
         self._follow = {id(part): program.add((FOLLOW, part)) for part in following}
         for node in self.nodes:
             node.looks = program.add((LOOK, [node]))
         bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
-        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, len(self.cells), smoothing, end)
-        self.signals: np.ndarray = records.memory.signals[: len(self.cells)]
+        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, len(read) + len(guessed), smoothing, end)
+        self.signals: np.ndarray = records.memory.signals[: len(read) + len(guessed)]
         self.sample = self.signals[: len(read)].tolist
         self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
         self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
@@ -221,7 +221,7 @@ class Master:
         records = self.records
         while (unit := records.answer("unit")) >= 0:
             node = self.nodes[unit]
-            begin, length = (float(node.record[name][0]) for name in ("start", "length")) if node.own else (t, h)
+            begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self._note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
             records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
@@ -276,7 +276,7 @@ class Master:
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
         for node in self.nodes:
-            if node.record["ends"][0] == LED:
+            if node.unit_record["ends"][0] == LED:
                 node.jump()
         self._solve(t)
 
@@ -384,7 +384,7 @@ class Master:
 
     def led(self) -> np.ndarray:
         """Of all inputs whether extrapolation has led them, (L,)."""
-        return np.array([node.record["ends"][0] == GUESSED for node in self.nodes for _ in node.links], dtype=bool)
+        return np.array([node.unit_record["ends"][0] == GUESSED for node in self.nodes for _ in node.links], dtype=bool)
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:

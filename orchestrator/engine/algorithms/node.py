@@ -69,8 +69,8 @@ class Node:
 
         self.index, self._records = k, records
         self.called = k if self.own is None else int(units["slow"][k])  # the record of what steps
-        self.record, self._links = units[k : k + 1], part(links, k, "first_link", "links")
-        self._pasts = part(pasts, k, "first_past", "pasts")
+        self.unit_record, self.link_records = units[k : k + 1], part(links, k, "first_link", "links")
+        self.sample_records = part(pasts, k, "first_past", "pasts")
         self.of_called = units[self.called : self.called + 1], part(links, self.called, "first_link", "links")
         if self.own is not None:
             self._own, self._seen = (part(pasts, self.called + i, "first_past", "pasts") for i in range(2))
@@ -79,7 +79,7 @@ class Node:
     def inputs(self) -> PortValues:
         """Present values of the driven inputs, in the order of `links`."""
         self._look()
-        return port_values(self._links["looked"])
+        return port_values(self.link_records["looked"])
 
     def _look(self) -> None:
         records, (first, last) = self._records, self.looks
@@ -88,7 +88,7 @@ class Node:
 
     def foreseen(self) -> np.ndarray:
         """Where extrapolation will have taken the inputs, see `Master.foresee`, (n,)."""
-        return self._links["foreseen"]
+        return self.link_records["foreseen"]
 
     def read(self) -> None:
         """The present outputs of the unit into the table of signals."""
@@ -99,31 +99,31 @@ class Node:
     @property
     def event(self) -> float | None:
         """The first event inside the unit's last step, s; none in a macro step in which it does not step."""
-        row = self.record[0]
+        row = self.unit_record[0]
         return None if row["lost"] or row["count"] else self.unit.event
 
     @property
     def kept(self) -> int:
         """Samples of the inputs that there are."""
-        return int(self._pasts["samples"].max(initial=0))
+        return int(self.sample_records["samples"].max(initial=0))
 
     @property
     def spans(self) -> tuple[float, ...]:
         """Between the samples of the inputs, s, the newest first."""
-        return tuple(float(self._pasts[name][0]) for name in ("h1", "h2")[: self.kept - 1])
+        return tuple(float(self.sample_records[name][0]) for name in ("h1", "h2")[: self.kept - 1])
 
     @property
     def ends(self) -> np.ndarray:
         """The inputs behind the last step, and where they were led to, (2, n)."""
-        return np.stack([self._links["now"], self._links["reached"]])
+        return np.stack([self.link_records["now"], self.link_records["reached"]])
 
     def restart(self) -> None:
         """After a jump: the past of the inputs tells nothing any more, their present values are the only sample."""
         self._look()
-        links = self._links
+        links = self.link_records
         links["now"] = links["present"] = links["looked"]
-        self._pasts["samples"], self._pasts["elapsed"] = 1, 0.0
-        if self.record["smooth"][0]:
+        self.sample_records["samples"], self.sample_records["elapsed"] = 1, 0.0
+        if self.unit_record["smooth"][0]:
             self.jump()
         if self.own is not None:
             self._own["samples"] = 0
@@ -132,11 +132,11 @@ class Node:
 
     def jump(self) -> None:
         """Where the inputs were led to is no guess of where they are."""
-        self.record["ends"] = NOWHERE
+        self.unit_record["ends"] = NOWHERE
 
     def lose(self) -> None:
         """The unit takes no more steps and no inputs, and its outputs stay as they are, those that others go by, too."""
-        self.record["lost"] = 1
+        self.unit_record["lost"] = 1
         if self.estimates is not None:
             signals = self._records.memory.signals
             signals[self.estimates] = self._seen_links["present"] = signals[self.place]
@@ -144,13 +144,13 @@ class Node:
 
     def press(self, k: int, value: float, slope: float) -> None:
         """Over the coming step the k-th input is a line, unless a fault alters it."""
-        links = self._links
+        links = self.link_records
         links["pressed"][k], links["force"][k], links["rate"][k] = 1, value, slope
-        self.record["pressed"] = 1
+        self.unit_record["pressed"] = 1
 
     def alter(self, changes: Mapping[int, tuple[bool, float]]) -> None:
         """What faults make of inputs, by place: whether they are replaced, and by what, or what is added to them."""
-        links = self._links
+        links = self.link_records
         links["fault"] = UNALTERED
         for k, (replaced, number) in changes.items():
             links["fault"][k], links["alteration"][k] = OVERRIDDEN if replaced else SHIFTED, number
@@ -158,9 +158,9 @@ class Node:
     @property
     def given(self) -> np.ndarray:
         """What the inputs were given in the last step, (n, 4): value, slope, half of the second derivative, degree."""
-        return np.stack([self._links[name] for name in ("value", "slope", "half", "degree")], axis=1)
+        return np.stack([self.link_records[name] for name in ("value", "slope", "half", "degree")], axis=1)
 
     @property
     def altered(self) -> bool:
         """Whether faults change any input."""
-        return bool(self._links["fault"].any())
+        return bool(self.link_records["fault"].any())

@@ -60,7 +60,7 @@ class Milne:
         self._master.perform("foresee", 0.0, h)
         for node, at, _ in self._nodes:
             extrapolated, interpolated = shares(h, *node.spans)
-            if node.record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
+            if node.unit_record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
                 extrapolated += 0.5
             self._predicted.append((node.foreseen()[at], node.kept, (extrapolated, interpolated)))
 

@@ -168,13 +168,19 @@ def open_master(scene: dict, watched=STATES, iteration: IterationSettings | None
     return master
 
 
+def give_samples(node, rows, step: float) -> None:
+    """Samples of a node's inputs, `step` apart, in the place of those it has; rows: (samples, inputs), the oldest first."""
+    links, samples = node.link_records, node.sample_records
+    samples["samples"], samples["h1"], samples["h2"] = len(rows), step, step
+    for name, row in zip(("present", "before", "earlier"), rows[::-1], strict=False):
+        links[name] = row
+
+
 def give_past(master: Master, exact, step: float, degree: int) -> None:
     """Exact inputs at 0, -step, ... instead of the one sample a run starts with; `exact(t)`: (unit, output) -> value."""
     for node in master.nodes:
-        node.history.count = 0
-        for k in range(degree, -1, -1):
-            values = exact(-k * step)
-            node.history.push([link.factor * values[link.source] + link.offset for link in node.links], step)
+        rows = [[link.factor * exact(-k * step)[link.source] + link.offset for link in node.links] for k in range(degree, -1, -1)]
+        give_samples(node, rows, step)
 
 
 def step_matrix(scene: dict) -> np.ndarray:
@@ -189,20 +195,18 @@ def step_matrix(scene: dict) -> np.ndarray:
         parts = np.split(state, np.cumsum([k for pair in sizes for k in pair])[:-1])
         for node, component, x, samples in zip(master.nodes, components, parts[::2], parts[1::2], strict=True):
             component.x = x.copy()
-            node.history.count = 0
-            for row in samples.reshape(degree + 1, -1):
-                node.history.push(row.tolist(), step)
+            rows = samples.reshape(degree + 1, -1)
+            give_samples(node, rows, step)
             component.u[:] = 0.0
-            component.u[0, component.input_positions([link.target[1] for link in node.links])] = node.history.present
+            component.u[0, component.input_positions([link.target[1] for link in node.links])] = rows[-1]
             component.refresh()
-            master.signals[node.place] = node.unit.get()
+            node.read()
 
     def read() -> np.ndarray:
         rows = []
         for node, component in zip(master.nodes, components, strict=True):
-            history = node.history
-            kept = [history.earlier, history.before, history.present][2 - degree :]
-            rows += [component.x, *map(np.array, kept)]
+            kept = [node.link_records[name] for name in ("earlier", "before", "present")][2 - degree :]
+            rows += [component.x, *kept]
         return np.concatenate(rows)
 
     columns = []
