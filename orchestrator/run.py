@@ -247,6 +247,7 @@ class Run:
         """This process is ending inside of a unit's call: save what there is."""
         self.message, self._until = message, (perf_counter(), process_time())
         if self.files is not None and hasattr(self, "observers"):
+            self.stepping.rescue(self.observers)
             print(f"cosimo: partial result in {self.conclude(None).directory}", file=sys.stderr)
 
     def _end_early(self, end: SimulationEnded) -> None:

@@ -51,7 +51,7 @@ class InstabilityMonitor(BatchObserver):
         self._calls += 1
         if self._calls % self._every:
             return
-        looks = self._sizes(self._master.inputs()[None, :, self._columns])
+        looks = self._sizes(self._master.machine.inputs()[None, :, self._columns])
         sums = self._account.sums if self._account is not None else None
         if (grown := self._take(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
             raise Unstable(grown[1], t, grown[2])

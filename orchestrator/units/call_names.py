@@ -9,7 +9,7 @@ FAILED = 16  # times the status of an entry: larger than any of an FMU
 FUNCTIONS = {"get": "GetReal", "set": "SetReal", "set_derivatives": "SetRealInputDerivatives", "do_step": "DoStep"}
 # What `CallTable.calls` has. Of an FMU: addresses of functions, the instance, the references of inputs and outputs, and the
 # orders 1 ... 1, 2 ... 2 of inputs; the function that hands over inputs which are held, and where these lie; the number of parts
-# that outputs of several types are, and where they lie. Of all others: entries and their argument, `read` where outputs have to be
-# asked for, and the distance of two rows of inputs, bytes.
+# that outputs of several types are, and where they lie. Of all others: entries and their argument, `read` where outputs have to
+# be asked for, and the distance of two rows of inputs, bytes.
 OF_FMU = (*FUNCTIONS, "instance", "input_references", "output_references", "orders", "hold", "held_values", "parts", "part_cells")
 OF_ENTRIES = ("step", "outputs", "read", "argument", "row")

@@ -17,7 +17,8 @@ import numpy as np
 
 from ..coupling import Coupling
 from .energy_steps import POINTS, WEIGHTS, enter_steps
-from .master import NONE, March, Master, Saved, singly
+from .machine import March, singly
+from .master import NONE, Master, Saved
 
 
 class Sums(NamedTuple):
@@ -83,7 +84,7 @@ class EnergyAccount:
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h, and its entry in the account."""
         self.master.step(t, h)
-        self.enter(h, self.master.signals[None], self.master.given()[None])
+        self.enter(h, self.master.signals[None], self.master.machine.given()[None])
 
     def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
         """As `Master.march`, with their entries in the account."""

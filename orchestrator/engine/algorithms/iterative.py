@@ -66,8 +66,8 @@ class Iterative(Master):
                 runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
-        chains = [StronglyConnectedGroup(" ".join(names), [self.node_of[name] for name in names], self, coupling.interfaces)
-                  for names in runs if names]
+        chains = [StronglyConnectedGroup(f"sweep {' '.join(names)}", [self.node_of[name] for name in names], self,
+                                         coupling.interfaces) for names in runs if names]
         self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
         return {chain.name: chain.acts() for chain in chains}
 
@@ -131,8 +131,8 @@ class Iterative(Master):
         memories = [method.memory for _, method in self._chains]
         return SavedIterative(**vars(saved), memories=memories, missed=(self.unconverged, self.worst))
 
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
+    def _come_back(self, saved: Saved) -> None:
+        super()._come_back(saved)
         if isinstance(saved, SavedIterative):
             self.unconverged, self.worst = saved.missed
             for (_, method), memory in zip(self._chains, saved.memories, strict=True):

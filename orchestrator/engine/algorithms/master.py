@@ -7,28 +7,27 @@ not in it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import c_double
 from dataclasses import dataclass
 from math import inf, isfinite
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Unit
 from ...units.component import ComponentUnit
-from ...units.python_calls import calls_of
 from ..coupling import Coupling, Endpoint, Link
 from ..coupling.graph import Loop, is_discrete
 from .initial import RUNAWAY, Group, InitializationResult
 from .layout import ROUNDING, Program, lay_out
 from .loops import LoopSolver
+from .machine import Machine, March, Space, singly
 from .node import Node, Samples, samples_of
-from .records import BEYOND, FOLLOW, FORESEE, GUESSED, LED, LOOK, PUSH
+from .records import FOLLOW, FORESEE, GUESSED, LED, LOOK, PUSH
 from .texts import Texts
 
 Acts = Sequence[tuple[int, Sequence[Node]]]  # rows of the program: what is done with which units
-NONE = np.zeros(0, dtype=np.int64)
+NONE: np.ndarray = np.zeros(0, dtype=np.int64)
 
 
 class Runaway(StepFailed):
@@ -47,17 +46,6 @@ class Saved:
     cells: np.ndarray
     steps: int
     jacobians: list[np.ndarray | None]  # of the algebraic loops, (n, n) each
-
-
-class March(NamedTuple):
-    """Macro steps that were taken together, and why there are fewer, if there are."""
-
-    rows: np.ndarray  # (n, S), the signals behind each
-    given: np.ndarray = np.zeros((0, 0, 4))  # (n, B, 4), value, slope, half of the second derivative, degree of bonded inputs
-    inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the steps asked for, and where they were led to
-    outputs: np.ndarray = np.zeros((0, 0))  # (n, W), what `watch` has asked for
-    kept: Sequence[Any] = ()  # what was saved
-    failure: BaseException | None = None
 
 
 class Master:
@@ -91,20 +79,20 @@ class Master:
             self._following(read) if feedthrough == "immediate" else ([], [], []))
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
-        self._rows = {"step": program.add(*self.acts(), *((FOLLOW, part) for part in following), (PUSH, self._fed)),
-                      "advance": program.add(*self.acts()), "push": program.add((PUSH, self._fed)), "foresee": program.add((FORESEE, self._fed))}
+        acts, push = self.acts(), (PUSH, self._fed)
+        self._rows = {"step": program.add(*acts, *((FOLLOW, part) for part in following), push), "advance": program.add(*acts),
+                      "push": program.add(push), "foresee": program.add((FORESEE, self._fed))}
         self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}
         self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
         self._follow = {id(part): program.add((FOLLOW, part)) for part in following}
         for node in self.nodes:
             node.looks = program.add((LOOK, [node]))
         bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
-        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, len(read) + len(guessed), smoothing, end)
-        self.signals: np.ndarray = records.memory.signals[: len(read) + len(guessed)]
+        table = len(read) + len(guessed)
+        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, table, smoothing, end)
+        self.signals: np.ndarray = records.memory.signals[:table]
         self.sample = self.signals[: len(read)].tolist
-        self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
-        self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
-        self._watched = NONE
+        self.machine = Machine(self.nodes, records)
         self.delayed_feedthrough = ""  # why a coupling grows whose algebraic loop gets its values one step late
         loop = next((part for part in coupling.feedthrough_schedule if isinstance(part, Loop)), None)
         if feedthrough == "delayed" and loop is not None:
@@ -191,70 +179,22 @@ class Master:
         """The links into one unit in the order the algorithm wants to have them."""
         return links
 
-    # -- the loop ----------------------------------------------------------------------------------------------------
-    def address(self) -> None:
-        """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
-        records = self.records
-        self._called, self._fmus, self._tables = [], [], []
-        for node in self.nodes:
-            row, links = node.of_called
-            unit, table = calls_of(node.unit, links, self.signals[node.place])
-            row["way"] = table.way
-            for name, address in table.calls.items():
-                row[name] = address
-            links["at"], records.memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
-            links["apart"], row["apart"] = table.apart, sum(table.apart)
-            self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
-            if hasattr(unit, "begin_steps"):
-                self._fmus.append((unit, records.place("units", node.called, "no_return")))
-            self._tables.append(table)  # which keep what addresses point to
-
-    def perform(self, rows: str | tuple[int, int], t: float, h: float) -> None:
+    # -- steps -------------------------------------------------------------------------------------------------------
+    def perform(self, rows: str, t: float, h: float) -> None:
         """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
-        first, last = self._rows[rows] if isinstance(rows, str) else rows
-        self.records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=0)
-        self.records.march(t, h)
-        self._go_on(t, h)
-
-    def _go_on(self, t: float, h: float) -> None:
-        """Where the call of a unit has failed, raises the reason; if its step is done all the same, the rest follows."""
-        records = self.records
-        while (unit := records.answer("unit")) >= 0:
-            node = self.nodes[unit]
-            begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
-            self._note()
-            self._called[unit][0].stopped(records.answer("status"), begin, length)
-            records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
-            records.march(t, h)
-
-    def _note(self) -> None:
-        """Tell the units how far they have come."""
-        integers, numbers = self.records.integers, self.records.numbers
-        for unit, taken, time in self._called:
-            if integers[taken]:
-                unit.stepped(integers[taken], numbers[time])
-                integers[taken] = 0
-
-    def _begin(self) -> None:
-        """Before steps: texts are handed over, and FMUs tell whether a state will come back."""
-        if self.texts is not None:
-            self.texts.hand_over()
-        for fmu, place in self._fmus:
-            self.records.integers[place] = fmu.begin_steps()
+        self.machine.perform(self._rows[rows], t, h)
 
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h."""
-        self._begin()
+        if self.texts is not None:
+            self.texts.hand_over()
+        self.machine.begin()
         if self.in_batches:
-            first, last = self._rows["step"]
-            self.records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=1, rows=0, look_count=0)
-            self.records.march(t, h)
-            self._go_on(t, h)
-            beyond = self.records.answer("unit") == BEYOND
+            beyond = self.machine.step(self._rows["step"], t, h)
         else:
             self.advance(t, h)
             beyond = self._finish(t, h)
-        self._note()
+        self.machine.note()
         self.steps += 1
         if beyond:
             self.check_finite(t + h)
@@ -285,7 +225,7 @@ class Master:
         self.records.ask(updated=0)
         for part in self._plan:
             if isinstance(part, list):
-                self.perform(self._follow[id(part)], t, 0.0)
+                self.machine.perform(self._follow[id(part)], t, 0.0)
             elif loops:
                 part.solve(t)
                 self.records.ask(updated=1)
@@ -298,77 +238,48 @@ class Master:
         """
         if not self.in_batches:
             return singly(self, self, times, h)
-        n, memory = times.size, self.records.memory
-        space = March(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
-                      np.empty((looks.size, 2, self.records.driven)), np.empty((n, self._watched.size)))
-        done, failure, kept = 0, None, list[Any]()
-        for last in (*(step + 1 for step in keep), n):
-            begun = done
-            done, failure = self._together(times, h, looks, space, begun, last)
-            if done < last or failure is not None:
+        march, kept = self.machine.space(times, looks), list[Any]()
+        for last in (*(step + 1 for step in keep), times.size):
+            before = march.done
+            failure = self.machine.march(self._rows["step"], march, h, last)
+            self.steps += march.done - before
+            if failure is None and march.beyond:
+                failure = self._beyond(march, h)
+            if march.done < last or failure is not None:
                 break
-            if last < n:
+            if last < times.size:
                 kept.append(self.save())
         self.records.ask(halt=0)
-        return March(space.rows[:done], space.given[:done], space.inputs, space.outputs[:done], kept, failure)
+        return march.completed(kept, failure)
 
-    def _together(self, times: np.ndarray, h: float, looks: np.ndarray, space: March, first: int, last: int
-                  ) -> tuple[int, BaseException | None]:
-        """The macro steps from one to another, in one call; returns how many there are then, and why not all."""
-        records, seen = self.records, int(np.searchsorted(looks, first))
-        of_steps, ahead = times[first:last], looks[seen:] - first
-        rows, behind = self._rows["step"]
-        done = first
+    def _beyond(self, march: Space, h: float) -> BaseException | None:
+        """What is wrong with the signals behind the last step, which counts only where that is nothing."""
         try:
-            self._begin()
-            records.ask(first=rows, last=behind, steps=last - first, times=of_steps.ctypes.data, begin=0, whole=1,
-                        rows=space.rows[first:].ctypes.data, given=space.given[first:].ctypes.data,
-                        inputs=space.inputs[seen:].ctypes.data, outputs=space.outputs[first:].ctypes.data,
-                        looks=ahead.ctypes.data, look_count=ahead.size, driven=records.driven,
-                        watched=self._watched.ctypes.data, watches=self._watched.size)
-            records.march(0.0, h)
-            done += records.answer("done")
-            self.steps += records.answer("done")
-            if records.answer("unit") >= 0:
-                self._go_on(float(times[done]), h)
-                self._keep(space, done, looks)
-                done, self.steps = done + 1, self.steps + 1
-            self._note()
-            if records.answer("unit") == BEYOND:
-                done -= 1
-                self.check_finite(float(times[done]) + h)
-                done += 1
-        except (Exception, SystemExit) as error:  # those of Python in a unit, too: the steps before it stand
-            return done, error
-        return done, None
+            self.check_finite(float(march.times[march.done - 1]) + h)
+        except StepFailed as error:
+            march.done -= 1
+            return error
+        return None
 
-    def _keep(self, space: March, step: int, looks: np.ndarray) -> None:
-        """What a march wants of the step that has just been completed."""
-        space.rows[step], space.given[step] = self.sample(), self.given()
-        space.inputs[looks == step] = self.inputs()
-        space.outputs[step] = [c_double.from_address(address).value for address in self._watched.tolist()]
+    def so_far(self) -> March:
+        """What has been completed of a march that is under way."""
+        return self.machine.so_far()
 
     def watch(self, ends: Sequence[Endpoint]) -> slice | None:
         """Columns of a march's `outputs` in which these outputs will stand; None where not all are those of components."""
-        first, at = self._watched.size, list[int]()
+        at: list[int] = []
         for name, output in ends:
             unit = self.node_of[name].unit if name in self.node_of else None
             if not isinstance(unit, ComponentUnit):
                 return None
             at += unit.outputs_at([output])
-        self._watched = np.array([*self._watched, *at], dtype=np.int64)
-        return slice(first, first + len(at))
+        return self.machine.watch(at)
 
     def halt(self) -> None:
         """End a march behind its present step."""
         self.records.ask(halt=1)
 
     # -- what others look at -----------------------------------------------------------------------------------------
-    def given(self) -> np.ndarray:
-        """What bonded inputs were given in the last step, (B, 4), as of `March`."""
-        links = self.records.memory.links[self.records.memory.bonded]
-        return np.stack([links[name] for name in ("value", "slope", "half", "degree")], axis=1)
-
     def owe(self, integrals: np.ndarray) -> None:
         """What bonded inputs still have to be given: their integrals over time, (B,)."""
         links, units = self.records.memory.links, self.records.memory.units
@@ -376,11 +287,6 @@ class Master:
         for node in self.nodes:
             if any(link in bond.links for bond in self.coupling.bonds for link in node.links):
                 units["corrected"][node.index] = 1
-
-    def inputs(self) -> np.ndarray:
-        """All inputs behind the last step, in the order of the nodes' links, and where they were led to, (2, L)."""
-        links = self.records.memory.links[: self.records.driven]
-        return np.stack([links["now"], links["reached"]])
 
     def led(self) -> np.ndarray:
         """Of all inputs whether extrapolation has led them, (L,)."""
@@ -404,7 +310,7 @@ class Master:
         for node in self.nodes:
             node.unit.start()
             node.read()
-        self.address()
+        self.machine.address()
         self.records.memory.units["time"] = t
         for solver in self.loops:
             solver.solve(t)
@@ -465,23 +371,3 @@ class Master:
                 raise Runaway(unit, t, f"output {name} is {value}")
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
                 raise Unstable(unit, t, f"output {name} has grown to {value:.3g}")
-
-
-class Stepper(Protocol):
-    """What takes single macro steps."""
-
-    def step(self, t: float, h: float) -> None:
-        """One macro step from t to t + h."""
-
-
-def singly(stepper: Stepper, master: Master, times: np.ndarray, h: float) -> March:
-    """Macro steps one by one, with the master's signals behind each."""
-    rows: list[list[float]] = []
-    failure: BaseException | None = None
-    try:
-        for t in times.tolist():
-            stepper.step(t, h)
-            rows.append(master.sample())
-    except (Exception, SystemExit) as error:
-        failure = error
-    return March(np.array(rows).reshape(len(rows), len(master.positions)), failure=failure)

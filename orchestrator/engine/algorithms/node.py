@@ -11,7 +11,7 @@ from ...units import Unit
 from ...units.interface import PortValues, port_values
 from ..coupling import Link
 from .memory import Records
-from .records import NOWHERE, OVERRIDDEN, SHIFTED, UNALTERED
+from .records import GIVEN, NOWHERE, OVERRIDDEN, SHIFTED, UNALTERED
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Node:
     place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
     between steps and never change inside one; follows: inputs end where they are led to: the unit takes polynomials, and none
     of them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to
-    one of its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of
-    what others go by. looks: rows of the program that look at its inputs.
+    one of its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells
+    of what others go by. looks: rows of the program that look at its inputs.
     """
 
     unit: Unit
@@ -158,7 +158,7 @@ class Node:
     @property
     def given(self) -> np.ndarray:
         """What the inputs were given in the last step, (n, 4): value, slope, half of the second derivative, degree."""
-        return np.stack([self.link_records[name] for name in ("value", "slope", "half", "degree")], axis=1)
+        return np.stack([self.link_records[name] for name in GIVEN], axis=1)
 
     @property
     def altered(self) -> bool:

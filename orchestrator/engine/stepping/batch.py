@@ -31,6 +31,7 @@ class BatchStepping(Stepping):
         super().__init__(account or master, clock, stride, end, stops)
         self._march, self._master, self._trusted, self._pace = account or master, master, trusted, PATIENCE  # s of the last step
         self.watch = master.watch
+        self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
 
     def halt(self) -> None:
         """As in `Stepping`."""
@@ -65,7 +66,9 @@ class BatchStepping(Stepping):
         begun = perf_counter()
         looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
         kept = sorted({k for o in observers for k in o.keeps(n - 1)})
+        self._under_way = ticks, times
         march = self._march.march(times[:-1], h, looks, kept)
+        self._under_way = None
         self._pace = max((perf_counter() - begun) / n, 1e-7)
         done = len(march.rows)
         unseen = done if march.failure is not None else done - 1
@@ -85,6 +88,17 @@ class BatchStepping(Stepping):
         self.tick = ticks[done]
         if march.failure is not None:
             raise march.failure
+
+    def rescue(self, observers: Sequence[Any]) -> None:
+        """This process is about to end in a batch: let the observers have the steps that were completed."""
+        march = self._master.so_far()
+        if not len(march.rows) or self._under_way is None:
+            return
+        ticks, times = self._under_way
+        n = len(march.rows)
+        for observe in observers:
+            observe.observe_ends(np.zeros(0, dtype=np.int64), march.inputs[:0], march.outputs)
+            observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], march.rows)
 
     @property
     def _components(self) -> list[ComponentUnit]:

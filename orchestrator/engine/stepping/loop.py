@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..algorithms.master import March
+from ..algorithms.machine import March
 from ..coupling import Endpoint
 from .clock import Clock
 
@@ -63,6 +63,9 @@ class Stepping:
         for stop in sorted({self.end, *self.stops}):
             if self.tick < stop <= self.end:
                 self._approach(stop, observers)
+
+    def rescue(self, observers: Sequence[Any]) -> None:
+        """This process is about to end inside of a step: let the observers have what was completed before it."""
 
     def halt(self) -> None:
         """Let the observers see the next instant that is reached, even where they need not."""

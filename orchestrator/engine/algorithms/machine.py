@@ -1,0 +1,201 @@
+"""The kernels at work on the records of a master: they call the units, and what goes wrong there is told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from ctypes import c_double
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ...units.python_calls import calls_of
+from .memory import Records
+from .node import Node
+from .records import BEYOND, GIVEN
+
+Rows = tuple[int, int]  # of the program: the first one, and the one behind the last
+
+
+class March(NamedTuple):
+    """Macro steps that were taken together, and why there are fewer, if there are."""
+
+    rows: np.ndarray  # (n, S), the signals behind each
+    given: np.ndarray = np.zeros((0, 0, 4))  # (n, B, 4), value, slope, half of the second derivative, degree of bonded inputs
+    inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the steps asked for, and where they were led to
+    outputs: np.ndarray = np.zeros((0, 0))  # (n, W), what `watch` has asked for
+    kept: Sequence[Any] = ()  # what was saved
+    failure: BaseException | None = None
+
+
+@dataclass
+class Space:
+    """A march that is under way: room for all of it, and the steps that are done."""
+
+    times: np.ndarray
+    looks: np.ndarray
+    march: March
+    done: int = 0
+    beyond: bool = False  # the signals behind the last one have left the limit
+
+    def completed(self, kept: Sequence[Any], failure: BaseException | None) -> March:
+        """What is done; inputs of all looks."""
+        n, march = self.done, self.march
+        return March(march.rows[:n], march.given[:n], march.inputs, march.outputs[:n], kept, failure)
+
+
+class Machine:
+    """Calls the kernels for the nodes of a master."""
+
+    def __init__(self, nodes: Sequence[Node], records: Records):
+        self._nodes, self.records = nodes, records
+        self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
+        self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
+        self._tables: list[Any] = []  # which keep what addresses point to
+        self._watched = np.zeros(0, dtype=np.int64)
+        self._under_way: Space | None = None
+
+    def address(self) -> None:
+        """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
+        records, memory = self.records, self.records.memory
+        self._called.clear()
+        self._fmus.clear()
+        self._tables.clear()
+        for node in self._nodes:
+            row, links = node.of_called
+            unit, table = calls_of(node.unit, links, memory.signals[node.place])
+            row["way"] = table.way
+            for name, address in table.calls.items():
+                row[name] = address
+            links["at"], memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
+            links["apart"], row["apart"] = table.apart, sum(table.apart)
+            self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
+            if hasattr(unit, "begin_steps"):
+                self._fmus.append((unit, records.place("units", node.called, "no_return")))
+            self._tables.append(table)
+
+    def perform(self, rows: Rows, t: float, h: float) -> None:
+        """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
+        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=0)
+        self.records.march(t, h)
+        self._go_on(t, h)
+
+    def step(self, rows: Rows, t: float, h: float) -> bool:
+        """Take the rows of a macro step; returns whether the signals have left the limit."""
+        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=1, rows=0, look_count=0)
+        self.records.march(t, h)
+        self._go_on(t, h)
+        return self.records.answer("unit") == BEYOND
+
+    def _go_on(self, t: float, h: float) -> None:
+        """Where the call of a unit has failed, raises the reason; if its step is done all the same, the rest follows."""
+        records = self.records
+        while (unit := records.answer("unit")) >= 0:
+            node = self._nodes[unit]
+            begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
+            self.note()
+            self._called[unit][0].stopped(records.answer("status"), begin, length)
+            records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
+            records.march(t, h)
+
+    def begin(self) -> None:
+        """Before steps: FMUs tell whether a state will come back; raises `SimulationEnded` where one has ended it."""
+        for fmu, place in self._fmus:
+            self.records.integers[place] = fmu.begin_steps()
+
+    def note(self) -> None:
+        """Tell the units how far they have come."""
+        integers, numbers = self.records.integers, self.records.numbers
+        for unit, taken, time in self._called:
+            if integers[taken]:
+                unit.stepped(integers[taken], numbers[time])
+                integers[taken] = 0
+
+    def space(self, times: np.ndarray, looks: np.ndarray) -> Space:
+        """Room for macro steps from each of `times`, s; looks: as of `Master.march`."""
+        n, memory = times.size, self.records.memory
+        return Space(times, looks, March(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
+                                         np.empty((looks.size, 2, self.records.driven)), np.empty((n, self._watched.size))))
+
+    def march(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
+        """The macro steps up to the `last`, in one call; returns why there are fewer."""
+        records, march, first = self.records, space.march, space.done
+        seen = int(np.searchsorted(space.looks, first))
+        times, looks = space.times[first:last], space.looks[seen:] - first
+        into = {"rows": march.rows[first:], "given": march.given[first:], "inputs": march.inputs[seen:],
+                "outputs": march.outputs[first:], "times": times, "looks": looks, "watched": self._watched}
+        try:
+            self.begin()
+            records.ask(first=rows[0], last=rows[1], steps=times.size, begin=0, whole=1, look_count=looks.size,
+                        driven=records.driven, watches=self._watched.size, **{n: a.ctypes.data for n, a in into.items()})
+            self._under_way = space
+            records.march(0.0, h)
+            self._under_way = None
+            space.done += records.answer("done")
+            if records.answer("unit") >= 0:
+                self._go_on(float(space.times[space.done]), h)
+                self._keep(space)
+                space.done += 1
+            self.note()
+        except (Exception, SystemExit) as error:  # those of Python in a unit, too: the steps before it stand
+            return error
+        space.beyond = records.answer("unit") == BEYOND
+        return None
+
+    def so_far(self) -> March:
+        """What has been completed of the march that is under way, where one is."""
+        if (space := self._under_way) is None:
+            return self.space(np.zeros(0), np.zeros(0, dtype=np.int64)).march
+        space.done += self.records.answer("done")
+        return space.completed((), None)
+
+    def _keep(self, space: Space) -> None:
+        """What a march wants of the step that has just been completed otherwise."""
+        march, memory = space.march, self.records.memory
+        march.rows[space.done] = memory.signals[: memory.inverse.size]
+        march.given[space.done] = self.given()
+        march.inputs[space.looks == space.done] = self.inputs()
+        march.outputs[space.done] = [c_double.from_address(address).value for address in self._watched.tolist()]
+
+    def watch(self, addresses: Sequence[int]) -> slice:
+        """Columns of `March.outputs` in which the numbers at these addresses will stand."""
+        first = self._watched.size
+        self._watched = np.array([*self._watched, *addresses], dtype=np.int64)
+        return slice(first, self._watched.size)
+
+    def given(self) -> np.ndarray:
+        """What bonded inputs were given in the last step, (B, 4), as of `March`."""
+        links = self.records.memory.links[self.records.memory.bonded]
+        return np.stack([links[name] for name in GIVEN], axis=1)
+
+    def inputs(self) -> np.ndarray:
+        """All inputs behind the last step, in the order of the nodes' links, and where they were led to, (2, L)."""
+        links = self.records.memory.links[: self.records.driven]
+        return np.stack([links["now"], links["reached"]])
+
+
+class Signals(Protocol):
+    """What has a table of signals."""
+
+    positions: Any
+    sample: Any
+
+
+class Stepper(Protocol):
+    """What takes single macro steps."""
+
+    def step(self, t: float, h: float) -> None:
+        """One macro step from t to t + h."""
+
+
+def singly(stepper: Stepper, master: Signals, times: np.ndarray, h: float) -> March:
+    """Macro steps one by one, with the master's signals behind each."""
+    rows: list[list[float]] = []
+    failure: BaseException | None = None
+    try:
+        for t in times.tolist():
+            stepper.step(t, h)
+            rows.append(master.sample())
+    except (Exception, SystemExit) as error:
+        failure = error
+    return March(np.array(rows).reshape(len(rows), len(master.positions)), failure=failure)
