@@ -12,7 +12,7 @@ into. The same text serves this process, where the address of the kernel stands 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -25,6 +25,13 @@ CELL = 8  # bytes
 TIME = 0  # the cell that holds the time
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 ENTRIES = {"initialize": ("double %t",), "step": ("double %t", "double %h"), "outputs": ("double %t",)}  # what each hands on
+
+
+class Entry(NamedTuple):
+    """Addresses of an entry and of the kernel that it calls; the same for all blocks of one layout."""
+
+    function: int
+    kernel: int
 
 
 class Leaf(NamedTuple):
@@ -115,10 +122,15 @@ class Block:
         (self.memory if leaf.kind == "f8" else self.memory.view(np.int64))[leaf.cell] = value
         return value
 
-    def begin_anew(self) -> None:
-        """All that follows from parameters as it was at the beginning, tables with their contents; inputs stay."""
+    @property
+    def parameters(self) -> np.ndarray:
+        """The cells of `p` and `e`."""
+        return self.memory[self.parameters_at : self.saved]
+
+    def begin_anew(self, but: Collection[str] = ()) -> None:
+        """All as it was at the beginning, tables with their contents; inputs stay, and the arrays named in `but`."""
         for name in self._begin._fields:
-            if name not in ("u", "y"):
+            if name not in ("u", "y", *but):
                 self._with_contents(("s", name), getattr(self._begin, name))
 
     def in_order(self) -> Iterator[Leaf]:
@@ -164,11 +176,15 @@ class Block:
         yield "%fine = icmp eq i32 %failed, 0\n%wide = load i64, ptr %result\n%status = trunc i64 %wide to i32"
         yield f"%given = select i1 %fine, i32 %status, i32 {RAISED}\nret i32 %given"
 
-    def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> int:
-        """The address of an entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
+    def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> Entry:
+        """An entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
         address, kinds = compiled(kernel, len(self.entries[name]), tuple(map(kernel.typeof_pyval, arguments)))
-        self.memory.view(np.int64)[self.addresses_at + list(self.entries).index(name)] = address
-        return _function(self.body(name, kinds))
+        return Entry(_function(self.body(name, kinds)), address)
+
+    def take(self, name: str, entry: Entry) -> int:
+        """The address of an entry of this layout, which finds its kernel in the block from now on."""
+        self.memory.view(np.int64)[self.addresses_at + list(self.entries).index(name)] = entry.kernel
+        return entry.function
 
 
 def callable_of(address: int) -> Callable[[float, float, int], int]:

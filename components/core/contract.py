@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from .block import TIME, Block, callable_of
+from .block import TIME, Block, Entry, callable_of
 from .component import Component, _tuple_type
 from .errors import BadInput
 from .kernels import COMPILED, DONE, RAISED, kernel_tuple
@@ -61,11 +61,15 @@ class KernelComponent(Component):
 
     kernels: ClassVar[Kernels]
     refusals: ClassVar[Mapping[int, Refusal]] = {}  # by status; those of base classes are inherited
+    # Arrays that follow from the parameters alone: an initialization that is repeated, for other inputs, finds them as they are if
+    # the first of them says so, which is other than 0 then
+    kept: ClassVar[tuple[str, ...]] = ()
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
+    known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        cls.Memory = None
+        cls.Memory, cls.known_entries = None, {}
         if not cls.Values._fields:  # Numba has no NamedTuple without a field
             cls.Values = _tuple_type(cls, "Values", ["none"])
         cls.refusals = {n: r for base in reversed(cls.__mro__) for n, r in vars(base).get("refusals", {}).items()}
@@ -129,7 +133,10 @@ class KernelComponent(Component):
     def entry(self, name: str) -> int:
         """The address of the function `int32 f(double t, double h, void *block)` that calls a kernel: compiled, if need be."""
         assert self.block is not None
-        return self.block.entry(name, getattr(type(self).kernels, name), self.arguments)
+        known, key = type(self).known_entries, (name, self.on, self._structure)  # which the layout follows from
+        if key not in known:
+            known[key] = self.block.entry(name, getattr(type(self).kernels, name), self.arguments)
+        return self.block.take(name, known[key])
 
     def call(self, name: str, t: float, h: float = 0.0) -> int:
         """The status of a kernel for the present block."""
@@ -146,9 +153,12 @@ class KernelComponent(Component):
             self._lay_out()
         assert self.block is not None
         p, e = self._parameters()
-        self.block.begin_anew()
-        self.arguments = (self.block.s, self.block.write(("p",), p), self.block.write(("e",), e))
-        return self.block
+        block, kept = self.block, type(self).kept
+        before = block.parameters.tobytes()
+        self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
+        same = bool(kept) and bool(getattr(block.s, kept[0])[0]) and block.parameters.tobytes() == before
+        block.begin_anew(kept if same else ())
+        return block
 
     def _initialize(self, t: float) -> int:
         self._prepare()

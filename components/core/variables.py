@@ -8,6 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from numbers import Real
 
 from .errors import BadInput
@@ -66,7 +67,7 @@ class Variable:
         if self.causality is Causality.PARAMETER and self.kind is not Kind.REAL and not self.structural:
             object.__setattr__(self, "structural", STRUCTURAL[self.kind])
 
-    @property
+    @cached_property
     def scalars(self) -> tuple[Variable, ...]:
         """The variable itself, or the elements of an array as variables of their own (counted from 1)."""
         if not self.size:

@@ -108,6 +108,8 @@ class Catenary(KernelComponent):
     start_inputs = (
         "contact_position", "contact_force", "second_pantograph.contact_position", "second_pantograph.contact_force",
         "further_pantographs.contact_position", "further_pantographs.contact_force", "second_wire.contact_force")
+    kept = ("ready", "numbers", "indices", "grid", "plan", "filled", "network", "balance", "limits", "refused", "gusts", "diagonals",
+            "solver")
     ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     counters = ("steps", "solves", "factorizations")
 
@@ -192,7 +194,8 @@ class Catenary(KernelComponent):
         """Geometry, the numbers that follow from parameters, and workspace.
 
         `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `filled`, `network`:
-        the line without and with the numbers of parameters, and its form finding.  `points`: see `contact_points`.  `lateral`:
+        the line without and with the numbers of parameters, and its form finding.  `ready`: 1 when all that follows from
+        parameters alone is there.  `points`: see `contact_points`.  `lateral`:
         rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
         where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
         what moves, see `explicit`.  `gusts`: the wind.  `diagonals`: stiffness of the wires for the explicit method; `solver`:
@@ -218,7 +221,7 @@ class Catenary(KernelComponent):
         cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
         band = (N, reach * W + 1)
         return {
-            "x": sum(parts), "numbers": numbers, "indices": indices, "grid": grid, "plan": plan,
+            "x": sum(parts), "ready": 1, "numbers": numbers, "indices": indices, "grid": grid, "plan": plan,
             "filled": empty_numbers(len(layout.wires), d, layout.holds.position.size),
             "network": empty_network(plan, cut) if e.line_table is not None else None, "points": points,
             "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None, "balance": empty_balance(mesh),
@@ -451,11 +454,8 @@ def open_window(alpha, beta, mesh, window, given):
 
 # -- the kernels -------------------------------------------------------------------------------------------------------
 @kernel
-def catenary_initialize(t, s, p, e):
-    """The line and its mesh for the present parameters, and their static equilibrium under the present contact forces.
-
-    One kernel: Numba would compile all that stands below another one once more.
-    """
+def hang(s, p, e):
+    """The line and its mesh for the present parameters, and what else follows from them alone."""
     mesh, given, refused = unpacked(s.numbers, s.indices), given_by(p, e), s.filled.refused
     alpha, beta = 0.0, 0.0
     if e.damping is not None:
@@ -481,7 +481,7 @@ def catenary_initialize(t, s, p, e):
             status = find_pushed(mesh, refused)
 
     # stiffness, equilibrium in the wind, longest stable step
-    x, nodal, unilateral = s.x, s.space.nodal, e.dropper_slackening is not None
+    nodal, unilateral = s.space.nodal, e.dropper_slackening is not None
     s.limits[0] = math.inf
     if status == DONE:
         omega2, damped = 0.0, 0.0
@@ -517,10 +517,21 @@ def catenary_initialize(t, s, p, e):
                 status = SUBSTEP_TOO_LONG
     for k in range(s.refused.size):
         s.refused[k] = refused[k]
-    if status != DONE:
-        return status
+    s.ready[0] = 1.0 if status == DONE else 0.0
+    return status
 
-    # equilibrium under the contact forces
+
+@kernel
+def catenary_initialize(t, s, p, e):
+    """The line, if need be, and its static equilibrium under the present contact forces."""
+    if s.ready[0] == 0.0:
+        status = hang(s, p, e)
+        if status != DONE:
+            return status
+    mesh, x, nodal, unilateral = unpacked(s.numbers, s.indices), s.x, s.space.nodal, e.dropper_slackening is not None
+    alpha, beta = 0.0, 0.0
+    if e.damping is not None:
+        alpha, beta = e.damping.alpha, e.damping.beta
     u, points, N, W, lo, hi = s.u, s.points, mesh.mass.size, mesh.bending_gradient.size, 0, mesh.position.size - 1
     front, rear = -math.inf, math.inf
     nodal[0] = 0.0

@@ -59,7 +59,7 @@ def made() -> Block:
 
 def test_the_block_holds_all_of_it_and_its_entry_works_on_it():
     one = made()
-    function = callable_of(one.entry("step", add, one.arguments))
+    function = callable_of(one.take("step", one.entry("step", add, one.arguments)))
     assert function(2.0, 0.5, one.address) == 0
     assert one.s.values.tolist() == [7.0, 2.5]
     assert one.s.flags.tolist() == [[0, 0, 0], [7, 0, 0]]
@@ -71,7 +71,7 @@ def test_the_block_holds_all_of_it_and_its_entry_works_on_it():
 
 def test_a_copy_of_the_memory_is_another_of_the_same():
     one = made()
-    function, copy = callable_of(one.entry("step", add, one.arguments)), one.memory.copy()
+    function, copy = callable_of(one.take("step", one.entry("step", add, one.arguments))), one.memory.copy()
     function(2.0, 0.5, copy.ctypes.data)
     assert one.s.values.tolist() == [1.0, 0.0]
     function(2.0, 0.5, one.address)
@@ -95,7 +95,7 @@ def process(tmp_path, monkeypatch):
         monkeypatch.setattr(block, "_machine", Machine)
         monkeypatch.setattr(block, "_function", kept_function.__wrapped__)
         one, before = made(), len(made_here)
-        status = callable_of(one.entry("step", add, one.arguments))(t, 0.5, one.address)
+        status = callable_of(one.take("step", one.entry("step", add, one.arguments)))(t, 0.5, one.address)
         return status, one.s.values.tolist(), len(made_here) - before
 
     return run

@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ....components.core.block import CELL, Block, callable_of
+from ....components.core.block import CELL, Block, Entry, callable_of
 from ....components.core.kernels import COMPILED, RAISED
 from .kernels import march
 from .records import LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, UNIT, UNIT_STATE, Memory
+
+
+_ENTRIES: dict[tuple[tuple[int, ...], ...], Entry] = {}  # of the kernel, for each layout in this process
 
 
 class Records:
@@ -56,7 +59,10 @@ class Records:
         if self._march is None:
             memory, address = self.memory, self.block.address
             if COMPILED:
-                entry = callable_of(self.block.entry("march", march, (memory,)))
+                shapes = tuple(array.shape for array in memory)
+                if shapes not in _ENTRIES:
+                    _ENTRIES[shapes] = self.block.entry("march", march, (memory,))
+                entry = callable_of(self.block.take("march", _ENTRIES[shapes]))
                 self._march = lambda t, h: entry(t, h, address)
             else:
                 self._march = lambda t, h: march(t, h, memory)
