@@ -30,6 +30,10 @@ from .variables import Causality
 STANDARD = ("u", "y", "x", "counts")  # fields of every `s`
 
 
+IMAGES = 8  # memories that are held, of components whose initialization is long
+_IMAGES: dict[tuple[Any, ...], np.ndarray] = {}
+
+
 class Kernels(NamedTuple):
     """What a component consists of; `derivatives(t, x, u, dx, s, p, e)` where a smooth differential equation is all of it."""
 
@@ -61,8 +65,8 @@ class KernelComponent(Component):
 
     kernels: ClassVar[Kernels]
     refusals: ClassVar[Mapping[int, Refusal]] = {}  # by status; those of base classes are inherited
-    # Arrays that follow from the parameters alone: an initialization that is repeated, for other inputs, finds them as they are if
-    # the first of them says so, which is other than 0 then
+    # Arrays that follow from the parameters alone. An initialization for other inputs, and one of another instance, find them as
+    # they are if the first of them says so, which is other than 0 then
     kept: ClassVar[tuple[str, ...]] = ()
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
     known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
@@ -116,6 +120,7 @@ class KernelComponent(Component):
         self.block = block = Block(cls.Memory(**contents), p, e)
         self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
         self._structure, self._calls = self._present_structure(), dict[str, Any]()
+        self._contents = hash(block.memory.tobytes()) if cls.kept else 0
         self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
 
     @classmethod
@@ -148,7 +153,7 @@ class KernelComponent(Component):
         return self._calls[name](t, h, self.block.address)  # type: ignore[union-attr]
 
     def _prepare(self) -> Block:
-        """The block with the present parameters, and nothing else in it but inputs."""
+        """The block with the present parameters, and nothing else in it but inputs and what is `kept`."""
         if self.block is None or self._structure != self._present_structure():
             self._lay_out()
         assert self.block is not None
@@ -156,13 +161,31 @@ class KernelComponent(Component):
         block, kept = self.block, type(self).kept
         before = block.parameters.tobytes()
         self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
-        same = bool(kept) and bool(getattr(block.s, kept[0])[0]) and block.parameters.tobytes() == before
-        block.begin_anew(kept if same else ())
+        if not kept:
+            block.begin_anew()
+        elif not (getattr(block.s, kept[0])[0] and block.parameters.tobytes() == before):
+            image = _IMAGES.get(self._image_key())
+            if image is not None:
+                inputs = self.u.copy()
+                block.memory[:] = image
+                self.u[:] = inputs
+            block.begin_anew(kept if image is not None else ())
+        else:
+            block.begin_anew(kept)
         return block
 
+    def _image_key(self) -> tuple[Any, ...]:
+        """What the arrays that are `kept` follow from."""
+        assert self.block is not None
+        return type(self), self.on, self._structure, self._contents, self.block.parameters.tobytes()
+
     def _initialize(self, t: float) -> int:
-        self._prepare()
+        block = self._prepare()
         status = self.call("initialize", t)
+        if status == DONE and type(self).kept and (key := self._image_key()) not in _IMAGES:
+            _IMAGES[key] = block.memory.copy()
+            while len(_IMAGES) > IMAGES:
+                del _IMAGES[next(iter(_IMAGES))]
         if status == DONE and not np.isfinite(self.x).all():
             raise ArithmeticError("the initial state is not finite")
         return status

@@ -108,8 +108,8 @@ class Catenary(KernelComponent):
     start_inputs = (
         "contact_position", "contact_force", "second_pantograph.contact_position", "second_pantograph.contact_force",
         "further_pantographs.contact_position", "further_pantographs.contact_force", "second_wire.contact_force")
-    kept = ("ready", "numbers", "indices", "grid", "plan", "filled", "network", "balance", "limits", "refused", "gusts", "diagonals",
-            "solver")
+    kept = ("ready", "numbers", "indices", "grid", "plan", "filled", "network", "balance", "limits", "refused", "gusts",
+            "diagonals", "solver")
     ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     counters = ("steps", "solves", "factorizations")
 
@@ -454,85 +454,79 @@ def open_window(alpha, beta, mesh, window, given):
 
 # -- the kernels -------------------------------------------------------------------------------------------------------
 @kernel
-def hang(s, p, e):
-    """The line and its mesh for the present parameters, and what else follows from them alone."""
+def catenary_initialize(t, s, p, e):
+    """The line and its mesh for the present parameters, and their static equilibrium under the present contact forces.
+
+    One kernel: Numba would compile all that stands below another one once more.
+    """
     mesh, given, refused = unpacked(s.numbers, s.indices), given_by(p, e), s.filled.refused
     alpha, beta = 0.0, 0.0
     if e.damping is not None:
         alpha, beta = e.damping.alpha, e.damping.beta
-
-    # what hangs where
-    if e.temperature is not None:
-        status = find_form_at(e.temperature.change, s.plan, given, s.filled, s.network)
-    elif e.line_table is not None:
-        status = find_form_at_rest(s.plan, given, s.filled, s.network)
-        fill_droppers(s.plan.dropper_numbers, given, s.filled.dropper)
-    else:
-        status = fill_layout(s.plan, given, s.filled)
-
-    # its mesh
-    if status == DONE:
-        way = discretisation(alpha, beta, s.solver is not None, s.filled, p)
-        status = spread_wires(mesh, s.plan, s.filled, s.grid, way, s.space)
-    if status == DONE:
-        add_fittings(mesh, s.plan, s.filled, s.grid, s.space)
-        hang_contact_wires(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
-        if e.dropper_slackening is not None:
-            status = find_pushed(mesh, refused)
-
-    # stiffness, equilibrium in the wind, longest stable step
-    nodal, unilateral = s.space.nodal, e.dropper_slackening is not None
-    s.limits[0] = math.inf
-    if status == DONE:
-        omega2, damped = 0.0, 0.0
-        fill_stiffness(mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.length, s.balance.stiffness)
-        if s.solver is not None:
-            start_solver(s.balance.stiffness, s.solver)
-        if s.diagonals is not None:
-            fill_diagonals(s.balance.stiffness, mesh.bending_gradient.size, s.diagonals)
-            if beta > 0.0:
-                damped = beta * highest_eigenvalue(s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0],
-                                                   nodal[1])
-            nodal[2] = 1.0
-            taut = s.balance.factors[0]  # as long as nothing is factored
-            put_droppers(nodal[2, : mesh.dropper.size], mesh.lower, mesh.upper, mesh.dropper_stiffness, s.balance.stiffness, taut)
-            for j in range(taut.shape[0]):
-                taut[j, 0] += mesh.ground[j]
-            omega2 = highest_eigenvalue(taut, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1])
-        add_ground(mesh, s.balance)
-        if e.gusts is not None:
-            if e.gusts.lift_coefficient != 0.0:
-                status = blow(e.gusts, unilateral, mesh, s.plan, s.grid, s.balance, s.space, refused)
-            if status == DONE:
-                status = raise_wind(e.gusts, mesh, s.plan, s.grid, s.gusts)
-        if s.diagonals is not None and status == DONE:
-            for j in range(nodal.shape[1]):
-                nodal[0, j] = mesh.ground_damping[j]
-                if e.gusts is not None:
-                    nodal[0, j] += s.gusts.push[0, j]
-            s.limits[0] = explicit_limit(omega2, damped, nodal[0], mesh.inverse_mass)
-            if p.substep > s.limits[0]:
-                digits = 10.0 ** (2.0 - math.floor(math.log10(s.limits[0])))
-                s.limits[1] = math.floor(s.limits[0] * digits + 0.5) / digits
-                status = SUBSTEP_TOO_LONG
-    for k in range(s.refused.size):
-        s.refused[k] = refused[k]
-    s.ready[0] = 1.0 if status == DONE else 0.0
-    return status
-
-
-@kernel
-def catenary_initialize(t, s, p, e):
-    """The line, if need be, and its static equilibrium under the present contact forces."""
+    nodal, unilateral, status = s.space.nodal, e.dropper_slackening is not None, DONE
     if s.ready[0] == 0.0:
-        status = hang(s, p, e)
+        # what hangs where
+        if e.temperature is not None:
+            status = find_form_at(e.temperature.change, s.plan, given, s.filled, s.network)
+        elif e.line_table is not None:
+            status = find_form_at_rest(s.plan, given, s.filled, s.network)
+            fill_droppers(s.plan.dropper_numbers, given, s.filled.dropper)
+        else:
+            status = fill_layout(s.plan, given, s.filled)
+
+        # its mesh
+        if status == DONE:
+            way = discretisation(alpha, beta, s.solver is not None, s.filled, p)
+            status = spread_wires(mesh, s.plan, s.filled, s.grid, way, s.space)
+        if status == DONE:
+            add_fittings(mesh, s.plan, s.filled, s.grid, s.space)
+            hang_contact_wires(mesh, s.plan, s.filled, s.grid, s.space, e.gravity_sag is not None)
+            if e.dropper_slackening is not None:
+                status = find_pushed(mesh, refused)
+
+        # stiffness, equilibrium in the wind, longest stable step
+        s.limits[0] = math.inf
+        if status == DONE:
+            omega2, damped = 0.0, 0.0
+            fill_stiffness(mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.length, s.balance.stiffness)
+            if s.solver is not None:
+                start_solver(s.balance.stiffness, s.solver)
+            if s.diagonals is not None:
+                fill_diagonals(s.balance.stiffness, mesh.bending_gradient.size, s.diagonals)
+                if beta > 0.0:
+                    damped = beta * highest_eigenvalue(s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0],
+                                                       nodal[1])
+                nodal[2] = 1.0
+                taut = s.balance.factors[0]  # as long as nothing is factored
+                put_droppers(nodal[2, : mesh.dropper.size], mesh.lower, mesh.upper, mesh.dropper_stiffness, s.balance.stiffness,
+                             taut)
+                for j in range(taut.shape[0]):
+                    taut[j, 0] += mesh.ground[j]
+                omega2 = highest_eigenvalue(taut, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1])
+            add_ground(mesh, s.balance)
+            if e.gusts is not None:
+                if e.gusts.lift_coefficient != 0.0:
+                    status = blow(e.gusts, unilateral, mesh, s.plan, s.grid, s.balance, s.space, refused)
+                if status == DONE:
+                    status = raise_wind(e.gusts, mesh, s.plan, s.grid, s.gusts)
+            if s.diagonals is not None and status == DONE:
+                for j in range(nodal.shape[1]):
+                    nodal[0, j] = mesh.ground_damping[j]
+                    if e.gusts is not None:
+                        nodal[0, j] += s.gusts.push[0, j]
+                s.limits[0] = explicit_limit(omega2, damped, nodal[0], mesh.inverse_mass)
+                if p.substep > s.limits[0]:
+                    digits = 10.0 ** (2.0 - math.floor(math.log10(s.limits[0])))
+                    s.limits[1] = math.floor(s.limits[0] * digits + 0.5) / digits
+                    status = SUBSTEP_TOO_LONG
+        for k in range(s.refused.size):
+            s.refused[k] = refused[k]
+        s.ready[0] = 1.0 if status == DONE else 0.0
         if status != DONE:
             return status
-    mesh, x, nodal, unilateral = unpacked(s.numbers, s.indices), s.x, s.space.nodal, e.dropper_slackening is not None
-    alpha, beta = 0.0, 0.0
-    if e.damping is not None:
-        alpha, beta = e.damping.alpha, e.damping.beta
-    u, points, N, W, lo, hi = s.u, s.points, mesh.mass.size, mesh.bending_gradient.size, 0, mesh.position.size - 1
+
+    # equilibrium under the contact forces
+    u, x, points, N, W, lo, hi = s.u, s.x, s.points, mesh.mass.size, mesh.bending_gradient.size, 0, mesh.position.size - 1
     front, rear = -math.inf, math.inf
     nodal[0] = 0.0
     for k in range(points.shape[0]):
