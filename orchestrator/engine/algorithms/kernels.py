@@ -32,9 +32,11 @@ from .records import (
     SHIFTED,
     START,
     UNALTERED,
+    UPDATE,
 )
 
 WARNING = 1
+KNOWN = -1  # in the place of a degree
 LIMIT = 1e12  # of the sum of all outputs, each relative to its nominal value: what is beyond is to be looked at
 LAST = 1.0 - 1e-12  # of the end of a run: rounding of sums of steps
 
@@ -141,8 +143,8 @@ def _drive(unit, links, pasts, signals, buffer, h):
             v, s = link.reached, back if held else s + back
         link.reached = end_of(v, s, c, degree, h)
         if given > degree:  # what is owed, as a parabola that vanishes at both ends of the step, where inputs stay true
-            s += 6.0 * link.owed / h**2
-            c -= 6.0 * link.owed / h**3
+            s += 6.0 * link.owed / (h * h)
+            c -= 6.0 * link.owed / (h * (h * h))
         link.value, link.slope, link.half, link.degree = v, s, c, given
         if in_memory:
             store(link.at, v)
@@ -153,17 +155,18 @@ def _drive(unit, links, pasts, signals, buffer, h):
     unit.ends = LED if unit.led != 0 else GUESSED
     if unit.way >= IN_MEMORY or unit.lost != 0:
         return 0
-    return _drive_fmu(unit, links, buffer, given, h, False)
+    unit.degree = given
+    return _drive_fmu(unit, links, buffer, h)
 
 
 @kernel
-def _hold(unit, links, known):
-    """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
+def _hold(unit, links):
+    """Hand an FMU its inputs that are apart, if one of them has changed, as `_drive_fmu`; returns the status."""
     changed, at = False, unit.held_values
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
         if link.apart != 0:
-            v = link.known if known else link.value
+            v = link.known if unit.degree == KNOWN else link.value
             changed = changed or load(at) != v
             store(at, v)
             at += 8
@@ -171,10 +174,11 @@ def _hold(unit, links, known):
 
 
 @kernel
-def _drive_fmu(unit, links, buffer, degree, h, known):
-    """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
+def _drive_fmu(unit, links, buffer, h):
+    """Hand an FMU the polynomials of its links, or the values that are known; returns its status."""
+    degree = unit.degree
     first, n, way = 3 * unit.first_link, unit.links - unit.apart, unit.way
-    status = _hold(unit, links, known) if unit.apart > 0 else 0
+    status = _hold(unit, links) if unit.apart > 0 else 0
     if status > WARNING or n == 0:
         return status
     values, k = buffer.ctypes.data + 8 * first, first
@@ -182,13 +186,13 @@ def _drive_fmu(unit, links, buffer, degree, h, known):
         link = links[i]
         if link.apart != 0:
             continue
-        v, s, c = link.known if known else link.value, link.slope, link.half
+        v, s, c = link.known if degree == KNOWN else link.value, link.slope, link.half
         if way == MEAN and degree > 0:
             v = v + h * (s / 2.0 + h * c / 3.0)
         buffer[k], buffer[k + n], buffer[k + 2 * n] = v, s, 2.0 * c
         k += 1
     if way == COMPANIONS:
-        return call_values(unit.set, unit.instance, unit.input_references, n * (degree + 1), values)
+        return call_values(unit.set, unit.instance, unit.input_references, n * (max(degree, 0) + 1), values)
     status = call_values(unit.set, unit.instance, unit.input_references, n, values)
     if way == DERIVATIVES:
         for order in range(degree):
@@ -213,24 +217,21 @@ def _step(unit, t, h):
 
 @kernel
 def _start(unit, units, links, pasts, signals, buffer, t, h):
-    """Drive a unit over the coming step and let it step; returns the status."""
+    """Drive a unit over the coming step and let it step; returns the status.
+
+    One with a rate of its own steps in the last macro step of its own step, or of the run.
+    """
     status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
     if status > WARNING or unit.lost != 0:
         return status
-    if unit.way == NOTED:
-        return _start_rated(unit, units, links, pasts, signals, buffer, t, h)
-    return _step(unit, t, h)
-
-
-@kernel
-def _start_rated(unit, units, links, pasts, signals, buffer, t, h):
-    """A macro step of a unit with a rate of its own; it steps in the last one of its own step, or of the run."""
+    if unit.way != NOTED:
+        return _step(unit, t, h)
     own, seen = units[unit.slow], units[unit.slow + 1]  # the unit that steps, and its outputs between its steps
     if unit.count == 0:
         for k in range(unit.links):
             signals[links[own.first_link + k].source] = links[unit.first_link + k].value
-        _push(own, links, pasts, signals, unit.length, False)
-        _push(seen, links, pasts, signals, unit.length, False)
+        _push(own, links, pasts, signals, unit.length, own.ends == LED)
+        _push(seen, links, pasts, signals, unit.length, seen.ends == LED)
         unit.start = t
     unit.count += 1
     equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
@@ -311,7 +312,8 @@ def _stands(unit, links, signals):
 def _update(unit, links, buffer):
     """Bring the outputs of a unit up to date for its known inputs; returns the status."""
     if unit.way < IN_MEMORY:
-        return _drive_fmu(unit, links, buffer, 0, 0.0, True)
+        unit.degree = KNOWN
+        return _drive_fmu(unit, links, buffer, 0.0)
     if unit.way == IN_MEMORY:
         for i in range(unit.first_link, unit.first_link + unit.links):
             store(links[i].at, links[i].known)
@@ -369,33 +371,8 @@ def _look(unit, links, pasts, signals, h, ahead):
 
 
 @kernel
-def _act(act, unit, m, t, h):
-    """One row of the program for one unit; returns the status."""
-    request = m.request[0]
-    if act == START:
-        return _start(unit, m.units, m.links, m.pasts, m.signals, m.buffer, t, h)
-    if act == READ:
-        return _read_any(unit, m.units, m.links, m.pasts, m.outputs_at, m.signals)
-    if act == PUSH:
-        _push(unit, m.links, m.pasts, m.signals, h, unit.ends == LED and request.updated == 0)
-        return 0
-    if act in (LOOK, FORESEE):
-        _look(unit, m.links, m.pasts, m.signals, h, act == FORESEE)
-        return 0
-    if act == FOLLOW and unit.ends == LED and request.updated == 0:
-        return 0
-    if _stands(unit, m.links, m.signals) and act == FOLLOW:
-        return 0
-    status = _update_any(unit, m.units, m.links, m.buffer)
-    if status <= WARNING and act == FOLLOW:
-        status = _read_any(unit, m.units, m.links, m.pasts, m.outputs_at, m.signals)
-    request.updated = 1
-    return status
-
-
-@kernel
-def _keep(step, look, m):
-    """What is wanted of a macro step; returns the number of looks so far."""
+def _keep(step, m):
+    """What is wanted of a macro step."""
     request, links, n = m.request[0], m.links, m.inverse.size
     if request.rows != 0:
         for k in range(n):
@@ -408,41 +385,51 @@ def _keep(step, look, m):
             store(at + 24, link.degree)
         for k in range(request.watches):
             store(request.outputs + 8 * (step * request.watches + k), load(load_int64(request.watched + 8 * k)))
-    if look < request.look_count and load_int64(request.looks + 8 * look) == step:
-        for i in range(request.driven):
-            store(request.inputs + 8 * (2 * look * request.driven + i), links[i].now)
-            store(request.inputs + 8 * ((2 * look + 1) * request.driven + i), links[i].reached)
-        look += 1
-    return look
+    if request.looked < request.look_count and load_int64(request.looks + 8 * request.looked) == step:
+        row, driven = 2 * request.looked, request.driven
+        for i in range(driven):
+            store(request.inputs + 8 * (row * driven + i), links[i].now)
+            store(request.inputs + 8 * ((row + 1) * driven + i), links[i].reached)
+        request.looked += 1
 
 
 @kernel
 def march(t, h, m):
     """Take the rows of the program that the request names, in each of its macro steps of length h; see `records.REQUEST`."""
-    request = m.request[0]
-    look, begin = 0, request.begin
-    request.unit, request.status, request.done = -1, 0, 0
+    request, units, links, pasts, signals = m.request[0], m.units, m.links, m.pasts, m.signals
+    begin = request.begin
+    request.unit, request.status, request.done, request.looked = -1, 0, 0, 0
     for step in range(request.steps):
         if request.times != 0:
             t = load(request.times + 8 * step)
         if request.whole != 0:
             request.updated = 0
         for row in range(request.first, request.last):
-            act, place, last = m.program[row, 0], m.program[row, 1] + begin, m.program[row, 2]
-            begin = 0
-            while place < last:
-                k = m.order[place]
-                status = _act(act, m.units[k], m, t, h)
+            act, first = m.program[row, 0], m.program[row, 1]
+            for place in range(first + begin, m.program[row, 2]):
+                unit, status, reads = units[m.order[place]], 0, act == READ
+                if act == START:
+                    status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
+                elif act == PUSH:
+                    _push(unit, links, pasts, signals, h, unit.ends == LED and request.updated == 0)
+                elif act in (LOOK, FORESEE):
+                    _look(unit, links, pasts, signals, h, act == FORESEE)
+                elif act == UPDATE or (act == FOLLOW and (unit.ends != LED or request.updated != 0)):
+                    if not _stands(unit, links, signals) or act == UPDATE:
+                        status = _update_any(unit, units, links, m.buffer)
+                        request.updated, reads = 1, act == FOLLOW
+                if status <= WARNING and reads:
+                    status = _read_any(unit, units, links, pasts, m.outputs_at, signals)
                 if status > WARNING:
-                    request.row, request.place, request.unit, request.status = row, place - m.program[row, 1], k, status
+                    request.row, request.place, request.unit, request.status = row, place - first, m.order[place], status
                     return 0
-                place += 1
+            begin = 0
         if request.whole == 0:
             continue
-        look = _keep(step, look, m)
+        _keep(step, m)
         total = 0.0
         for k in range(m.inverse.size):
-            total += m.signals[k] * m.inverse[k]
+            total += signals[k] * m.inverse[k]
         request.done += 1
         if not abs(total) < LIMIT:
             request.unit = BEYOND

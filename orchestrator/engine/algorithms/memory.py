@@ -12,7 +12,6 @@ from ....components.core.kernels import COMPILED, RAISED
 from .kernels import march
 from .records import LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, UNIT, UNIT_STATE, Memory
 
-
 _ENTRIES: dict[tuple[tuple[int, ...], ...], Entry] = {}  # of the kernel, for each layout in this process
 
 

@@ -49,6 +49,7 @@ UNIT, UNIT_STATE = _record("\n".join(f"{name} i address, see `call_names`" for n
     slow         i  of a unit with a rate of its own, the first of its other two records
     stop         f  s, end of the run
     no_return    i  no state before a step will be taken back
+    degree       i  of what an FMU is handed
     ends         i* of its inputs: `NOWHERE`, ...
     taken        i* steps since the unit was told
     lost         i* it takes no more steps
@@ -111,6 +112,7 @@ REQUEST, _ = _record("""
     outputs    i address for them, (steps, watches)
     looks      i address of steps behind which inputs are wanted
     look_count i how many
+    looked     i steps so far that inputs were wanted of
     driven     i inputs
     inputs     i address for them and where they were led to, (looks, 2, driven)
     halt       i end behind the present step
