@@ -173,10 +173,10 @@ class Disturbed:
                 self._steppable.step(t, h)
             for node in master.nodes:
                 node.alter({})
-            march = self._steppable.march(np.array(times[BEFORE + 1 :]), h)
-            rows = march.rows
-            if march.failure is not None:
-                raise march.failure
+            steps = self._steppable.run_steps(np.array(times[BEFORE + 1 :]), h)
+            rows = steps.rows
+            if steps.failure is not None:
+                raise steps.failure
         except (StepFailed, OverflowError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
             return rows, str(error)
         finally:

@@ -160,10 +160,10 @@ class Windows(BatchObserver):
         """The master's signals behind each of n steps from a saved state, (n, signals)."""
         self._stepper.restore(saved)
         times = t + h * np.arange(n)
-        march = self._stepper.march(times, h)
-        if march.failure is not None:
-            raise march.failure
-        return march.rows
+        steps = self._stepper.run_steps(times, h)
+        if steps.failure is not None:
+            raise steps.failure
+        return steps.rows
 
 
 def bends(rows: Chunks, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -14,16 +14,16 @@ from typing import Any
 from ...components.core.kernels import COMPILED
 
 # types: an address is an int64 for kernels, `POINTER` where a C function gets it
-DOUBLE, INT, WIDE, POINTER = "double", "int32", "int64", "pointer"
-C: dict[str, Any] = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, WIDE: ctypes.c_int64, POINTER: ctypes.c_void_p}
+DOUBLE, INT, LONG, POINTER = "double", "int32", "int64", "pointer"
+C: dict[str, Any] = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, LONG: ctypes.c_int64, POINTER: ctypes.c_void_p}
 
 
-def _made(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
+def _by_types(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
     """A function for kernels; emit(builder, arguments): its instructions."""
     from numba import types
     from numba.extending import intrinsic
 
-    numba = {DOUBLE: types.float64, INT: types.int32, WIDE: types.int64, POINTER: types.int64, "": types.void}
+    numba = {DOUBLE: types.float64, INT: types.int32, LONG: types.int64, POINTER: types.int64, "": types.void}
     signature = numba[result](*(numba[kind] for kind in kinds))
 
     @wraps(function)
@@ -36,7 +36,7 @@ def _made(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emi
 def _llvm(kind: str) -> Any:
     from llvmlite import ir
 
-    return {DOUBLE: ir.DoubleType(), INT: ir.IntType(32), WIDE: ir.IntType(64), POINTER: ir.IntType(8).as_pointer()}[kind]
+    return {DOUBLE: ir.DoubleType(), INT: ir.IntType(32), LONG: ir.IntType(64), POINTER: ir.IntType(8).as_pointer()}[kind]
 
 
 def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
@@ -55,7 +55,7 @@ def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
             return builder.call(called, [builder.inttoptr(v, to) if kind == POINTER else v
                                          for kind, to, v in zip(kinds, llvm, given[1:], strict=True)])
 
-        return _made(function, INT, (WIDE, *kinds), emit)
+        return _by_types(function, INT, (LONG, *kinds), emit)
 
     return decorate
 
@@ -65,7 +65,7 @@ def loads(kind: str) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         if not COMPILED:
             return lambda address: C[kind].from_address(int(address)).value
-        return _made(function, kind, (WIDE,),
+        return _by_types(function, kind, (LONG,),
                      lambda builder, given: builder.load(builder.inttoptr(given[0], _llvm(kind).as_pointer())))
 
     return decorate
@@ -82,15 +82,15 @@ def stores(function: Callable[..., Any]) -> Any:
     def emit(builder: Any, given: Any) -> None:
         builder.store(given[1], builder.inttoptr(given[0], _llvm(DOUBLE).as_pointer()))
 
-    return _made(function, "", (WIDE, DOUBLE), emit)
+    return _by_types(function, "", (LONG, DOUBLE), emit)
 
 
-@calls(POINTER, POINTER, WIDE, POINTER)
+@calls(POINTER, POINTER, LONG, POINTER)
 def call_values(typing, address, instance, references, count, values):
     """fmi2GetReal or fmi2SetReal of `count` numbers; returns the status, int32."""
 
 
-@calls(POINTER, POINTER, WIDE, POINTER, POINTER)
+@calls(POINTER, POINTER, LONG, POINTER, POINTER)
 def call_derivatives(typing, address, instance, references, count, orders, values):
     """fmi2SetRealInputDerivatives of `count` numbers; returns the status, int32."""
 
@@ -115,7 +115,7 @@ def load_int32(typing, address):
     """The int32 at an address."""
 
 
-@loads(WIDE)
+@loads(LONG)
 def load_int64(typing, address):
     """The int64 at an address."""
 

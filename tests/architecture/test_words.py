@@ -12,10 +12,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 # former name: the one to use. Banned in the whole of the orchestrator.
 FORMER = {
-    "settle": "resolve_coupling", "settling": "resolve", "Settled": "InitializationResult", "Slow": "MultirateUnit",
-    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping", "Stretch": "CompiledLoop",
-    "march": "run_steps", "Patient": "BatchObserver", "idle": "steps_not_needed", "Mortal": "LosableUnit",
-    "mortals": "losable", "Misses": "ExtrapolationError", "Chain": "StronglyConnectedGroup", "told_late": "delayed_feedthrough",
+    "settle": "resolve_coupling", "settling": "resolve", "Settled": "InitializationResult",
+    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping",
+    "march": "run_steps", "Patient": "BatchObserver", "idle": "steps_not_needed",
+    "Misses": "ExtrapolationError", "Chain": "StronglyConnectedGroup", "told_late": "delayed_feedthrough",
     "Now": "LoopState", "Plan": "LoopLayout", "Row": "PortValues", "WIDE": "ARRAY_THRESHOLD", "KEPT": "CACHED_CALLS",
     "prove": "check_step_repeatable", "opened": "open_units", "passes": "feedthrough_schedule", "jumps": "is_discrete",
     "is_led": "interpolates",

@@ -9,7 +9,6 @@ from time import process_time
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.engine.stepping.batch import batch_loop_for
 from cosimo.orchestrator.open_all import open_units
 from cosimo.orchestrator.run import master_of, run
 from cosimo.orchestrator.systems import load_scene
@@ -50,8 +49,8 @@ def measured(scene, steps: int) -> tuple[float, float]:
         units = open_units(scene, stack, in_process=True)
         master = master_of(scene, units, scene.coupling)
         master.initialize(0.0)
-        loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), h * np.arange(steps)
-        coupled = best(lambda: loop.run(times[:1000], h, np.zeros(0, dtype=np.int64)))
+        times = h * np.arange(steps)
+        coupled = best(lambda: master.run_steps(times[:1000], h))
         components = [unit.component for unit in units.values()]
         functions, arguments = np.array([c.entry("step") for c in components]), np.array([c.block.address for c in components])
         physics(functions, arguments, times[:1], h)

@@ -28,7 +28,7 @@ def oscillator(algorithm: str = "jacobi", degree: int = 1, *, every: int = 1, re
 
 
 class Waves(OfTime):
-    """More outputs than go as lists."""
+    """Many outputs."""
 
     wave = output("m", "waves", size=30)
 
@@ -37,7 +37,7 @@ class Waves(OfTime):
 
 
 def wide():
-    """More inputs than go as lists; whole arrays are recorded."""
+    """Many inputs; whole arrays are recorded."""
     return read_scene({
         "stop_time": 1.0, "connections": ["a.wave* -> b.wave*"], "master": {"step": 0.01, "extrapolation": 2},
         "units": {"a": {"component": f"{__name__}:Waves"}, "b": {"component": "cosimo.tests.engine.algorithms.test_rows:Sink"}},

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..coupling import Coupling
 from .energy_steps import POINTS, WEIGHTS, enter_steps
-from .machine import March, singly
+from .machine import Steps, singly
 from .master import NONE, Master, Saved
 
 
@@ -86,14 +86,14 @@ class EnergyAccount:
         self.master.step(t, h)
         self.enter(h, self.master.signals[None], self.master.machine.given()[None])
 
-    def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
-        """As `Master.march`, with their entries in the account."""
+    def run_steps(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> Steps:
+        """As `Master.run_steps`, with their entries in the account."""
         if self.correction or not self.master.in_batches:
             return singly(self, self.master, times, h)
-        march = self.master.march(times, h, looks, keep)
-        if len(march.rows):
-            self.enter(h, march.rows, march.given)
-        return march
+        steps = self.master.run_steps(times, h, looks, keep)
+        if len(steps.rows):
+            self.enter(h, steps.rows, steps.given)
+        return steps
 
     def enter(self, h: float, signals: np.ndarray, given: np.ndarray) -> None:
         """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 4)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..coupling import Link
 from .master import Acts, Master
-from .records import READ, START
+from .records import TURN
 
 
 class GaussSeidel(Master):
@@ -39,4 +39,4 @@ class GaussSeidel(Master):
 
     def acts(self) -> Acts:
         """Each unit steps when those before it have been read."""
-        return [(act, [node]) for node in self.nodes for act in (START, READ)]
+        return [(TURN, self.nodes)]

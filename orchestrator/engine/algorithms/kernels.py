@@ -1,9 +1,9 @@
 """The loop: what a master does in a macro step, as kernels over its `records`. No other code does any of it.
 
-A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, `UPDATE`
-their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved, `PUSH` the samples of the new instant.
-`march` takes the rows of a macro step one after the other, and many macro steps; algorithms that decide something in between have
-it take the rows up to there.
+A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, or both for
+one after the other (`TURN`), `UPDATE` their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved,
+`PUSH` the samples of the new instant. `run_steps` takes the rows of a macro step one after the other, and many macro steps;
+algorithms that decide something in between have it take the rows up to there.
 
 A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
 Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own is three of `UNIT`:
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....components.core.kernels import kernel
+from ....components.core.kernels import inlined_kernel, kernel
 from ...units.call_names import COMPANIONS, DERIVATIVES, FAILED, IN_MEMORY, IN_PYTHON, MEAN, NOTED
 from ...units.calls import call_derivatives, call_entry, call_step, call_values, load, load_int32, load_int64, store
 from .records import (
@@ -31,6 +31,7 @@ from .records import (
     READ,
     SHIFTED,
     START,
+    TURN,
     UNALTERED,
     UPDATE,
 )
@@ -128,9 +129,11 @@ def _drive(unit, links, pasts, signals, buffer, h):
         degree = max(degree, 1)
     given = 2 if unit.corrected != 0 else degree
     in_memory = unit.way == IN_MEMORY and unit.lost == 0
+    past = pasts[unit.first_past]
     for i in range(first, behind):
         link = links[i]
-        past = pasts[link.past]
+        if unit.pasts > 1:
+            past = pasts[link.past]
         if i >= extrapolated:
             link.known = _given(link, signals)
             v, s, c = _towards(past, link, h)
@@ -221,28 +224,29 @@ def _start(unit, units, links, pasts, signals, buffer, t, h):
 
     One with a rate of its own steps in the last macro step of its own step, or of the run.
     """
-    status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
-    if status > WARNING or unit.lost != 0:
-        return status
-    if unit.way != NOTED:
-        return _step(unit, t, h)
-    own, seen = units[unit.slow], units[unit.slow + 1]  # the unit that steps, and its outputs between its steps
-    if unit.count == 0:
+    while True:
+        status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
+        if status > WARNING or unit.lost != 0:
+            return status
+        if unit.way != NOTED:
+            return _step(unit, t, h)
+        own, first = units[unit.slow], unit.first_link  # the unit that steps; behind it, its outputs between its steps
+        if unit.count == 0:
+            for k in range(unit.links):
+                signals[links[own.first_link + k].source] = links[first + k].value
+            for k in range(2):
+                _push(units[unit.slow + k], links, pasts, signals, unit.length, 1)
+            unit.start = t
+        unit.count += 1
+        equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
+        unit.length = unit.count * h if equal else unit.length + h
+        if unit.count < unit.every and t + h < unit.stop * LAST:
+            return 0
+        unit.count = 0
         for k in range(unit.links):
-            signals[links[own.first_link + k].source] = links[unit.first_link + k].value
-        _push(own, links, pasts, signals, unit.length, own.ends == LED)
-        _push(seen, links, pasts, signals, unit.length, seen.ends == LED)
-        unit.start = t
-    unit.count += 1
-    equal = unit.count == 1 or unit.length == (unit.count - 1) * h  # then no difference of times rounds the length
-    unit.length = unit.count * h if equal else unit.length + h
-    if unit.count < unit.every and t + h < unit.stop * LAST:
-        return 0
-    unit.count = 0
-    for k in range(unit.links):
-        signals[links[own.first_link + k].source] = links[unit.first_link + k].reached
-    status = _drive(own, links, pasts, signals, buffer, unit.length) if unit.links > 0 else 0
-    return _step(own, unit.start, unit.length) if status <= WARNING else status
+            signals[links[own.first_link + k].source] = links[first + k].reached
+        t, h = unit.start, unit.length
+        unit = own
 
 
 @kernel
@@ -333,29 +337,32 @@ def _update_any(unit, units, links, buffer):
     return _update(own, links, buffer)
 
 
-@kernel
-def _push(unit, links, pasts, signals, h, known):
+@inlined_kernel
+def _push(unit, links, pasts, signals, h, updated):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped.
 
-    known: they are what they were led to.
+    They are what they were led to, unless outputs have been updated since.
     """
+    known, past = unit.ends == LED and updated == 0, pasts[unit.first_past]
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
         link.now = link.known if known else _given(link, signals)
-        if pasts[link.past].left == 0:
+        if unit.pasts > 1:
+            past = pasts[link.past]
+        if past.left == 0:
             link.earlier = link.before
             link.before = link.present
             link.present = link.now
     for k in range(unit.first_past, unit.first_past + unit.pasts):
         past = pasts[k]
-        past.elapsed += h
-        if past.left == 0:
-            past.h2, past.h1 = past.h1, past.elapsed
+        if past.left > 0:
+            past.elapsed += h
+            past.left -= 1
+        else:
+            past.h2, past.h1 = past.h1, past.elapsed + h
+            past.elapsed, past.left = 0.0, past.every - 1
             if past.samples <= past.degree:
                 past.samples += 1
-            past.elapsed = 0.0
-            past.left = past.every
-        past.left -= 1
 
 
 @kernel
@@ -394,7 +401,7 @@ def _keep(step, m):
 
 
 @kernel
-def march(t, h, m):
+def run_steps(t, h, m):
     """Take the rows of the program that the request names, in each of its macro steps of length h; see `records.REQUEST`."""
     request, units, links, pasts, signals = m.request[0], m.units, m.links, m.pasts, m.signals
     begin = request.begin
@@ -407,15 +414,16 @@ def march(t, h, m):
         for row in range(request.first, request.last):
             act, first = m.program[row, 0], m.program[row, 1]
             for place in range(first + begin, m.program[row, 2]):
-                unit, status, reads = units[m.order[place]], 0, act == READ
-                if act == START:
+                unit, status, reads = units[m.order[place]], 0, act in (READ, TURN)
+                if act in (START, TURN):
                     status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
                 elif act == PUSH:
-                    _push(unit, links, pasts, signals, h, unit.ends == LED and request.updated == 0)
+                    _push(unit, links, pasts, signals, h, request.updated)
                 elif act in (LOOK, FORESEE):
                     _look(unit, links, pasts, signals, h, act == FORESEE)
                 elif act == UPDATE or (act == FOLLOW and (unit.ends != LED or request.updated != 0)):
-                    if not _stands(unit, links, signals) or act == UPDATE:
+                    moved = not _stands(unit, links, signals)  # which notes what is known
+                    if moved or act == UPDATE:
                         status = _update_any(unit, units, links, m.buffer)
                         request.updated, reads = 1, act == FOLLOW
                 if status <= WARNING and reads:

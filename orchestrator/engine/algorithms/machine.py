@@ -17,7 +17,7 @@ from .records import BEYOND, GIVEN
 Rows = tuple[int, int]  # of the program: the first one, and the one behind the last
 
 
-class March(NamedTuple):
+class Steps(NamedTuple):
     """Macro steps that were taken together, and why there are fewer, if there are."""
 
     rows: np.ndarray  # (n, S), the signals behind each
@@ -30,18 +30,18 @@ class March(NamedTuple):
 
 @dataclass
 class Space:
-    """A march that is under way: room for all of it, and the steps that are done."""
+    """A batch that is under way: room for all of it, and the steps that are done."""
 
     times: np.ndarray
     looks: np.ndarray
-    march: March
+    steps: Steps
     done: int = 0
     beyond: bool = False  # the signals behind the last one have left the limit
 
-    def completed(self, kept: Sequence[Any], failure: BaseException | None) -> March:
+    def completed(self, kept: Sequence[Any], failure: BaseException | None) -> Steps:
         """What is done; inputs of all looks."""
-        n, march = self.done, self.march
-        return March(march.rows[:n], march.given[:n], march.inputs, march.outputs[:n], kept, failure)
+        n, steps = self.done, self.steps
+        return Steps(steps.rows[:n], steps.given[:n], steps.inputs, steps.outputs[:n], kept, failure)
 
 
 class Machine:
@@ -77,13 +77,13 @@ class Machine:
     def perform(self, rows: Rows, t: float, h: float) -> None:
         """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
         self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=0)
-        self.records.march(t, h)
+        self.records.run_steps(t, h)
         self._go_on(t, h)
 
     def step(self, rows: Rows, t: float, h: float) -> bool:
         """Take the rows of a macro step; returns whether the signals have left the limit."""
         self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=1, rows=0, look_count=0)
-        self.records.march(t, h)
+        self.records.run_steps(t, h)
         self._go_on(t, h)
         return self.records.answer("unit") == BEYOND
 
@@ -96,7 +96,7 @@ class Machine:
             self.note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
             records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
-            records.march(t, h)
+            records.run_steps(t, h)
 
     def begin(self) -> None:
         """Before steps: FMUs tell whether a state will come back; raises `SimulationEnded` where one has ended it."""
@@ -112,24 +112,24 @@ class Machine:
                 integers[taken] = 0
 
     def space(self, times: np.ndarray, looks: np.ndarray) -> Space:
-        """Room for macro steps from each of `times`, s; looks: as of `Master.march`."""
+        """Room for macro steps from each of `times`, s; looks: as of `Master.run_steps`."""
         n, memory = times.size, self.records.memory
-        return Space(times, looks, March(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
+        return Space(times, looks, Steps(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
                                          np.empty((looks.size, 2, self.records.driven)), np.empty((n, self._watched.size))))
 
-    def march(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
+    def run_steps(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
         """The macro steps up to the `last`, in one call; returns why there are fewer."""
-        records, march, first = self.records, space.march, space.done
+        records, steps, first = self.records, space.steps, space.done
         seen = int(np.searchsorted(space.looks, first))
         times, looks = space.times[first:last], space.looks[seen:] - first
-        into = {"rows": march.rows[first:], "given": march.given[first:], "inputs": march.inputs[seen:],
-                "outputs": march.outputs[first:], "times": times, "looks": looks, "watched": self._watched}
+        into = {"rows": steps.rows[first:], "given": steps.given[first:], "inputs": steps.inputs[seen:],
+                "outputs": steps.outputs[first:], "times": times, "looks": looks, "watched": self._watched}
         try:
             self.begin()
             records.ask(first=rows[0], last=rows[1], steps=times.size, begin=0, whole=1, look_count=looks.size,
                         driven=records.driven, watches=self._watched.size, **{n: a.ctypes.data for n, a in into.items()})
             self._under_way = space
-            records.march(0.0, h)
+            records.run_steps(0.0, h)
             self._under_way = None
             space.done += records.answer("done")
             if records.answer("unit") >= 0:
@@ -142,29 +142,29 @@ class Machine:
         space.beyond = records.answer("unit") == BEYOND
         return None
 
-    def so_far(self) -> March:
-        """What has been completed of the march that is under way, where one is."""
+    def so_far(self) -> Steps:
+        """What has been completed of the batch that is under way, where one is."""
         if (space := self._under_way) is None:
-            return self.space(np.zeros(0), np.zeros(0, dtype=np.int64)).march
+            return self.space(np.zeros(0), np.zeros(0, dtype=np.int64)).steps
         space.done += self.records.answer("done")
         return space.completed((), None)
 
     def _keep(self, space: Space) -> None:
-        """What a march wants of the step that has just been completed otherwise."""
-        march, memory = space.march, self.records.memory
-        march.rows[space.done] = memory.signals[: memory.inverse.size]
-        march.given[space.done] = self.given()
-        march.inputs[space.looks == space.done] = self.inputs()
-        march.outputs[space.done] = [c_double.from_address(address).value for address in self._watched.tolist()]
+        """What a batch wants of the step that has just been completed otherwise."""
+        steps, memory = space.steps, self.records.memory
+        steps.rows[space.done] = memory.signals[: memory.inverse.size]
+        steps.given[space.done] = self.given()
+        steps.inputs[space.looks == space.done] = self.inputs()
+        steps.outputs[space.done] = [c_double.from_address(address).value for address in self._watched.tolist()]
 
     def watch(self, addresses: Sequence[int]) -> slice:
-        """Columns of `March.outputs` in which the numbers at these addresses will stand."""
+        """Columns of `Steps.outputs` in which the numbers at these addresses will stand."""
         first = self._watched.size
         self._watched = np.array([*self._watched, *addresses], dtype=np.int64)
         return slice(first, self._watched.size)
 
     def given(self) -> np.ndarray:
-        """What bonded inputs were given in the last step, (B, 4), as of `March`."""
+        """What bonded inputs were given in the last step, (B, 4), as of `Steps`."""
         links = self.records.memory.links[self.records.memory.bonded]
         return np.stack([links[name] for name in GIVEN], axis=1)
 
@@ -188,7 +188,7 @@ class Stepper(Protocol):
         """One macro step from t to t + h."""
 
 
-def singly(stepper: Stepper, master: Signals, times: np.ndarray, h: float) -> March:
+def singly(stepper: Stepper, master: Signals, times: np.ndarray, h: float) -> Steps:
     """Macro steps one by one, with the master's signals behind each."""
     rows: list[list[float]] = []
     failure: BaseException | None = None
@@ -198,4 +198,4 @@ def singly(stepper: Stepper, master: Signals, times: np.ndarray, h: float) -> Ma
             rows.append(master.sample())
     except (Exception, SystemExit) as error:
         failure = error
-    return March(np.array(rows).reshape(len(rows), len(master.positions)), failure=failure)
+    return Steps(np.array(rows).reshape(len(rows), len(master.positions)), failure=failure)

@@ -21,7 +21,7 @@ from ..coupling.graph import Loop, is_discrete
 from .initial import RUNAWAY, Group, InitializationResult
 from .layout import ROUNDING, Program, lay_out
 from .loops import LoopSolver
-from .machine import Machine, March, Space, singly
+from .machine import Machine, Space, Steps, singly
 from .node import Node, Samples, samples_of
 from .records import FOLLOW, FORESEE, GUESSED, LED, LOOK, PUSH
 from .texts import Texts
@@ -230,7 +230,7 @@ class Master:
                 part.solve(t)
                 self.records.ask(updated=1)
 
-    def march(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> March:
+    def run_steps(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> Steps:
         """Macro steps from each of `times`, s, of length h, in as few calls as possible.
 
         looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved. Both,
@@ -238,35 +238,35 @@ class Master:
         """
         if not self.in_batches:
             return singly(self, self, times, h)
-        march, kept = self.machine.space(times, looks), list[Any]()
+        steps, kept = self.machine.space(times, looks), list[Any]()
         for last in (*(step + 1 for step in keep), times.size):
-            before = march.done
-            failure = self.machine.march(self._rows["step"], march, h, last)
-            self.steps += march.done - before
-            if failure is None and march.beyond:
-                failure = self._beyond(march, h)
-            if march.done < last or failure is not None:
+            before = steps.done
+            failure = self.machine.run_steps(self._rows["step"], steps, h, last)
+            self.steps += steps.done - before
+            if failure is None and steps.beyond:
+                failure = self._beyond(steps, h)
+            if steps.done < last or failure is not None:
                 break
             if last < times.size:
                 kept.append(self.save())
         self.records.ask(halt=0)
-        return march.completed(kept, failure)
+        return steps.completed(kept, failure)
 
-    def _beyond(self, march: Space, h: float) -> BaseException | None:
+    def _beyond(self, steps: Space, h: float) -> BaseException | None:
         """What is wrong with the signals behind the last step, which counts only where that is nothing."""
         try:
-            self.check_finite(float(march.times[march.done - 1]) + h)
+            self.check_finite(float(steps.times[steps.done - 1]) + h)
         except StepFailed as error:
-            march.done -= 1
+            steps.done -= 1
             return error
         return None
 
-    def so_far(self) -> March:
-        """What has been completed of a march that is under way."""
+    def so_far(self) -> Steps:
+        """What has been completed of a batch that is under way."""
         return self.machine.so_far()
 
     def watch(self, ends: Sequence[Endpoint]) -> slice | None:
-        """Columns of a march's `outputs` in which these outputs will stand; None where not all are those of components."""
+        """Columns of a batch's `outputs` in which these outputs will stand; None where not all are those of components."""
         at: list[int] = []
         for name, output in ends:
             unit = self.node_of[name].unit if name in self.node_of else None
@@ -276,7 +276,7 @@ class Master:
         return self.machine.watch(at)
 
     def halt(self) -> None:
-        """End a march behind its present step."""
+        """End a batch behind its present step."""
         self.records.ask(halt=1)
 
     # -- what others look at -----------------------------------------------------------------------------------------

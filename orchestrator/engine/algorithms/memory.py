@@ -9,7 +9,7 @@ import numpy as np
 
 from ....components.core.block import CELL, Block, Entry, callable_of
 from ....components.core.kernels import COMPILED, RAISED
-from .kernels import march
+from .kernels import run_steps
 from .records import LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, UNIT, UNIT_STATE, Memory
 
 _ENTRIES: dict[tuple[tuple[int, ...], ...], Entry] = {}  # of the kernel, for each layout in this process
@@ -32,11 +32,11 @@ class Records:
         records = (zeros(n, dtype) for n, dtype in ((1, REQUEST), (units, UNIT), (links, LINK), (pasts, PAST)))
         begin = Memory(*records, whole(program, -1, 3), whole(order, -1), zeros(inverse.size, np.int64), inverse,
                        whole(bonded, -1), zeros(signals), zeros(3 * links))
-        self.block, self.driven = Block(begin, (), (), {"march": ("double %t", "double %h")}), driven
+        self.block, self.driven = Block(begin, (), (), {"run_steps": ("double %t", "double %h")}), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
-        self._march: Callable[[float, float], int] | None = None
+        self._run_steps: Callable[[float, float], int] | None = None
 
     def place(self, array: str, k: int, field: str) -> int:
         """The cell of a field of the k-th record of an array."""
@@ -53,19 +53,19 @@ class Records:
         """A field of the request."""
         return self.integers[self._requested[field]]
 
-    def march(self, t: float, h: float) -> None:
+    def run_steps(self, t: float, h: float) -> None:
         """Call the kernel of the loop: compiled, the first time, if need be."""
-        if self._march is None:
+        if self._run_steps is None:
             memory, address = self.memory, self.block.address
             if COMPILED:
                 shapes = tuple(array.shape for array in memory)
                 if shapes not in _ENTRIES:
-                    _ENTRIES[shapes] = self.block.entry("march", march, (memory,))
-                entry = callable_of(self.block.take("march", _ENTRIES[shapes]))
-                self._march = lambda t, h: entry(t, h, address)
+                    _ENTRIES[shapes] = self.block.entry("run_steps", run_steps, (memory,))
+                entry = callable_of(self.block.take("run_steps", _ENTRIES[shapes]))
+                self._run_steps = lambda t, h: entry(t, h, address)
             else:
-                self._march = lambda t, h: march(t, h, memory)
-        if self._march(t, h) == RAISED:
+                self._run_steps = lambda t, h: run_steps(t, h, memory)
+        if self._run_steps(t, h) == RAISED:
             raise RuntimeError("a kernel of the loop has raised an exception")
 
     def adopt(self, cells: np.ndarray) -> None:

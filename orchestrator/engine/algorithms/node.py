@@ -84,7 +84,7 @@ class Node:
     def _look(self) -> None:
         records, (first, last) = self._records, self.looks
         records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=0)
-        records.march(0.0, 0.0)
+        records.run_steps(0.0, 0.0)
 
     def foreseen(self) -> np.ndarray:
         """Where extrapolation will have taken the inputs, see `Master.foresee`, (n,)."""

@@ -16,7 +16,7 @@ from ...units.call_names import OF_ENTRIES, OF_FMU
 NOWHERE, LED, GUESSED = range(3)  # where inputs end: not known; at values that were known; where extrapolation has taken them
 CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump between steps; are held beside a place that moves on
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
-START, READ, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(7)  # what a row of the program does, see `kernels`
+START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(8)  # what a row of the program does, see `kernels`
 GIVEN = "value", "slope", "half", "degree"  # of a link, over a step
 BEYOND = -2  # in the place of a unit: signals have left the limit
 

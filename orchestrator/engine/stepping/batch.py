@@ -29,7 +29,8 @@ class BatchStepping(Stepping):
         """`trusted`: components that save their whole state; of others all that kernels write is kept, if their steps are nothing
         else."""
         super().__init__(account or master, clock, stride, end, stops)
-        self._march, self._master, self._trusted, self._pace = account or master, master, trusted, PATIENCE  # s of the last step
+        self._stepper, self._master, self._trusted = account or master, master, trusted
+        self._pace = PATIENCE  # s of a step, as the last batch was
         self.watch = master.watch
         self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
 
@@ -67,38 +68,38 @@ class BatchStepping(Stepping):
         looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
         kept = sorted({k for o in observers for k in o.keeps(n - 1)})
         self._under_way = ticks, times
-        march = self._march.march(times[:-1], h, looks, kept)
+        taken = self._stepper.run_steps(times[:-1], h, looks, kept)
         self._under_way = None
         self._pace = max((perf_counter() - begun) / n, 1e-7)
-        done = len(march.rows)
-        unseen = done if march.failure is not None else done - 1
+        done = len(taken.rows)
+        unseen = done if taken.failure is not None else done - 1
         at = looks[looks < unseen]
-        inputs, outputs = march.inputs[: at.size], march.outputs[:unseen]
+        inputs, outputs = taken.inputs[: at.size], taken.outputs[:unseen]
         steps = [o.alarm(at, inputs) for o in alarming] if saved is not None else []
         if alarms := [step for step in steps if step is not None]:
             self._restore(saved)
             self._advance(length, tick + (min(alarms) + 1) * length, observers)
             return
         if unseen > 0:
-            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(kept, march.kept, strict=False)]
+            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(kept, taken.kept, strict=False)]
             for observe in observers:
                 observe.observe_saved(saved)
                 observe.observe_ends(at, inputs, outputs)
-                observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], march.rows[:unseen])
+                observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], taken.rows[:unseen])
         self.tick = ticks[done]
-        if march.failure is not None:
-            raise march.failure
+        if taken.failure is not None:
+            raise taken.failure
 
     def rescue(self, observers: Sequence[Any]) -> None:
         """This process is about to end in a batch: let the observers have the steps that were completed."""
-        march = self._master.so_far()
-        if not len(march.rows) or self._under_way is None:
+        taken = self._master.so_far()
+        if not len(taken.rows) or self._under_way is None:
             return
         ticks, times = self._under_way
-        n = len(march.rows)
+        n = len(taken.rows)
         for observe in observers:
-            observe.observe_ends(np.zeros(0, dtype=np.int64), march.inputs[:0], march.outputs)
-            observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], march.rows)
+            observe.observe_ends(np.zeros(0, dtype=np.int64), taken.inputs[:0], taken.outputs)
+            observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows)
 
     @property
     def _components(self) -> list[ComponentUnit]:

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..algorithms.machine import March
+from ..algorithms.machine import Steps
 from ..coupling import Endpoint
 from .clock import Clock
 
@@ -31,7 +31,7 @@ class Steppable(Protocol):
     def adopt(self, saved: Any) -> None:
         """As `restore`, of another one of the same scene; raises `ValueError` where it does not fit."""
 
-    def march(self, times: np.ndarray, h: float) -> March:
+    def run_steps(self, times: np.ndarray, h: float) -> Steps:
         """Steps from each of `times` (n,), s, of length h."""
 
 

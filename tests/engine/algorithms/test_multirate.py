@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import read_scene
-from cosimo.orchestrator.units.component import ComponentUnit
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.test_rows import N
 from cosimo.tests.short_run import full_but
 from cosimo.tests.support import Integrals, OfTime, exact_two_masses, two_masses
@@ -39,16 +39,14 @@ def masses(rates: dict, algorithm: str, step: float, degree: int, stop: float = 
 
 
 def spied_steps(monkeypatch) -> list[tuple[str, float, float]]:
-    """A list that will hold the steps of components: unit, time, length."""
-    calls, wire = [], ComponentUnit.wire
+    """A list that will hold the steps of components with Python in their steps: unit, time, length."""
+    calls, step = [], Component.step
 
-    def spied(self, inputs, outputs):
-        wire(self, inputs, outputs)
-        step = self.step
-        self.step = lambda t, h: (calls.append((self.name, t, h)), step(t, h))
+    def spied(self, t, h):
+        calls.append((self.name, t, h))
+        return step(self, t, h)
 
-    monkeypatch.setattr(ComponentUnit, "wire", spied)
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.adaptive.batch_loop_for", lambda *_: None)
+    monkeypatch.setattr(Component, "step", spied)
     return calls
 
 
@@ -192,3 +190,28 @@ def test_where_no_unit_can_have_a_rate_of_its_own(change, named):
         read_scene(scene)
     for part in named:
         assert part in str(caught.value)
+
+
+def test_a_rate_changes_what_a_scene_gives():
+    plain, slow = (run(read_scene(masses(rates, "jacobi", 7e-3, 1))) for rates in ({}, {"b": 4}))
+    assert plain["a.x_out"].tobytes() != slow["a.x_out"].tobytes()
+    assert np.all(slow["b.x_out"][1:4] == slow["b.x_out"][0])
+
+
+@pytest.mark.parametrize("slow", ["catenary", "pantograph"])
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_fmus_with_rates_of_their_own_give_the_bits_of_components(algorithm, slow):
+    """The railway pair, which takes a fault in the middle of a step of the slow unit."""
+    fault = {"signal": "pantograph.contact_position", "kind": "offset", "value": 0.5, "begin": 0.0573}
+    scene = load_scene("lumped-catenary").with_changes({
+        "stop_time": 0.1505, "master.algorithm": algorithm, f"units.{slow}.every": 4, "faults": [fault]})
+    fmus, here = run(scene), run(scene, in_process=True)
+    assert (fmus.outcome, here.outcome) == ("done", "done"), fmus.message
+    assert fmus.time.tobytes() == here.time.tobytes()
+    for name in here.columns:
+        assert fmus[name].tobytes() == here[name].tobytes(), name
+    sound = run(scene.with_changes({"faults": []}), in_process=True)
+    before, after = (np.isin(sound.time, here.time) & part for part in (sound.time < 0.05, sound.time > 0.1))
+    contact = "pantograph.contact_force"
+    assert (sound[contact][before] == here[contact][np.isin(here.time, sound.time[before])]).all()
+    assert (sound[contact][after] != here[contact][np.isin(here.time, sound.time[after])]).any()

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.engine.algorithms.polynomial import History
+from cosimo.components.core.variables import input_, output, parameter
+from cosimo.orchestrator.engine.algorithms.kernels import end_of, extrapolation
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
-from cosimo.tests.support import Integrals, two_masses
+from cosimo.tests.engine.algorithms.oscillators import open_master
+from cosimo.tests.support import Integrals, OfTime, two_masses
 from scipy.linalg import expm
 
 
@@ -78,15 +79,42 @@ def test_feedthrough_follows_through_a_chain_of_units():
     assert result["m.x_out"][-1] == pytest.approx(1.0, rel=1e-12)  # free flight at 1 m/s; ten rounded steps
 
 
+class Polynomial(OfTime):
+    """Gives c0 + c1 t + c2 t^2."""
+
+    c = parameter(0.0, "m", "coefficients", size=3)
+    y = output("m", "polynomial")
+
+    def _outputs(self, t):
+        c = [self.parameters[f"c[{k}]"] for k in (1, 2, 3)]
+        self.y[0] = c[0] + t * (c[1] + t * c[2])
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])  # extrapolated; led to the new value
 @pytest.mark.parametrize("degree", [0, 1, 2])
-def test_polynomials_are_exact_on_their_own_degree_with_uneven_steps(degree):
-    p = np.polynomial.Polynomial([0.7, -1.3, 2.1][: degree + 1])
-    history, t = History(degree), 0.0
-    history.push([p(t)], 0.0)
-    for h in (0.1, 0.03, 0.2):
+def test_polynomials_are_exact_on_their_own_degree_with_uneven_steps(degree, algorithm):
+    """What an input is given begins at the value of now, once there are enough samples, and ends at that of the new instant."""
+    here, c = "cosimo.tests.engine.algorithms.test_places", [0.7, -1.3, 2.1][: degree + 1]
+    p = np.polynomial.Polynomial(c)
+    master = open_master({"stop_time": 1.0, "connections": ["p.y -> i.number"],
+                          "units": {"p": {"component": f"{here}:Polynomial", "parameters": {"c": [*c, 0.0, 0.0][:3]}},
+                                    "i": {"component": f"{here}:Traces"}},
+                          "master": {"algorithm": algorithm, "step": 0.1, "extrapolation": degree}}, ())
+    node, t = master.node_of["i"], 0.0
+    for k, h in enumerate((0.1, 0.03, 0.2, 0.07, 0.11)):
+        master.step(t, h)
+        value, slope, half, given = node.given[0]
+        if k >= degree:  # as many samples as a polynomial of the degree needs, and the one it is led to
+            assert given == degree
+            s = np.linspace(0.0, h, 5)
+            np.testing.assert_allclose(value + s * (slope + s * half), p(t + s), rtol=1e-13)  # a few divided differences
+            assert node.ends[1, 0] == pytest.approx(p(t + h), rel=1e-13)
         t += h
-        history.push([p(t)], h)
-    h = 0.07
-    for value, slope, half in (history.ahead(), history.towards([p(t + h)], h)):
-        reached = value[0] + h * ((slope or [0.0])[0] + h * (half or [0.0])[0])
-        assert reached == pytest.approx(p(t + h), rel=1e-13)  # rounding of a few divided differences
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_the_polynomial_through_samples_is_exact_on_its_own_degree(degree):
+    p, h1, h2, h = np.polynomial.Polynomial([0.7, -1.3, 2.1][: degree + 1]), 0.2, 0.03, 0.07
+    terms = extrapolation(degree + 1, p(0.0), p(-h1), p(-h1 - h2), h1, h2)
+    assert terms == pytest.approx([*p.coef, 0.0, 0.0][:3], rel=1e-12)
+    assert end_of(*terms, degree, h) == pytest.approx(p(h), rel=1e-13)  # rounding of a few divided differences

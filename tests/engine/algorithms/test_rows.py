@@ -1,10 +1,8 @@
-"""Wide ports: arrays instead of lists, and the same bits."""
+"""Wide ports: one connection of many numbers, or many connections of one."""
 
 import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.engine.algorithms.polynomial import History
-from cosimo.orchestrator.engine.algorithms.rows import Arrays, Lists, rows_for
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD
@@ -29,27 +27,10 @@ class Sink(Integrals):
     area = output("m.s", "integrals", size=N)
 
 
-@pytest.mark.parametrize("degree", [0, 1, 2])
-def test_lists_and_arrays_give_the_same_bits(degree):
-    rng = np.random.default_rng(1)
-    lists, arrays = History(degree, Lists), History(degree, Arrays)
-    for h in (0.0, 0.1, 0.07, 0.2):
-        values = rng.normal(size=N) * 10.0 ** rng.integers(-9, 9, size=N)
-        lists.push(values.tolist(), h)
-        arrays.push(values, h)
-        known = rng.normal(size=N)
-        for a, b in ((lists.ahead(), arrays.ahead()), (lists.towards(known.tolist(), 0.3), arrays.towards(known, 0.3))):
-            assert [row is None for row in a] == [row is None for row in b]
-            assert [row for row in a if row is not None] == [row.tolist() for row in b if row is not None]
-            assert Lists.end(*a, 0.3) == Arrays.end(*b, 0.3).tolist()
-    assert Lists.joined(None, values.tolist(), 3, N) == Arrays.joined(None, values, 3, N).tolist()
-    assert Lists.joined(values.tolist(), None, 3, N) == Arrays.joined(values, None, 3, N).tolist()
-
-
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
-    """Split over units with few inputs each, the same signals go as lists."""
+    """Split over units with few inputs each, the same signals give the same bits."""
     here = "cosimo.tests.engine.algorithms.test_rows"
     master = {"algorithm": algorithm, "step": 0.05, "extrapolation": degree}
     wide = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, "b": {"component": f"{here}:Sink"}},
@@ -60,7 +41,5 @@ def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
     narrow = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, **halves},
                              "connections": connections, "master": master, "record": {"signals": signals}}))
     assert (wide.outcome, narrow.outcome) == ("done", "done")
-    assert rows_for(N) is Arrays
-    assert rows_for(N // 2) is Lists
     for i in range(1, N + 1):
         np.testing.assert_array_equal(wide[f"b.area[{i}]"], narrow[f"b{i % 2}.area[{i}]"])

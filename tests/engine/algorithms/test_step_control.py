@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, NOT_FINITE
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import step_control
-from cosimo.orchestrator.engine.algorithms.polynomial import History
+from cosimo.orchestrator.engine.algorithms.kernels import end_of, extrapolation
 from cosimo.orchestrator.engine.algorithms.step_control import Controller, shares
 from cosimo.orchestrator.engine.coupling.demands import check_stepping
 from cosimo.orchestrator.run import run
@@ -56,23 +56,20 @@ def test_shares_of_equal_steps_are_the_constants_of_adams(count, extrapolated, i
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_shares_of_uneven_steps_are_mean_errors_of_the_inputs(degree):
     """A polynomial one degree above the inputs has no other error than the one that is estimated."""
-    signal, h, past = Polynomial([0.3, -1.1, 0.7, 2.3][: degree + 2]), 0.3, (0.2, 0.5)[:degree]
-    history, t = History(degree), 0.0
-    history.push([signal(t)], 0.0)
-    for step in reversed(past):
-        t += step
-        history.push([signal(t)], step)
-    at = t + h * (0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0])
-    weights = np.polynomial.legendre.leggauss(4)[1] / 2.0
+    signal, h, past = Polynomial([0.3, -1.1, 0.7, 2.3][: degree + 2]), 0.3, (0.5, 0.2)[:degree]
+    samples = [signal(-sum(past[:k])) for k in range(degree + 1)]  # at 0, -0.5 and -0.7 s
+    points, weights = np.polynomial.legendre.leggauss(4)
+    at = h * (0.5 + 0.5 * points)
 
-    def mean(terms) -> float:
-        value, slope, half = (0.0 if row is None else row[0] for row in terms)
-        return abs(weights @ (value + (at - t) * (slope + (at - t) * half) - signal(at)))
+    def mean(of) -> float:
+        return abs(weights / 2.0 @ (of(at) - signal(at)))
 
-    ahead = history.ahead()
-    missed = abs(history.rows.end(*ahead, h)[0] - signal(t + h))
-    assert mean(ahead) / missed == pytest.approx(shares(h, *past)[0], rel=1e-9)
-    assert mean(history.towards([signal(t + h)], h)) / missed == pytest.approx(shares(h, *past)[1], rel=1e-9)
+    terms = extrapolation(degree + 1, *[*samples, 0.0, 0.0][:3], *[*past, 1.0, 1.0][:2])
+    missed = abs(end_of(*terms, degree, h) - signal(h))
+    assert mean(Polynomial(terms)) / missed == pytest.approx(shares(h, *past)[0], rel=1e-9)
+    times = [h, *(-sum(past[:k]) for k in range(degree))]  # with the new value in place of the oldest
+    led = Polynomial.fit(times, signal(np.array(times)), degree)
+    assert mean(led) / missed == pytest.approx(shares(h, *past)[1], rel=1e-9)
 
 
 @pytest.mark.parametrize(("method", "algorithm", "degree"), full_but(

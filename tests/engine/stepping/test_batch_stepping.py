@@ -1,4 +1,4 @@
-"""Stretches of steps give what steps one by one give, to the last bit, and leave out what makes those slow."""
+"""Batches of steps give what steps one by one give, to the last bit, and what watches a run sees the same in both."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,8 @@ from cosimo.components.core.contract import KernelComponent, Kernels
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.stateless import nothing
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
-from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
-from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
+from cosimo.orchestrator.engine.algorithms import Master
+from cosimo.orchestrator.engine.stepping.batch import BatchStepping
 from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -17,21 +16,27 @@ from cosimo.tests.support import two_masses
 from cosimo.tests.units.native import native_fmu
 
 ALGORITHMS = ("jacobi", "gauss-seidel")
+BATCH = "cosimo.orchestrator.engine.stepping.batch"
 
 
-def both_ways(data, monkeypatch, kind, **options):
-    """The same scene in stretches, which must be taken, and step by step."""
-    stretches, steps = [], []
-    monkeypatch.setattr(kind, "run", counted(kind.run, stretches))
-    for algorithm in (Jacobi, GaussSeidel):
-        monkeypatch.setattr(algorithm, "step", counted(algorithm.step, steps))
+def both_ways(data, monkeypatch, **options):
+    """The same scene in batches, of which there must be some, and step by step; and the lengths of the batches in steps."""
+    lengths, steps = [], Master.run_steps
+
+    def noted(self, times, *arguments):
+        lengths.append(times.size)
+        return steps(self, times, *arguments)
+
+    monkeypatch.setattr(Master, "run_steps", noted)
     scene = data if not isinstance(data, dict) else read_scene(data)
     together = run(scene, **options)
-    alone = len(steps)
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.adaptive.batch_loop_for", lambda *_: None)
+    batches = lengths.copy()
+    lengths.clear()
+    monkeypatch.setattr(f"{BATCH}.LONGEST", 1)
     apart = run(scene, **options)
-    assert stretches
-    return together, apart, alone
+    assert max(batches) > 1
+    assert set(lengths) == {1}
+    return together, apart, batches
 
 
 def counted(function, calls):
@@ -53,29 +58,16 @@ def assert_alike(one, other):
     assert one.info.get("energy") == other.info.get("energy")
 
 
-@pytest.mark.parametrize("degree", [0, 1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_components_give_the_same_bits(algorithm, degree, monkeypatch):
+@pytest.mark.parametrize("rates", [{}, {"a": 2, "b": 5}], ids=str)
+@pytest.mark.parametrize(("algorithm", "degree"), [("jacobi", 1), ("gauss-seidel", 2)])
+def test_components_give_the_same_bits(algorithm, degree, rates, monkeypatch):
     """With outputs that follow within the instant, a unit of measure that is converted, and a shorter step at the end."""
     data = two_masses(algorithm, 7e-3, degree)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe"}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, alone = both_ways(data, monkeypatch, CompiledLoop)
-    assert_alike(together, apart)
-    assert alone <= degree  # only those from which the histories get their first samples
-
-
-@pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_smoothed_inputs_are_the_same_bits(algorithm, degree, monkeypatch):
-    data = two_masses(algorithm, 7e-3, degree)
-    data["master"]["smoothing"] = True
-    together, apart, alone = both_ways(data, monkeypatch, CompiledLoop)
-    assert_alike(together, apart)
-    assert alone <= degree
-    monkeypatch.undo()
-    rough = run(read_scene(two_masses(algorithm, 7e-3, degree)))
-    assert rough["a.x_out"].tobytes() != together["a.x_out"].tobytes()
+    for unit, every in rates.items():
+        data["units"][unit]["every"] = every
+    assert_alike(*both_ways(data, monkeypatch)[:2])
 
 
 FAULTS = {
@@ -88,48 +80,38 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-@pytest.mark.parametrize("degree", [0, 1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_inputs_with_faults_are_the_same_bits(algorithm, degree, name, monkeypatch):
-    """Two offsets of one input, whose sum could differ in the last digit, are taken step by step."""
-    steps = 100
-    data = two_masses(algorithm, 1.0 / steps, degree) | {"faults": FAULTS[name]}
-    if name == "two offsets":
-        stepped = []
-        monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, stepped))
-        assert run(read_scene(data)).outcome == "done"
-        assert not stepped
-        return
-    together, apart, alone = both_ways(data, monkeypatch, CompiledLoop)
+def test_inputs_with_faults_are_the_same_bits(name, monkeypatch):
+    data = two_masses("gauss-seidel", 0.01, 1) | {"faults": FAULTS[name]}
+    together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
-    assert alone == 0
     assert together["b.x_out"].tobytes() != run(read_scene(data | {"faults": []}))["b.x_out"].tobytes()
 
 
-@pytest.mark.first
-@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_two_offsets_of_an_input_are_one_of_their_sum():
+    two, one = (run(read_scene(two_masses("jacobi", 0.01, 1) | {"faults": faults})) for faults in (
+        FAULTS["two offsets"], [{**FAULTS["two offsets"][0], "value": 0.1 + 0.7}]))
+    assert_alike(two, one)
+
+
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeypatch):
+def test_kernels_called_by_address_give_the_same_bits(algorithm, monkeypatch):
     """A motor with dry friction, a body with two axes and a controller with a period, and the energy account of their bonds."""
     scene = load_scene("gimbal-scan")
-    scene = scene.with_changes({"stop_time": 150.5 * scene.master.step, "master.algorithm": algorithm,
-                                "master.extrapolation": degree})
+    scene = scene.with_changes({"stop_time": 150.5 * scene.master.step, "master.algorithm": algorithm})
     python = []
     monkeypatch.setattr(Callback, "__init__", lambda *_: python.append(1))
-    together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
+    together, apart, _ = both_ways(scene, monkeypatch, in_process=True)
     assert_alike(together, apart)
     assert together.info["energy"]
-    assert (alone, python) == (0, [])
+    assert python == []
 
 
-@pytest.mark.first(2)
 @pytest.mark.parametrize("degree", [0, 1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(algorithm, degree, monkeypatch):
+def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(degree, monkeypatch):
     """With a shorter step at the end, behind which the account's polynomials go through uneven instants."""
-    data = two_masses(algorithm, 7e-3, degree)
+    data = two_masses("jacobi", 7e-3, degree)
     data["master"] |= {"bonds": ["a.v_out * b.force"]}
-    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
     assert together.info["energy"]
 
@@ -138,39 +120,19 @@ FMUS = {"lumped-catenary": {"stop_time": 0.15},
         "en50318-2002": {"stop_time": 0.15, "units.catenary.parameters.spans": 3, "record.snapshot_interval": 0.05}}
 
 
-@pytest.mark.first(2)
-@pytest.mark.parametrize("degree", [0, 1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
 @pytest.mark.parametrize("name", FMUS)
-def test_fmus_give_the_same_bits(name, algorithm, degree, monkeypatch):
+def test_fmus_give_the_same_bits(name, monkeypatch):
     """Companion inputs, outputs that follow within the instant; the distributed catenary has wide ports."""
-    scene = load_scene(name).with_changes({**FMUS[name], "master.algorithm": algorithm, "master.extrapolation": degree})
-    together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop)
-    assert_alike(together, apart)
-    assert alone == 0
+    assert_alike(*both_ways(load_scene(name).with_changes(FMUS[name]), monkeypatch)[:2])
 
 
-def wide(algorithm):
-    changes = {"stop_time": 2e-3, "master.algorithm": algorithm}
-    return load_scene("rotor-bearings-heat").with_changes(changes)
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_wide_ports_of_fmus_give_the_same_bits(algorithm, monkeypatch):
-    assert_alike(*both_ways(wide(algorithm), monkeypatch, CompiledLoop)[:2])
-
-
-@pytest.mark.first(2)
 @pytest.mark.parametrize("flags", ["", 'canInterpolateInputs="true"'])
-@pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, foreign, monkeypatch):
+def test_fmus_of_another_maker_give_the_same_bits(flags, foreign, monkeypatch):
     """x'' = -x in a circle of two integrators: inputs as derivatives, or as the mean over a step."""
     back = {"source": "g.x", "target": "f.u", "factor": -1.0, "offset": 0.1}
     data = {"stop_time": 10.0, "connections": ["f.x -> g.u", back], "units": {u: {"fmu": foreign(flags)} for u in "fg"},
-            "master": {"algorithm": algorithm, "step": 0.01, "extrapolation": degree}}
-    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+            "master": {"algorithm": "gauss-seidel", "step": 0.01, "extrapolation": 2}}
+    together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
     assert np.ptp(together["f.x"]) > 0.15  # it swings about 0.1 with an amplitude of 0.1
 
@@ -189,12 +151,10 @@ def whole_numbers(algorithm: str, degree: int, **counter) -> dict:
                             "b.Float64_continuous_output -> integral.u", counter]}
 
 
-@pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_inputs_of_fmus_that_change_at_instants_give_the_same_bits(algorithm, degree, monkeypatch):
-    together, apart, alone = both_ways(whole_numbers(algorithm, degree), monkeypatch, CompiledLoop)
+def test_inputs_of_fmus_that_change_at_instants_give_the_same_bits(algorithm, monkeypatch):
+    together, apart, _ = both_ways(whole_numbers(algorithm, 1), monkeypatch)
     assert_alike(together, apart)
-    assert alone == 0
     assert set(together["b.Int32_out"]) >= {1.0, 2.0, 3.0, 4.0}
     assert (together["b.Boolean_out"][-1], together["b.Enumeration_out"][-1]) == (1.0, 7.0)
     assert together["b.Float64_discrete_output"][-1] == together["integral.z"][-1] != 0.0
@@ -202,7 +162,7 @@ def test_inputs_of_fmus_that_change_at_instants_give_the_same_bits(algorithm, de
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_a_number_that_an_input_cannot_hold_ends_both_at_the_same_step(algorithm, monkeypatch):
-    together, apart, _ = both_ways(whole_numbers(algorithm, 1, factor=1e9), monkeypatch, CompiledLoop)
+    together, apart, _ = both_ways(whole_numbers(algorithm, 1, factor=1e9), monkeypatch)
     assert_alike(together, apart)
     assert "a failed at t = 1.99 s" in together.message
     assert "input Int32_in cannot be 3e+09" in together.message
@@ -211,16 +171,18 @@ def test_a_number_that_an_input_cannot_hold_ends_both_at_the_same_step(algorithm
 @pytest.mark.parametrize("interval", [0.01, 0.03, 0.035])
 def test_records_at_intervals_are_the_same(interval, monkeypatch):
     data = two_masses("jacobi", 1e-2, 1) | {"record": {"signals": ["b.x_out"], "interval": interval}}
-    assert_alike(*both_ways(data, monkeypatch, CompiledLoop)[:2])
+    assert_alike(*both_ways(data, monkeypatch)[:2])
 
 
-@pytest.mark.parametrize("bonds", [(), ("spring.second_force_x * mass.base_velocity_x",)])
-def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(bonds, monkeypatch):
+@pytest.mark.parametrize(("step", "changes"), [
+    (0.13, {}), (0.13, {"master.bonds": ("spring.second_force_x * mass.base_velocity_x",)}),
+    (0.065, {"units.spring.every": 2}), (0.065, {"units.spring.every": 2, "master.algorithm": "gauss-seidel"})])
+def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(step, changes, monkeypatch):
     """Up to the step at which the monitor would have ended the run, with all that was recorded and counted by then."""
-    scene = load_scene("mass-on-spring").with_changes({"master.step": 0.13, "stop_time": 200.0, "master.bonds": bonds})
+    scene = load_scene("mass-on-spring").with_changes({"master.step": step, "stop_time": 200.0, **changes})
     restored = []
-    monkeypatch.setattr(CompiledLoop, "restore", counted(CompiledLoop.restore, restored))
-    together, apart, _ = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
+    monkeypatch.setattr(BatchStepping, "_restore", counted(BatchStepping._restore, restored))
+    together, apart, _ = both_ways(scene, monkeypatch, in_process=True)
     assert (together.outcome, len(restored)) == ("unstable", 1)
     assert_alike(together, apart)
 
@@ -281,11 +243,10 @@ def test_all_that_kernels_of_a_users_component_write_is_taken_back(step, monkeyp
     data = {"stop_time": 6000 * step, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
             "units": {"m": {"component": f"{__name__}:Pushed"}, "s": {"component": f"{__name__}:Pulling"}},
             "master": {"algorithm": "jacobi", "step": step}}
-    restored, batches = [], []
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e3)
-    monkeypatch.setattr(CompiledLoop, "restore", counted(CompiledLoop.restore, restored))
-    monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, batches))
-    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    restored = []
+    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
+    monkeypatch.setattr(BatchStepping, "_restore", counted(BatchStepping._restore, restored))
+    together, apart, batches = both_ways(data, monkeypatch)
     assert (together.outcome, len(restored)) == (("unstable", 1) if step > 0.03 else ("done", 0)), together.message
     assert_alike(together, apart)
     assert len(batches) <= 5
@@ -296,18 +257,20 @@ def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
     """Recorders and the monitor of instability look at steps within a batch: of 20 000 steps a few dozen ends are left."""
     batches = []
     data = two_masses("gauss-seidel", 1e-3, 1) | {"stop_time": 20.0, "record": {"signals": ["b.x_out"], "interval": interval}}
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e3)
-    monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, batches))
+    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
+    monkeypatch.setattr(Master, "run_steps", counted(Master.run_steps, batches))
     assert run(read_scene(data), in_process=True).outcome == "done"
     assert len(batches) <= 2 + 20_000 // (LOOKS * InstabilityMonitor.EVERY * InstabilityMonitor.RARELY)
 
 
-def test_stretches_end_where_faults_begin_and_end(monkeypatch):
+def test_batches_end_where_faults_begin_and_end(monkeypatch):
+    """At 333 and 500 ms and behind 700 of 1000 steps; each ends with the steps that are left up to there."""
     faults = [{"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
               {"signal": "a.x_out", "kind": "freeze", "begin": 0.7}]
-    together, apart, alone = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch, CompiledLoop)
+    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
+    together, apart, batches = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch)
     assert_alike(together, apart)
-    assert alone == 0
+    assert {333, 500, 700, 1000} <= set(np.cumsum(batches).tolist())
 
 
 def test_a_run_goes_on_from_a_checkpoint_as_it_would_have(tmp_path, monkeypatch):
@@ -319,11 +282,15 @@ def test_a_run_goes_on_from_a_checkpoint_as_it_would_have(tmp_path, monkeypatch)
         assert again[name].tobytes() == whole[name].tobytes()
 
 
-def test_a_failure_keeps_every_step_before_it(monkeypatch):
-    data = two_masses("jacobi", 1e-2, 1)
+@pytest.mark.parametrize(("algorithm", "rates"), [
+    ("jacobi", {}), ("jacobi", {"p": 4}), ("gauss-seidel", {"a": 2, "b": 4})], ids=str)
+def test_a_failure_keeps_every_step_before_it(algorithm, rates, monkeypatch):
+    data = two_masses(algorithm, 1e-2, 1)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.555}}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    for unit, every in rates.items():
+        data["units"][unit]["every"] = every
+    together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
     assert len(together.time) == 56
     assert together.message.startswith("p failed at t = 0.5")
@@ -334,7 +301,7 @@ def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
     limit = {"limit": 3.0}
     loop = {"stop_time": 100.0, "connections": ["f.x -> g.u", {"source": "g.x", "target": "f.u", "offset": 1.0}],
             "units": {u: {"fmu": foreign(), "parameters": limit} for u in "fg"}, "master": {"algorithm": "jacobi", "step": 0.01}}
-    together, apart, _ = both_ways(loop, monkeypatch, CompiledLoop)
+    together, apart, _ = both_ways(loop, monkeypatch)
     assert_alike(together, apart)
     assert "is above the limit" in together.message
     assert together["f.x"].max() <= 3.0
@@ -343,6 +310,6 @@ def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
 def test_growth_without_bound_ends_both_at_the_same_step(monkeypatch):
     data = two_masses("jacobi", 0.2, 2) | {"stop_time": 200.0}
-    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
     assert "has grown to" in together.message

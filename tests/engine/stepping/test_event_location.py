@@ -6,13 +6,12 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.engine.algorithms.multirate import MultirateUnit
-from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.engine.algorithms.step_control import Controller
 from cosimo.orchestrator.engine.stepping.adaptive import AdaptiveStepping
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.engine.algorithms.oscillators import open_master
 
 
 class Relay(Component):
@@ -216,22 +215,21 @@ class Faultless:
 
 def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
     """It steps with every third macro step; the event in its first step shortens none of the others."""
-    unit = Telling(0.27)
-    unit.name, unit.drive, unit.get = "u", lambda *_: None, lambda: [0.0]
-    slow = MultirateUnit(unit, 3, History(0), History(0), [0.0], slice(0, 1), 10.0)
-    slow._given = [0.0]
+    scene = {"stop_time": 0.9, "master": {"algorithm": "jacobi", "step": 0.1}, "units": {
+        "u": {"component": f"{__name__}:Riser", "every": 3}, "p": {"component": "cosimo.tests.support:Probe"}},
+        "connections": [{"source": "u.x_out", "target": "p.length"}]}
+    master = open_master(scene, ())
+    slow = master.node_of["u"]
+    component, step = slow.unit.component, slow.unit.component.step
 
-    class Only:
-        step, ends = slow.step, []
+    def telling(t, h):
+        slow.unit.event = 0.27 if t < 0.27 <= t + h else None
+        step(t, h)
 
-        def save(self, reuse=None):
-            return slow.save(reuse)
-
-        def restore(self, saved):
-            slow.restore(saved)
-
+    component.step = telling
+    master.machine.address()
     clock = Clock.dividing(0.1, 0.9).finer(10**6)
-    loop = AdaptiveStepping(Only(), clock, 10**6, 9 * 10**6, early=[slow])
+    loop = AdaptiveStepping(master, clock, 10**6, 9 * 10**6, early=[slow])
     ends = []
     loop.run([lambda tick, t: ends.append(t)])
     assert loop.counts["events"] == 1

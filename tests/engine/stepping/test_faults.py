@@ -158,7 +158,7 @@ def test_a_scene_without_faults_has_no_trace_of_them():
     class NotTouched:
         nodes = ()
 
-    faults = Faults(scene.faults, resolve_coupling(scene), NotTouched(), {}, Clock.dividing(1.0))
+    faults = Faults(scene.faults, resolve_coupling(scene), NotTouched(), Clock.dividing(1.0))
     assert faults.stops() == {}
     faults.before_start()
 

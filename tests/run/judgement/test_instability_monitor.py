@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
+from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.judgement.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
@@ -85,13 +85,13 @@ def test_no_shipped_scene_raises_an_alarm(name):
     assert result.outcome == "done", result.message
 
 
-def test_the_watch_cuts_stretches_of_steps_where_it_looks_only(monkeypatch):
-    """Counted: one look in 29 steps, and as many stretches more than without it."""
-    stretches, looks = [], []
-    taken, looked = CompiledLoop.run, InstabilityMonitor.__call__
+def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
+    """Counted: one look in 29 steps, and as many batches more than without it, at most."""
+    batches, looks = [], []
+    taken, looked = Master.run_steps, InstabilityMonitor.__call__
 
     def counted(self, times, *more):
-        stretches.append(len(times))
+        batches.append(len(times))
         return taken(self, times, *more)
 
     def seen(self, tick, t):
@@ -99,15 +99,15 @@ def test_the_watch_cuts_stretches_of_steps_where_it_looks_only(monkeypatch):
         looked(self, tick, t)
 
     scene = spring(0.01, 1, steps=6000)
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e6)  # no stretch ends for its duration
-    monkeypatch.setattr(CompiledLoop, "run", counted)
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e6)  # no batch ends for its duration
+    monkeypatch.setattr(Master, "run_steps", counted)
     monkeypatch.setattr(InstabilityMonitor, "__call__", seen)
     run(scene)
-    with_it, stretches[:] = len(stretches), []
+    with_it, batches[:] = len(batches), []
     monkeypatch.setattr(InstabilityMonitor, "__call__", lambda self, tick, t: None)
     monkeypatch.setattr(InstabilityMonitor, "steps_not_needed", lambda self, tick, length: 1_000_000)
     run(scene)
-    assert len(stretches) <= with_it <= len(stretches) + len(looks)
+    assert len(batches) <= with_it <= len(batches) + len(looks)
     assert len(looks) <= 6000 / 29 + 4
 
 
