@@ -117,7 +117,7 @@ def _degree(unit, past):
     return degree
 
 
-@kernel
+@inlined_kernel
 def _drive(unit, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
     first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
@@ -218,7 +218,7 @@ def _step(unit, t, h):
     return status
 
 
-@kernel
+@inlined_kernel
 def _start(unit, units, links, pasts, signals, buffer, t, h):
     """Drive a unit over the coming step and let it step; returns the status.
 
@@ -275,7 +275,7 @@ def _read(unit, outputs_at, signals):
     return 0
 
 
-@kernel
+@inlined_kernel
 def _read_any(unit, units, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status."""
     if unit.lost != 0:
@@ -300,7 +300,7 @@ def _show(unit, units, links, pasts, signals):
         signals[seen.first_signal + k] = v
 
 
-@kernel
+@inlined_kernel
 def _stands(unit, links, signals):
     """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved. Notes these as known."""
     stands = unit.ends == GUESSED

@@ -76,9 +76,9 @@ class Machine:
 
     def perform(self, rows: Rows, t: float, h: float) -> None:
         """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
-        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=0)
-        self.records.run_steps(t, h)
-        self._go_on(t, h)
+        self.records.take_rows(*rows, t, h)
+        if self.records.answer("unit") >= 0:
+            self._go_on(t, h)
 
     def step(self, rows: Rows, t: float, h: float) -> bool:
         """Take the rows of a macro step; returns whether the signals have left the limit."""

@@ -80,7 +80,8 @@ class Master:
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
         acts, push = self.acts(), (PUSH, self._fed)
-        self._rows = {"step": program.add(*acts, *((FOLLOW, part) for part in following), push), "advance": program.add(*acts),
+        finish = [*((FOLLOW, part) for part in following), push]
+        self._rows = {"step": program.add(*acts, *finish), "advance": program.add(*acts), "finish": program.add(*finish),
                       "push": program.add(push), "foresee": program.add((FORESEE, self._fed))}
         self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}
         self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
@@ -208,10 +209,10 @@ class Master:
 
         Returns whether the outputs have to be looked at.
         """
-        self._solve(t + h, self.solves_loops)
-        self.perform("push", t, h)
-        weights = self.records.memory.inverse
-        return not abs(float(self.signals[: weights.size] @ weights)) < RUNAWAY
+        if self.loops and self.solves_loops:
+            self._solve(t + h)
+            return self.machine.step(self._rows["push"], t, h)
+        return self.machine.step(self._rows["finish"], t, h)
 
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
@@ -220,13 +221,13 @@ class Master:
                 node.jump()
         self._solve(t)
 
-    def _solve(self, t: float, loops: bool = True) -> None:
+    def _solve(self, t: float) -> None:
         """Update the units whose inputs have moved, and solve algebraic loops, each where it stands among them."""
         self.records.ask(updated=0)
         for part in self._plan:
             if isinstance(part, list):
                 self.machine.perform(self._follow[id(part)], t, 0.0)
-            elif loops:
+            else:
                 part.solve(t)
                 self.records.ask(updated=1)
 

@@ -82,9 +82,7 @@ class Node:
         return port_values(self.link_records["looked"])
 
     def _look(self) -> None:
-        records, (first, last) = self._records, self.looks
-        records.ask(first=first, last=last, steps=1, times=0, begin=0, whole=0)
-        records.run_steps(0.0, 0.0)
+        self._records.take_rows(*self.looks, 0.0, 0.0)
 
     def foreseen(self) -> np.ndarray:
         """Where extrapolation will have taken the inputs, see `Master.foresee`, (n,)."""

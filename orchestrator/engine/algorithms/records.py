@@ -103,8 +103,8 @@ REQUEST, _ = _record("""
     steps      i macro steps
     times      i address of the times at which they begin; 0: the one that is handed over
     begin      i units of the first row that are done already
-    updated    i whether outputs have moved
     whole      i whether the rows are a macro step
+    updated    i whether outputs have moved
     rows       i address for the signals behind each, (steps, S); 0: none of what follows is wanted
     given      i address for what bonded links were given in each, (steps, B, 4)
     watched    i address of addresses of further numbers
