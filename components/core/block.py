@@ -127,6 +127,11 @@ class Block:
         """The cells of `p` and `e`."""
         return self.memory[self.parameters_at : self.saved]
 
+    def take_arrays(self, cells: np.ndarray) -> None:
+        """What stands behind parameters and addresses, from the memory of another block of this layout."""
+        first = self.addresses_at + len(self.entries)
+        self.memory[first:] = cells[first:]
+
     def begin_anew(self, but: Collection[str] = ()) -> None:
         """All as it was at the beginning, tables with their contents; inputs stay, and the arrays named in `but`."""
         for name in self._begin._fields:

@@ -166,9 +166,7 @@ class KernelComponent(Component):
         elif not (getattr(block.s, kept[0])[0] and block.parameters.tobytes() == before):
             image = _IMAGES.get(self._image_key())
             if image is not None:
-                inputs = self.u.copy()
-                block.memory[:] = image
-                self.u[:] = inputs
+                block.take_arrays(image)
             block.begin_anew(kept if image is not None else ())
         else:
             block.begin_anew(kept)
