@@ -5,12 +5,10 @@ from __future__ import annotations
 from contextlib import ExitStack
 from typing import NamedTuple
 
-from ...components.core.contract import KernelComponent
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.batch import obstacles
 from ..run import Run
 from ..scene.scene import Scene
-from ..units.component import ComponentUnit
 
 ADAPTIVE = {"control": "master.control", "events": "master.events"}
 
@@ -19,7 +17,7 @@ class SteppingPath(NamedTuple):
     """Of a scene in process."""
 
     obstacles: tuple[str, ...]  # settings that put it on the general path; without any, batches of steps are compiled code
-    python: tuple[str, ...]  # components that are no kernels but Python
+    python: tuple[str, ...]  # units that are stepped through Python
 
 
 def stepping_path(scene: Scene) -> SteppingPath:
@@ -32,6 +30,4 @@ def stepping_path(scene: Scene) -> SteppingPath:
         reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
         if isinstance(run.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]
-        units = [unit for node in run.master.nodes if isinstance(unit := node.unit, ComponentUnit)]
-        python = tuple(unit.name for unit in units if not isinstance(unit.component, KernelComponent))
-        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), python)
+        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), run.master.machine.in_python)

@@ -25,6 +25,7 @@ class CallTable:
     inputs_at: tuple[int, ...]
     outputs_at: tuple[int, ...]
     apart: tuple[bool, ...]
+    in_python: bool = False  # whether a step goes through it
 
 
 class Held(NamedTuple):

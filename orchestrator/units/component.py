@@ -118,7 +118,7 @@ class ComponentUnit:
             alive = self._callbacks = Callback(refresh), Callback(c.step)
             outputs, step, argument = *(callback.function for callback in self._callbacks), 0
         calls = {"step": step, "outputs": outputs, "argument": argument, "row": c.u.strides[0]}
-        return CallTable(calls, IN_MEMORY, alive, *self._at, (False,) * len(self._at[0]))
+        return CallTable(calls, IN_MEMORY, alive, *self._at, (False,) * len(self._at[0]), bool(self._callbacks))
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""

@@ -40,7 +40,7 @@ class PythonCalls:
     def call_table(self) -> CallTable:
         """For the master."""
         calls = {name: callback.function for name, callback in self._callbacks.items()}
-        return CallTable(calls, IN_PYTHON, (self,), (0,) * self._n, (0,) * self._m, (False,) * self._n)
+        return CallTable(calls, IN_PYTHON, (self,), (0,) * self._n, (0,) * self._m, (False,) * self._n, True)
 
     def stepped(self, steps: int, t: float) -> None:
         """The unit knows."""

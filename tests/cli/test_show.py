@@ -109,13 +109,18 @@ BOND = {"master.bonds": ["spring.second_force_x * mass.base_velocity_x"]}
     ({**BOND, "master.energy_correction": True}, "master.energy_correction"),
     ({"master.control": {"method": "milne", "relative": 1e-4}}, "master.control"),
     ({"master.events": ["mass.base_x"]}, "master.events"),
-    ({"units.spring.isolation": "process"}, "units.spring"),
 ])  # fmt: skip
 def test_the_setting_that_puts_a_scene_on_the_general_path(changes, obstacle):
     path = stepping_path(load_scene("mass-on-spring").with_changes({"stop_time": 0.1, **changes}))
     assert path.python == ()
     assert bool(path.obstacles) == bool(obstacle)
     assert any(words.startswith(obstacle) for words in path.obstacles) or not obstacle, path.obstacles
+
+
+@compiled
+def test_a_unit_in_a_process_of_its_own_is_stepped_through_python():
+    path = stepping_path(load_scene("mass-on-spring").with_changes({"stop_time": 0.1, "units.spring.isolation": "process"}))
+    assert (path.obstacles, path.python) == ((), ("spring",))
 
 
 @compiled

@@ -415,7 +415,9 @@ def run_steps(t, h, m):
             act, first = m.program[row, 0], m.program[row, 1]
             for place in range(first + begin, m.program[row, 2]):
                 unit, status, reads = units[m.order[place]], 0, act in (READ, TURN)
-                if act in (START, TURN):
+                if request.started != 0:
+                    request.started = 0
+                elif act in (START, TURN):
                     status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
                 elif act == PUSH:
                     _push(unit, links, pasts, signals, h, request.updated)

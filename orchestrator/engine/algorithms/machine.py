@@ -95,8 +95,14 @@ class Machine:
             begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self.note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
-            records.ask(first=records.answer("row"), begin=records.answer("place") + 1, steps=1, times=0, rows=0, look_count=0)
+            records.ask(first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0,
+                        look_count=0)
             records.run_steps(t, h)
+
+    @property
+    def in_python(self) -> tuple[str, ...]:
+        """Units that are stepped through Python, by name."""
+        return tuple(node.unit.name for node, table in zip(self._nodes, self._tables, strict=True) if table.in_python)
 
     def begin(self) -> None:
         """Before steps: FMUs tell whether a state will come back; raises `SimulationEnded` where one has ended it."""

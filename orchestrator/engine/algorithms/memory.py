@@ -35,7 +35,7 @@ class Records:
         self.block, self.driven = Block(begin, (), (), {"run_steps": ("double %t", "double %h")}), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
-        self._head = self.place("request", 0, "first")  # and behind it steps, times, begin, whole, see `REQUEST`
+        self._head = self.place("request", 0, "first")  # and behind it steps, times, begin, started, whole, see `REQUEST`
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
         self._run_steps: Callable[[float, float], int] | None = None
 
@@ -53,7 +53,8 @@ class Records:
     def take_rows(self, first: int, last: int, t: float, h: float) -> None:
         """Call the kernel for some rows of the program, in the step from t to t + h."""
         cells, at = self.integers, self._head
-        cells[at], cells[at + 1], cells[at + 2], cells[at + 3], cells[at + 4], cells[at + 5] = first, last, 1, 0, 0, 0
+        cells[at], cells[at + 1], cells[at + 2], cells[at + 3], cells[at + 4] = first, last, 1, 0, 0
+        cells[at + 5], cells[at + 6] = 0, 0
         self.run_steps(t, h)
 
     def answer(self, field: str) -> int:

@@ -103,6 +103,7 @@ REQUEST, _ = _record("""
     steps      i macro steps
     times      i address of the times at which they begin; 0: the one that is handed over
     begin      i units of the first row that are done already
+    started    i whether the next unit has started already
     whole      i whether the rows are a macro step
     updated    i whether outputs have moved
     rows       i address for the signals behind each, (steps, S); 0: none of what follows is wanted
