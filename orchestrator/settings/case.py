@@ -75,5 +75,5 @@ class CaseSettings(Model):
     scene: str
     sources: Annotated[dict[str, str], Field(min_length=1)]
     runs: tuple[RunSettings, ...] = Field(default=(), description="without them the scene as it is")
-    rows: tuple[dict[str, Any], ...] = ()
+    rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
     curves: tuple[CurveSettings, ...] = ()

@@ -176,16 +176,9 @@ text = "A mass of 1 kg on 100 N/m."
 
 [sources]
 closed = "sqrt(k/m)"
-
-[[rows]]
-quantity = "angular frequency"
-measure = "frequency"
-condition = "bounce"
-unit = "rad/s"
-low = 9.999
-high = 10.001
-standing = "computed"
-source = "closed"
+''',
+    "orchestrator/systems/spring_pendulum/cases/bounce.csv": '''quantity,measure,condition,unit,low,high,standing,source
+angular frequency,frequency,bounce,rad/s,9.999,10.001,computed,closed
 ''',
     "orchestrator/systems/spring_pendulum/figures/__init__.py": '''"""Figures of the pendulum on a spring."""
 

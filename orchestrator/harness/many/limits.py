@@ -12,7 +12,7 @@ from ...settings.answers import DesignSettings
 from ...settings.limits import LimitSettings, RowsSettings
 from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted
-from ..validation.reference import TableRow, load_table, table_rows
+from ..validation.reference import TableRow, load_table, rows_of, table_rows
 
 S = TypeVar("S", PlanSettings, DesignSettings)
 Limits = Mapping[str, LimitSettings]
@@ -83,10 +83,11 @@ def _table(name: str, folder: Path) -> tuple[tuple[TableRow, ...], str]:
     if not (folder / name).is_file():
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
     data = read_toml(folder / name)
-    for key, kind in (("sources", Mapping), ("rows", list)):
+    for key, kind in (("sources", Mapping), ("rows", list | str)):
         if not isinstance(data.get(key), kind) or not data[key]:
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
-    return table_rows(name, [{"condition": "", **row} for row in data["rows"]], data["sources"]), str(data.get("measures", ""))
+    rows = rows_of(name, data, folder)
+    return table_rows(name, [{"condition": "", **row} for row in rows], data["sources"]), str(data.get("measures", ""))
 
 
 def _under(rows: Sequence[TableRow], settings: RowsSettings) -> list[TableRow]:

@@ -19,7 +19,7 @@ from ..charts.chart import Chart
 from ..studies.quantities import TimeHistory, quantities_of, recording
 from .case import Case, Findings, Options, Row, compare
 from .curves import Comparison, compare_curve, read_curve
-from .reference import TableRow, table_rows
+from .reference import TableRow, rows_of, table_rows
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -39,8 +39,9 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         settings = CaseSettings.model_validate(read_toml(path))
     except ValidationError as error:
         raise one_message(error, CaseSettings, name) from None
-    if not (settings.rows or settings.curves):
-        raise BadInput(name, "neither rows nor curves", "[[rows]] or [[curves]] to compare with")
+    given = rows_of(name, {"rows": settings.rows}, path.parent)
+    if not (given or settings.curves):
+        raise BadInput(name, "neither rows nor curves", '[[rows]], rows = "FILE.csv" or [[curves]] to compare with')
     beside = path.parent / settings.scene
     scene = load_scene(beside if beside.suffix else settings.scene)
     conditions = [r.condition for r in settings.runs]
@@ -49,7 +50,7 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
     scenes = {r.condition: scene.with_changes(r.changes) for r in settings.runs} or {scene.name: scene}
     only = next(iter(scenes)) if len(scenes) == 1 else ""  # what rows and curves without a condition are of
     rows = tuple(_in_run(r, scenes, f"{name}, row {i}")
-                 for i, r in enumerate(table_rows(name, [{"condition": only, **r} for r in settings.rows], settings.sources), 1))
+                 for i, r in enumerate(table_rows(name, [{"condition": only, **r} for r in given], settings.sources), 1))
     curves = tuple(c.model_copy(update={"condition": c.condition or only}) for c in settings.curves)
     for curve in curves:
         _check_curve(curve, settings, scenes, path.parent, name)

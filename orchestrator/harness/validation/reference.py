@@ -1,11 +1,16 @@
-"""Reference tables: ranges as data, each row with its standing and its source."""
+"""Reference tables: ranges as data, each row with its standing and its source.
+
+A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its title, its text and its sources in words.
+"""
 
 from __future__ import annotations
 
+import csv
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import shipped
@@ -20,7 +25,8 @@ STANDINGS = {
 }
 CONFIDENCES = ("high", "medium-high", "medium", "low")
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
-OPTIONAL = ("low", "high", "value", "tolerance", "confidence", "claim", "role")
+NUMBERS = ("low", "high", "value", "tolerance")
+OPTIONAL = (*NUMBERS, "confidence", "claim", "role")
 
 
 @dataclass(frozen=True)
@@ -80,13 +86,13 @@ class Table:
         return rows
 
 
-def parse_table(name: str, text: str) -> Table:
-    """A table from its TOML text; raises `BadInput` for missing or unknown fields and unknown sources."""
+def parse_table(name: str, text: str, lines: str) -> Table:
+    """A table from its TOML text and the CSV of its rows; raises `BadInput` for missing or unknown fields and unknown sources."""
     data = tomllib.loads(text)
-    for key in ("title", "text", "sources", "rows"):
+    for key in ("title", "text", "sources"):
         if not data.get(key):
-            raise BadInput(f"table {name}", f"no {key!r}", "title, text, sources and rows")
-    rows = table_rows(name, data["rows"], data["sources"])
+            raise BadInput(f"table {name}", f"no {key!r}", "title, text and sources")
+    rows = table_rows(name, read_rows(name, lines), data["sources"])
     claims = read_claims(name, data.get("claims", ()))
     numbers = {claim.number for claim in claims}
     for i, row in enumerate(rows, 1):
@@ -98,12 +104,56 @@ def parse_table(name: str, text: str) -> Table:
     return Table(name, data["title"], data["text"], rows, claims, data.get("measures", ""))
 
 
-def table_rows(name: str, rows: Sequence[dict], sources: dict) -> tuple[TableRow, ...]:
+def read_rows(name: str, lines: str) -> list[dict[str, Any]]:
+    """Rows from CSV: the first line names the columns, an empty cell is none; numbers in `NUMBERS`, text elsewhere.
+
+    Commas or semicolons stand between cells. Raises `BadInput` with the number of the row.
+    """
+    first, *others = lines.removeprefix("\ufeff").splitlines() or [""]
+    separator = ";" if ";" in first and "," not in first else ","
+    columns = next(csv.reader([first], delimiter=separator), [])
+    for column in columns:
+        if column not in FIELDS + OPTIONAL:
+            raise BadInput(f"table {name}", f"column {column!r}", "a column of a reference table",
+                           nearest(column, FIELDS + OPTIONAL))
+    rows = []
+    for i, cells in enumerate(csv.reader(others, delimiter=separator), 1):
+        if not any(cells):
+            continue
+        if len(cells) != len(columns):
+            raise BadInput(f"table {name}, row {i}", f"{len(cells)} cells", f"{len(columns)}, as the first line has")
+        given = {column: cell.strip() for column, cell in zip(columns, cells, strict=True) if cell.strip()}
+        rows.append(given | {column: _number(given[column], f"table {name}, row {i}, {column}")
+                             for column in NUMBERS if column in given})
+    if not rows:
+        raise BadInput(f"table {name}", "no rows", "at least one line behind the names of the columns")
+    return rows
+
+
+def _number(cell: str, where: str) -> float:
+    try:
+        return int(cell) if cell.lstrip("+-").isdigit() else float(cell)
+    except ValueError:
+        raise BadInput(where, repr(cell), "a number, with a point") from None
+
+
+def rows_of(name: str, data: Mapping[str, Any], folder: Path) -> Sequence[Mapping[str, Any]]:
+    """Rows of a table of a user's: `rows` is their list, or the name of a CSV file in the folder."""
+    rows = data.get("rows", ())
+    if not isinstance(rows, str):
+        return rows
+    try:
+        return read_rows(rows, (folder / rows).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{name}: rows", repr(rows), "a CSV file that can be read", f"{error}.") from None
+
+
+def table_rows(name: str, rows: Sequence[Mapping[str, Any]], sources: Mapping[str, str]) -> tuple[TableRow, ...]:
     """Rows of a table as data, with their sources in words; raises `BadInput` with the number of the row."""
     return tuple(_row(name, i, row, sources) for i, row in enumerate(rows, 1))
 
 
-def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:
+def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, str]) -> TableRow:
     where = f"table {table}, row {number}"
     for key in row:
         if key not in FIELDS + OPTIONAL:
@@ -140,7 +190,8 @@ def load_table(name: str) -> Table:
     tables = table_files()
     if name not in tables:
         raise BadInput("reference table", repr(name), "a shipped table", nearest(name, tables))
-    return parse_table(name, tables[name].read_text(encoding="utf-8"))
+    texts = (tables[name].with_suffix(suffix).read_text(encoding="utf-8") for suffix in (".toml", ".csv"))
+    return parse_table(name, *texts)
 
 
 def table_files() -> dict[str, Path]:

@@ -170,3 +170,21 @@ def test_an_unknown_file_and_an_unknown_name_are_told_apart(tmp_path):
         validate([str(tmp_path / "nothing.toml")], tmp_path)
     with pytest.raises(BadInput, match=r"or the \.toml file of one"):
         validate(["nothing"], tmp_path)
+
+
+def test_rows_may_stand_in_a_file_of_a_spreadsheet(folder, tmp_path, capsys):
+    """The same case, its rows a CSV file beside it; a file that is not there is told."""
+    first, behind = CASE.index("[[rows]]"), CASE.index("[[curves]]")
+    text = CASE[:first] + CASE[behind:]
+    (folder / "case.toml").write_text(text.replace("[sources]", 'rows = "limits.csv"\n[sources]', 1), encoding="utf-8")
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", str(folder / "case.toml"), "-o", str(tmp_path / "none")])
+    assert ended.value.code == 2
+    assert "limits.csv" in capsys.readouterr().err
+    (folder / "limits.csv").write_text("quantity;measure;condition;unit;high;standing;source\n"
+                                       "largest position;a.x_out, maximum;soft;m;100.0;verbatim;rig\n", encoding="utf-8")
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", str(folder / "case.toml"), "--json", "--no-verify", "-o", str(tmp_path / "out")])
+    assert not ended.value.code
+    (case,) = json.loads(capsys.readouterr().out)["cases"]
+    assert [row["high"] for row in case["rows"] if row["quantity"] == "largest position"] == [100.0]

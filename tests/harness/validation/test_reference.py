@@ -49,41 +49,40 @@ def test_a_value_with_tolerance_becomes_a_range():
     assert (row.low, row.high) == pytest.approx((0.985 * 4730, 1.015 * 4730))
 
 
-GOOD = """
+TEXT = """
 title = "t"
 text = "x"
 [sources]
 s = "somewhere public"
-[[rows]]
-quantity = "q"
-measure = "m"
-condition = "c"
-unit = "N"
-low = 1
-high = 2
-standing = "verbatim"
-source = "s"
 """
+ROWS = "quantity,measure,condition,unit,low,high,standing,source\nq,m,c,N,1,2,verbatim,s\n"
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('standing = "verbatim"', 'standing = "read"', "standing 'read'"),
-        ('standing = "verbatim"', 'standing = "recalled"', "confidence"),
-        ('source = "s"', 'source = "z"', "a key of"),
-        ("high = 2", "high = 0", "low 1 above high 0"),
-        ("low = 1\nhigh = 2", "", "at least one end"),
-        ("low = 1", "value = 1", "tolerance"),
-        ('unit = "N"', "unit = 3", "a text"),
-        ('unit = "N"', 'unit = "N"\nhihg = 3', "did you mean 'high'"),
+        ("verbatim", "read", "standing 'read'"),
+        ("verbatim", "recalled", "confidence"),
+        (",s\n", ",z\n", "a key of"),
+        ("1,2", "1,0", "low 1 above high 0"),
+        ("1,2", ",", "at least one end"),
+        ("low", "value", "tolerance"),
+        ("c,N", "c,", "unit = None"),
+        ("high", "hihg", "did you mean 'high'"),
+        ("1,2", "1,two", "row 1, high: 'two'"),
+        ("1,2", "1,2,3", "9 cells; expected 8"),
+        ("q,m,c,N,1,2,verbatim,s\n", "", "no rows"),
         ('title = "t"', "", "no 'title'"),
     ],
 )
 def test_broken_tables_are_refused(old, new, message):
-    assert parse_table("good", GOOD).rows[0].high == 2
+    assert parse_table("good", TEXT, ROWS).rows[0].high == 2
     with pytest.raises(BadInput, match=message):
-        parse_table("bad", GOOD.replace(old, new))
+        parse_table("bad", TEXT.replace(old, new), ROWS.replace(old, new))
+
+
+def test_a_spreadsheet_may_put_semicolons_and_a_mark_of_its_own():
+    assert parse_table("good", TEXT, "\ufeff" + ROWS.replace(",", ";")) == parse_table("good", TEXT, ROWS)
 
 
 def test_unknown_table_names_the_near_one():
