@@ -1,5 +1,5 @@
-"""The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help is quick;
-here all do, so that a shell gets its completions at once.
+"""The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help and the
+completions of a shell are quick.
 
 Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept), 130 and
 143 it was stopped by Ctrl-C or SIGTERM, 129 by SIGHUP (likewise).
@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import sys
 
-from . import completion
-
 TYPE_CHECKING = False  # without the import of typing
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,12 +16,6 @@ if TYPE_CHECKING:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
-    if arguments is None and (shell := completion.asking_shell()):
-        if not completion.is_current():
-            from . import completion_sources
-
-            completion.keep(completion_sources.names(), completion_sources.commands())
-        return completion.answer(shell)
     import logging
 
     from ...components.core.errors import BadInput

@@ -36,7 +36,7 @@ print(json.dumps({name: [bits(scene("grouped")) == bits(scene(other)) for other 
 def copy(tmp_path) -> Path:
     """The package with the algorithm of the page in it; all other files are links."""
     text = (ROOT / "docs" / "extending.md").read_text()
-    code = next(block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "class Grouped" in block)
+    code = next(block for block in re.findall(r"```py\n(.*?)```", text, re.DOTALL) if "class Grouped" in block)
     line = next(block for block in re.findall(r"```text\n(.*?)```", text, re.DOTALL) if "grouped:Grouped" in block)
     package, parts = tmp_path / "cosimo", [("orchestrator", "engine", "algorithms"), ("orchestrator", "settings")]
     opened = {part[:k] for part in parts for k in range(len(part) + 1)}  # folders that are no links
