@@ -39,6 +39,7 @@ def cell_of(component: KernelComponent, name: str) -> int:
 def image_of(component: KernelComponent) -> np.ndarray:
     """The block before initialization, (cells,): start values of inputs, parameters, and tables that the layout gives."""
     block = component._prepare()
+    block.begin_anew()
     cells = block.memory.copy()
     cells[block.addresses_at : block.addresses_at + len(ENTRIES)] = 0.0
     cells[block.cell("s", "y") : block.cell("s", "x")] = 0.0

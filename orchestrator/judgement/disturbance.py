@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 
 PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
+GOLDEN = 0.6180339887498949  # its multiples spread evenly over an interval
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
 FEWEST = 32  # steps that tell growth from a transient
 FIRST = 4  # steps that show the push itself
@@ -186,13 +188,17 @@ class Disturbed:
 
 
 def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
-    """Push every input that changes inside steps, every other one to the opposite side."""
+    """Push every input that changes inside steps, every other one to the opposite side.
+
+    By a part of its own, or the push of an input could cancel what the pushes of others make of the output that it comes from.
+    """
+    parts = (1.0 + GOLDEN * i % 1.0 for i in count())
     for node in nodes:
         pushes = {}
         for k, (link, value) in enumerate(zip(node.links, node.inputs(), strict=True)):
             if k not in node.held:
                 nominal = coupling.interfaces[link.target[0]].inputs[link.target[1]].nominal
-                pushes[k] = (False, PUSH * math.copysign(max(abs(value), abs(nominal)), (-1) ** k * nominal))
+                pushes[k] = (False, next(parts) * PUSH * math.copysign(max(abs(value), abs(nominal)), (-1) ** k * nominal))
         node.alter(pushes)
 
 
