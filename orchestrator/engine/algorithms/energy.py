@@ -121,10 +121,6 @@ class EnergyAccount:
     def _owe(self) -> None:
         self.master.owe(-self._factors * self.integrals)
 
-    def halt(self) -> None:
-        """As `Master.halt`."""
-        self.master.halt()
-
     @property
     def in_batches(self) -> bool:
         """Whether many macro steps are one call."""

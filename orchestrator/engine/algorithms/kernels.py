@@ -277,9 +277,7 @@ def _read(unit, outputs_at, signals):
 
 @inlined_kernel
 def _read_any(unit, units, links, pasts, outputs_at, signals):
-    """Outputs of a unit of any rate into the table of signals; returns the status."""
-    if unit.lost != 0:
-        return 0
+    """Outputs of a unit of any rate into the table of signals; returns the status. A lost unit's are what they were."""
     if unit.way != NOTED:
         return _read(unit, outputs_at, signals)
     status = _read(units[unit.slow], outputs_at, signals) if unit.count == 0 else 0

@@ -75,8 +75,8 @@ class Master:
         self.nodes = [self._node(units[name], read, order) for name in order]
         self.node_of = {node.unit.name: node for node in self.nodes}
         self.texts = Texts(units, coupling) if coupling.texts else None  # behind the nodes, which wire the units
-        self.feedthrough_schedule, self.loops, self._plan = (
-            self._following(read) if feedthrough == "immediate" else ([], [], []))
+        self._plan = self._following(read) if feedthrough == "immediate" else []
+        self.loops = [part for part in self._plan if isinstance(part, LoopSolver)]
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
         acts, push = self.acts(), (PUSH, self._fed)
@@ -155,7 +155,7 @@ class Master:
         return Node(unit, place, tuple(links), sources, tuple(held), follows and set(by_rate) <= {1}, samples, own,
                     rates.get(name, 1), estimates)
 
-    def _following(self, read: Sequence[Endpoint]) -> tuple[list[Node], list[LoopSolver], list[LoopSolver | list[Node]]]:
+    def _following(self, read: Sequence[Endpoint]) -> list[LoopSolver | list[Node]]:
         """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""
         interfaces = self.coupling.interfaces
         plan: list[LoopSolver | list[Node]] = []
@@ -166,15 +166,14 @@ class Master:
                 plan[-1].append(self.node_of[step])
             else:
                 plan.append([self.node_of[step]])
-        updated = [node for part in plan if isinstance(part, list) for node in part]
-        for node in dict.fromkeys(updated):
+        for node in dict.fromkeys(node for part in plan if isinstance(part, list) for node in part):
             interface = interfaces[node.unit.name]
             at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
             exact = interface.input_degree >= self.degree
             for k, link in enumerate(node.links):
                 if link.target[1] in at_once:
                     node.direct.append((k, ROUNDING if exact or k in node.held else -inf))
-        return updated, [part for part in plan if isinstance(part, LoopSolver)], plan
+        return plan
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """The links into one unit in the order the algorithm wants to have them."""

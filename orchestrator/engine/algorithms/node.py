@@ -85,7 +85,7 @@ class Node:
         self._records.take_rows(*self.looks, 0.0, 0.0)
 
     def foreseen(self) -> np.ndarray:
-        """Where extrapolation will have taken the inputs, see `Master.foresee`, (n,)."""
+        """Where extrapolation will have taken the inputs, as of the last `FORESEE`, (n,)."""
         return self.link_records["foreseen"]
 
     def read(self) -> None:

@@ -210,7 +210,7 @@ def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Cl
 
 def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, account: EnergyAccount | None, clock: Clock,
                 stops: Stops) -> Stepping:
-    """The stepping that a scene asks for: equal steps, in stretches if possible, where nothing in them has to be watched."""
+    """The stepping that a scene asks for: equal steps, in batches if possible, where nothing in them has to be watched."""
     given, steppable = scene.master, account or master
     if account is not None:  # what happens at a stop makes outputs jump
         stops = {tick: [*acts, account.restart] for tick, acts in stops.items()}

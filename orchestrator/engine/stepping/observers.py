@@ -11,7 +11,7 @@ FOREVER = 1_000_000  # steps
 
 
 class BatchObserver:
-    """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
+    """An observer that need not be called at every step, see `steps_not_needed`; as it stands, one that is called at none."""
 
     alarms = False  # it looks for what may happen at any step: where steps can be taken back, batches need not end for it
 

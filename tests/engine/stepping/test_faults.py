@@ -145,6 +145,22 @@ def test_a_lost_unit_with_a_rate_of_its_own_stands_still_too():
     assert (result["p.profile[1]"][k:] == result["p.profile[1]"][k]).all()
 
 
+@pytest.mark.parametrize("lost", ["a", "b", "c"])
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
+def test_a_lost_unit_in_an_algebraic_loop_stands_still_and_the_loop_is_solved_around_it(algorithm, lost):
+    loop = {"stop_time": 1.0, "master": {"algorithm": algorithm, "step": 0.05},
+            "units": {name: {"component": "cosimo.tests.engine.algorithms.oscillators:Feedthrough"} for name in "abc"},
+            "connections": ["a.y_out -> c.u_in", "c.y_out -> b.u_in",
+                            {"source": "b.y_out", "target": "a.u_in", "factor": -0.4}]}
+    result = ran(loop, {"unit": lost, "kind": "lost", "begin": 0.5})
+    k = int(np.searchsorted(result.time, 0.5))
+    assert np.ptp(result[f"{lost}.y_out"][:k]) > 0.1
+    assert (result[f"{lost}.y_out"][k:] == result[f"{lost}.y_out"][k]).all()
+    following = {"a": "c", "b": "a", "c": "b"}[lost]
+    given = result[f"{lost}.y_out"][-1] * (-0.4 if lost == "b" else 1.0)  # y = 3 x + u of the unit that it feeds
+    assert result[f"{following}.y_out"][-1] == pytest.approx(3.0 * result[f"{following}.x_out"][-1] + given, rel=1e-9)
+
+
 def test_what_comes_before_a_fault_is_not_changed_by_it():
     plain, faulty = ran(CLOSED), ran(CLOSED, {"unit": "s", "kind": "lost", "begin": 0.5})
     n = int(np.searchsorted(plain.time, 0.5)) + 1
