@@ -86,17 +86,26 @@ def _not_imported(name: str, where: str, error: Exception) -> BadInput:
     """What is wrong with a user's module: its file and line, where the error is in one."""
     cause = error.__cause__ if isinstance(error.__cause__, BadInput) else error
     if isinstance(error, ModuleNotFoundError) and name.startswith(str(error.name)):
-        return BadInput(where, f"component {name!r}", "module:Class that can be imported",
-                        f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.")
-    own = [f for f in traceback.extract_tb(error.__traceback__)
-           if not f.filename.startswith((str(Path(__file__).parent), "<frozen"))]
+        return BadInput(
+            where,
+            f"component {name!r}",
+            "module:Class that can be imported",
+            f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.",
+        )
+    own = [
+        f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((str(Path(__file__).parent), "<frozen"))
+    ]
     file, line = (own[-1].filename, own[-1].lineno or 1) if own else ("", 1)
     if isinstance(error, SyntaxError):
         file, line = str(error.filename), error.lineno or 1
     if isinstance(cause, BadInput):  # of a declaration: "Class.name"
         owner, _, attribute = cause.where.partition(".")
-        return BadInput(f"{file}:{max(line_of(Path(file), owner, attribute), line)}: {cause.where}", cause.actual, cause.expected,
-                        cause.remedy)
+        return BadInput(
+            f"{file}:{max(line_of(Path(file), owner, attribute), line)}: {cause.where}",
+            cause.actual,
+            cause.expected,
+            cause.remedy,
+        )
     place = f" ({file}:{line})" if file else ""
     return BadInput(where, f"component {name!r}", "module:Class that can be imported", f"{type(error).__name__}: {error}{place}.")
 
@@ -106,6 +115,10 @@ def component_name(cls: type[Component]) -> str:
     if cls.__module__.endswith(f".components.{CATALOGUE.get(cls.__name__, '?')}"):
         return cls.__name__
     if "." in cls.__qualname__:
-        raise BadInput("component", f"class {cls.__qualname__}", "a class of a module, not of a function or another class",
-                       "Worker processes and FMUs look it up by its name.")
+        raise BadInput(
+            "component",
+            f"class {cls.__qualname__}",
+            "a class of a module, not of a function or another class",
+            "Worker processes and FMUs look it up by its name.",
+        )
     return f"{cls.__module__}:{cls.__name__}"

@@ -53,6 +53,7 @@ os.environ["IPYTHONDIR"] = str(_profile)
 
 def setup(app):
     """Put Plotly, which comes with its Python package, beside the pages; remove the profile of the notebooks at the end."""
+
     def copy_plotly(app, exception):
         shutil.rmtree(_profile, ignore_errors=True)
         if exception is None and app.builder.format == "html":

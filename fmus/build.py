@@ -25,7 +25,7 @@ PYTHONFMU = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
 PYTHONFMU_LICENSE = distribution("pythonfmu").read_text("licenses/LICENSE") or "MIT License"
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 
-SCRIPT = '''
+SCRIPT = """
 
 if "{name}" in globals():
     {name} = globals()["{name}"]  # pythonfmu executes the script again at every instantiation
@@ -43,7 +43,7 @@ else:
 
 leave_path("{script}.py")
 keep(globals())
-'''
+"""
 
 
 def build(name: str | type, directory: Path, *, derivatives: bool = False) -> Path:
@@ -101,8 +101,12 @@ def sources(module: str) -> dict[str, bytes]:
     for where, content in files.items():
         for level, name, _ in imports(content):
             if level == 0 and name.split(".")[0] in ("components", "cosimo"):
-                raise BadInput(f"components/{where}", f"an absolute import of {name!r}", "a relative import",
-                               "A bundle is imported under another name.")
+                raise BadInput(
+                    f"components/{where}",
+                    f"an absolute import of {name!r}",
+                    "a relative import",
+                    "A bundle is imported under another name.",
+                )
     return files
 
 
@@ -119,8 +123,9 @@ def _members(name: str, derivatives: bool = True) -> tuple[str, dict[str, bytes]
     return fmu_members(file_stem(name), component, *where, derivatives)
 
 
-def fmu_members(name: str, component: Any, module: str, files: dict[str, bytes],
-                derivatives: bool = True) -> tuple[str, dict[str, bytes]]:
+def fmu_members(
+    name: str, component: Any, module: str, files: dict[str, bytes], derivatives: bool = True
+) -> tuple[str, dict[str, bytes]]:
     """(digest, path in the FMU -> content) of a component class that lives in `module` of the source `files`."""
     bundle = {f"components/{path}": content for path, content in files.items()}
     bundle |= {file: (HERE / file).read_bytes() for file in ("slave.py", "interface.py")}

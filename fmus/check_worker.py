@@ -34,12 +34,18 @@ class Unit:
         self.description = read_model_description(path, validate=False)
         if self.description.coSimulation is None or self.description.fmiVersion != "2.0":
             raise ValueError(f"FMI {self.description.fmiVersion}, expected a co-simulation FMU of FMI 2.0")
-        self.fmu = FMU2Slave(guid=self.description.guid, unzipDirectory=folder, instanceName=name,
-                             modelIdentifier=self.description.coSimulation.modelIdentifier)
-        self.outputs = [v.valueReference for v in self.description.modelVariables
-                        if v.causality == "output" and v.type == "Real"]
-        self.inputs = [v for v in self.description.modelVariables
-                       if v.causality == "input" and v.type == "Real" and not v.name.startswith("der(")]
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=folder,
+            instanceName=name,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )
+        self.outputs = [v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
+        self.inputs = [
+            v
+            for v in self.description.modelVariables
+            if v.causality == "input" and v.type == "Real" and not v.name.startswith("der(")
+        ]
         self.step_size = _step_size(self.description)
         self.fmu.instantiate(loggingOn=True)
         self.initialize()
@@ -55,8 +61,10 @@ class Unit:
         rows = []
         for _ in range(steps):
             if self.inputs:
-                self.fmu.setReal([v.valueReference for v in self.inputs],
-                                 [_swung(v, 0.3 * (self.steps + 1) + i) for i, v in enumerate(self.inputs)])
+                self.fmu.setReal(
+                    [v.valueReference for v in self.inputs],
+                    [_swung(v, 0.3 * (self.steps + 1) + i) for i, v in enumerate(self.inputs)],
+                )
             self.fmu.doStep(self.steps * self.step_size, self.step_size)
             self.steps += 1
             rows.append(self.fmu.getReal(self.outputs))
@@ -227,8 +235,9 @@ def extracted(path: Path, directory: str) -> Path:
     return folder
 
 
-CHECKS = {f.__name__: f for f in (
-    model_description, default_experiment, state, reset, two_instances, other_bundle, host_packages)}
+CHECKS = {
+    f.__name__: f for f in (model_description, default_experiment, state, reset, two_instances, other_bundle, host_packages)
+}
 ALONE = ("other_bundle", "host_packages")  # these need a process that has not loaded the FMU before
 GROUPS = (tuple(n for n in CHECKS if n not in ALONE), *((n,) for n in ALONE))
 

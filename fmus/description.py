@@ -38,22 +38,42 @@ def identity(name: str, component: Any, tool: str, **token: str) -> dict[str, st
     release = version("cosimo")
     epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
     date = datetime.fromtimestamp(int(epoch), UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if epoch.isdigit() else RELEASED
-    return {"modelName": name, **token, "description": component.title, "author": AUTHOR, "version": release,
-            "copyright": f"Copyright (c) {RELEASED[:4]} {AUTHOR}", "license": "MIT",
-            "generationTool": f"cosimo {release}{tool}", "generationDateAndTime": date,
-            "variableNamingConvention": "structured"}
+    return {
+        "modelName": name,
+        **token,
+        "description": component.title,
+        "author": AUTHOR,
+        "version": release,
+        "copyright": f"Copyright (c) {RELEASED[:4]} {AUTHOR}",
+        "license": "MIT",
+        "generationTool": f"cosimo {release}{tool}",
+        "generationDateAndTime": date,
+        "variableNamingConvention": "structured",
+    }
 
 
 def model_description(name: str, component: Any, guid: str, derivatives: bool = True) -> bytes:
     """modelDescription.xml of the FMU `name`; without `derivatives` of inputs their value references stay unused."""
-    root = ET.Element("fmiModelDescription", {
-        "fmiVersion": "2.0", **identity(name, component, f" with PythonFMU {version('pythonfmu')}", guid=guid)})
-    ET.SubElement(root, "CoSimulation", {
-        "modelIdentifier": name, "needsExecutionTool": "true", "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "false", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "false",
-    })
+    root = ET.Element(
+        "fmiModelDescription",
+        {"fmiVersion": "2.0", **identity(name, component, f" with PythonFMU {version('pythonfmu')}", guid=guid)},
+    )
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": name,
+            "needsExecutionTool": "true",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": "false",
+            "maxOutputDerivativeOrder": "0",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canNotUseMemoryManagementFunctions": "true",
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": "false",
+        },
+    )
     listed = [(k, s) for k, s in enumerate(interface(component)) if derivatives or not s.order]
     scalars = tuple(s for _, s in listed)
     add_head(root, component, scalars)
@@ -85,9 +105,16 @@ def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: i
     categories = ET.SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": category, "description": text})
-    ET.SubElement(root, "DefaultExperiment", {
-        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step),
-        **_tolerance(component)})
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        {
+            "startTime": "0",
+            "stopTime": repr(component.default_stop),
+            "stepSize": repr(component.default_step),
+            **_tolerance(component),
+        },
+    )
 
 
 def _add_types(root: ET.Element, units: Iterable[str], fmi: int, *, moving: bool) -> None:
@@ -112,8 +139,12 @@ def _tolerance(component: Any) -> dict[str, str]:
 def real_attributes(scalar: Scalar) -> dict[str, str]:
     """Type, units and nominal value of a real variable."""
     of = quantity(scalar)
-    return {**({"declaredType": of.type} if of.type else {}), "unit": scalar.unit,
-            **({"displayUnit": of.display} if of.display else {}), "nominal": repr(typical_size(scalar))}
+    return {
+        **({"declaredType": of.type} if of.type else {}),
+        "unit": scalar.unit,
+        **({"displayUnit": of.display} if of.display else {}),
+        "nominal": repr(typical_size(scalar)),
+    }
 
 
 def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int = 2) -> dict[str, bytes]:
@@ -124,9 +155,12 @@ def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int 
     listed = [s for s in scalars if s.causality in ("input", "output")]
     ends = [s for s in listed if not s.order]
     picture = icon(name, *(sum(s.causality == c for s in ends) for c in ("input", "output")))
-    return {FILE: terminals_and_icons((s.name for s in ends), component.ports, (s.name for s in listed if s.order)),
-            ICON: picture, **({"model.png": picture} if fmi == 2 else {}),
-            "documentation/licenses/license.txt": LICENSE.read_bytes()}
+    return {
+        FILE: terminals_and_icons((s.name for s in ends), component.ports, (s.name for s in listed if s.order)),
+        ICON: picture,
+        **({"model.png": picture} if fmi == 2 else {}),
+        "documentation/licenses/license.txt": LICENSE.read_bytes(),
+    }
 
 
 def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
@@ -175,8 +209,10 @@ def add_structure(root: ET.Element, component: Any, scalars: tuple[Scalar, ...])
         return
     inputs = {i: s for i, s in enumerate(scalars, 1) if s.causality == "input"}
     start = component.start_inputs
-    always = {*(i for i, s in enumerate(scalars, 1) if s.causality == "parameter"),
-              *(i for i, s in inputs.items() if fed_by(start or (), s))}
+    always = {
+        *(i for i, s in enumerate(scalars, 1) if s.causality == "parameter"),
+        *(i for i, s in inputs.items() if fed_by(start or (), s)),
+    }
     unknowns, initial = ET.SubElement(structure, "Outputs"), ET.SubElement(structure, "InitialUnknowns")
     for index, scalar in outputs:
         known = [i for i, s in inputs.items() if fed_by(scalar.feedthrough, s)]
@@ -202,7 +238,8 @@ def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), h
     host = host.format(scipy=" and SciPy" if component.needs_scipy else "")
     rows = "\n".join(
         "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in (s.name, s.causality, _shown(s), s.unit, s.text)) + "</tr>"
-        for s in scalars or interface(component) if s.order == 0
+        for s in scalars or interface(component)
+        if s.order == 0
     )
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{name}</title></head><body>

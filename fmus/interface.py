@@ -49,8 +49,19 @@ def interface(component: Any) -> tuple[Scalar, ...]:
 
 def _declared(variable: Any) -> Scalar:
     text = variable.text + (": " + ", ".join(variable.choices) if variable.choices else "")
-    return Scalar(variable.name, TYPES[variable.kind.value], variable.causality.value, variable.start, variable.unit, text,
-                  variable.low, variable.high, variable.nominal, variable.feedthrough, variable.moving)
+    return Scalar(
+        variable.name,
+        TYPES[variable.kind.value],
+        variable.causality.value,
+        variable.start,
+        variable.unit,
+        text,
+        variable.low,
+        variable.high,
+        variable.nominal,
+        variable.feedthrough,
+        variable.moving,
+    )
 
 
 def _effect(name: str, effect: Any) -> Scalar:

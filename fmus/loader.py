@@ -94,8 +94,10 @@ def import_part(module, fmu):
     except ModuleNotFoundError as error:
         missing = (error.name or str(error)).partition(".")[0]
         version = ".".join(map(str, sys.version_info[:2]))
-        raise ImportError(f"{fmu} needs {missing}, which Python {version} of this host ({sys.prefix}) has not. "
-                          f"Install it there: python{version} -m pip install {missing}") from None
+        raise ImportError(
+            f"{fmu} needs {missing}, which Python {version} of this host ({sys.prefix}) has not. "
+            f"Install it there: python{version} -m pip install {missing}"
+        ) from None
 
 
 def leave_path(script):

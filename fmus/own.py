@@ -30,21 +30,42 @@ def own_sources(name: str, components: Path) -> tuple[str, dict[str, bytes]]:
     module = name.partition(":")[0]
     file = Path(str(getattr(sys.modules[module], "__file__", None) or ""))
     if module == "__main__" or file.suffix != ".py":
-        raise BadInput("build", f"component {name!r}", "a class of a module in a file",
-                       "What is packed is the module: put the class into a file of its own.")
+        raise BadInput(
+            "build",
+            f"component {name!r}",
+            "a class of a module in a file",
+            "What is packed is the module: put the class into a file of its own.",
+        )
     root = file.resolve().parents[module.count(".") + (file.name == "__init__.py")]
-    start = [file.resolve(), *(p for parent in file.resolve().parents if parent.is_relative_to(root) and parent != root
-                               for p in [parent / "__init__.py"] if p.is_file())]
+    start = [
+        file.resolve(),
+        *(
+            p
+            for parent in file.resolve().parents
+            if parent.is_relative_to(root) and parent != root
+            for p in [parent / "__init__.py"]
+            if p.is_file()
+        ),
+    ]
     contents = {path: text for first in start for path, text in closure(first, lambda n: _file_of(n, root, components)).items()}
     own = {path: text for path, text in contents.items() if not path.is_relative_to(components)}
-    wanted = sorted({n for text in own.values() for level, m, names in imports(text) if not level and m == PACKAGE
-                     for n in names or _public()})
+    wanted = sorted(
+        {
+            n
+            for text in own.values()
+            for level, m, names in imports(text)
+            if not level and m == PACKAGE
+            for n in names or _public()
+        }
+    )
     library = {path: text for path, text in contents.items() if path.is_relative_to(components)}
     for public in wanted:
         library |= closure(components.joinpath(*_place(public, file).split(".")).with_suffix(".py"))
     folders = {p for path in library for p in path.parents if p.is_relative_to(components)}
-    files = {path.relative_to(components).as_posix(): path.read_bytes() for path in [
-        *library, *(f / "__init__.py" for f in folders | {components})]}
+    files = {
+        path.relative_to(components).as_posix(): path.read_bytes()
+        for path in [*library, *(f / "__init__.py" for f in folders | {components})]
+    }
     files |= {f"own/{path.relative_to(root).as_posix()}": _relative(path, text, root, own) for path, text in own.items()}
     files["own/__init__.py"] = b""
     if wanted:
@@ -63,8 +84,12 @@ def _place(public: str, file: Path) -> str:
     """The module below `components` of a public name."""
     place = _PLACE.get(public, "")
     if not place.startswith("components.core"):
-        raise BadInput(f"build: {file}", f"an import of {PACKAGE}.{public}", f"names that components use: {', '.join(_public())}",
-                       "Scenes and runs belong into another file.")
+        raise BadInput(
+            f"build: {file}",
+            f"an import of {PACKAGE}.{public}",
+            f"names that components use: {', '.join(_public())}",
+            "Scenes and runs belong into another file.",
+        )
     return place.removeprefix("components.")
 
 
@@ -96,18 +121,30 @@ def _relative(path: Path, text: bytes, root: Path, own: Mapping[Path, bytes]) ->
             if kind == "import" and not inner:
                 alias = rest.strip().removeprefix("as ").strip() or PACKAGE
                 return f"{indent}from {up}. import {PUBLIC.removesuffix('.py')} as {alias}"
-            raise BadInput(f"build: {path}", f"{match[0].strip()!r}", f"'from {module} import ...'" if kind == "import" else
-                           "imports of cosimo's public names or of its components", "The FMU carries components only.")
+            raise BadInput(
+                f"build: {path}",
+                f"{match[0].strip()!r}",
+                f"'from {module} import ...'" if kind == "import" else "imports of cosimo's public names or of its components",
+                "The FMU carries components only.",
+            )
         if _source(root.joinpath(*module.split("."))) in own:
             if kind == "from":
                 return f"{indent}from {up}{module}{rest}"
             if not inner:
                 return f"{indent}from {up} import {module}{rest}"
-            raise BadInput(f"build: {path}", f"{match[0].strip()!r}", f"'from {module} import ...'",
-                           "Modules of a package are packed by that form.")
+            raise BadInput(
+                f"build: {path}",
+                f"{match[0].strip()!r}",
+                f"'from {module} import ...'",
+                "Modules of a package are packed by that form.",
+            )
         if first not in LIBRARIES | sys.stdlib_module_names:
-            raise BadInput(f"build: {path}", f"an import of {first!r}", "numpy, scipy, numba, cosimo, the standard library, or a "
-                           "module beside this one", "The FMU's host has no other.")
+            raise BadInput(
+                f"build: {path}",
+                f"an import of {first!r}",
+                "numpy, scipy, numba, cosimo, the standard library, or a module beside this one",
+                "The FMU's host has no other.",
+            )
         return match[0]
 
     lines = text.decode("utf-8-sig").splitlines(keepends=True)
@@ -121,6 +158,8 @@ def _relative(path: Path, text: bytes, root: Path, own: Mapping[Path, bytes]) ->
 
 def _import_lines(text: bytes) -> set[int]:
     """Lines on which absolute imports start."""
-    return {n.lineno for n in ast.walk(ast.parse(text))
-            if isinstance(n, ast.Import) or (isinstance(n, ast.ImportFrom) and not n.level)}
-
+    return {
+        n.lineno
+        for n in ast.walk(ast.parse(text))
+        if isinstance(n, ast.Import) or (isinstance(n, ast.ImportFrom) and not n.level)
+    }

@@ -39,7 +39,8 @@ def terminals_and_icons(names: Iterable[str], declared: Declared, companions: It
         for group, members in groups.items():
             terminal = ET.SubElement(parent, "Terminal", {"name": group, "matchingRule": "bus"})
             for member, variable in members.items():
-                ET.SubElement(terminal, "TerminalMemberVariable",
-                              {"variableName": variable, "memberName": member, "variableKind": "signal"})
+                ET.SubElement(
+                    terminal, "TerminalMemberVariable", {"variableName": variable, "memberName": member, "variableKind": "signal"}
+                )
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"

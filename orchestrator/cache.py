@@ -15,8 +15,12 @@ from ..components.core.folders import cache_root
 
 # of the folders in the cache: nothing else there is looked at, which the user may have pointed anywhere
 KINDS = {
-    "kernels": "machine code of components", "fmus": "FMUs of components", "bundles": "sources of FMUs, unpacked",
-    "native": "native FMUs of components", "ssp": "FMUs out of .ssp files", "fronts": "measured accuracy of scenes",
+    "kernels": "machine code of components",
+    "fmus": "FMUs of components",
+    "bundles": "sources of FMUs, unpacked",
+    "native": "native FMUs of components",
+    "ssp": "FMUs out of .ssp files",
+    "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger
@@ -40,8 +44,11 @@ def root() -> Path:
 
 def entries() -> list[Entry]:
     """What there is, kind by kind."""
-    return [Entry(kind, meaning, len(sizes), sum(sizes)) for kind, meaning in KINDS.items()
-            for sizes in [[status.st_size for _, status in _files(root() / kind)]]]
+    return [
+        Entry(kind, meaning, len(sizes), sum(sizes))
+        for kind, meaning in KINDS.items()
+        for sizes in [[status.st_size for _, status in _files(root() / kind)]]
+    ]
 
 
 def clear(kinds: Iterable[str] = ()) -> int:

@@ -59,8 +59,11 @@ class Checkpoint:
 def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfaces: Mapping[str, Interface]) -> None:
     """Raises `BadInput` for checkpoints that cannot be written, or never would be."""
     if (every is None) != (to is None):
-        raise BadInput("checkpoint_every" if to is None else "checkpoint_to", f"{every if to is None else repr(str(to))} alone",
-                       "both an interval and a file for checkpoints")
+        raise BadInput(
+            "checkpoint_every" if to is None else "checkpoint_to",
+            f"{every if to is None else repr(str(to))} alone",
+            "both an interval and a file for checkpoints",
+        )
     if every is None or to is None:
         return
     if not 0.0 < every < scene.stop_time:
@@ -83,8 +86,13 @@ class Checkpoints(BatchObserver):
         self.path, self.every, self.written, self.last = path, every, 0, 0.0
         self._file = path.absolute()  # wherever a unit goes
         self._scene, self._master, self._loop, self._parts = scene, master, loop, parts
-        self._header = {"format": FORMAT, "version": version("cosimo"), "name": scene.name, "digest": digest(scene),
-                        "kinds": _kinds(master)}
+        self._header = {
+            "format": FORMAT,
+            "version": version("cosimo"),
+            "name": scene.name,
+            "digest": digest(scene),
+            "kinds": _kinds(master),
+        }
         self._due, self._failed = every, False
 
     def resumed(self, t: float) -> None:
@@ -106,14 +114,22 @@ class Checkpoints(BatchObserver):
         saved = self._loop.master.save()
         t = self._loop.clock.seconds(self._loop.tick)
         try:
-            write_content(self._file, self._header | {
-                "tick": self._loop.tick, "t": t, "units": _packed(self._master, saved), "master": _without_units(saved),
-                "parts": {name: part.state() for name, part in self._parts.items()},
-            })
+            write_content(
+                self._file,
+                self._header
+                | {
+                    "tick": self._loop.tick,
+                    "t": t,
+                    "units": _packed(self._master, saved),
+                    "master": _without_units(saved),
+                    "parts": {name: part.state() for name, part in self._parts.items()},
+                },
+            )
         except OSError as error:
             if not self._failed:
-                warnings.warn(f"the checkpoint at t = {t:.9g} s could not be written to {self.path.name}: {error.strerror}",
-                              stacklevel=2)
+                warnings.warn(
+                    f"the checkpoint at t = {t:.9g} s could not be written to {self.path.name}: {error.strerror}", stacklevel=2
+                )
             self._failed = True
             return
         finally:
@@ -143,8 +159,11 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     if content["version"] != version("cosimo"):
         raise BadInput(where, f"{shown}, of cosimo {content['version']}", f"one of this version, {version('cosimo')}")
     if content["digest"] != digest(scene):
-        raise BadInput(where, f"{shown}, of another scene or other settings ({content['name']})",
-                       f"a checkpoint of {scene.name} as it is now")
+        raise BadInput(
+            where,
+            f"{shown}, of another scene or other settings ({content['name']})",
+            f"a checkpoint of {scene.name} as it is now",
+        )
     return Checkpoint(path.resolve().parent, *(content[key] for key in ("tick", "t", "kinds", "master", "units", "parts")))
 
 
@@ -155,16 +174,21 @@ def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mappi
     except BadInput:
         raise
     except Exception as error:  # units and parts raise what they like for data that is not theirs
-        raise BadInput("resume", f"content that does not fit the scene ({type(error).__name__}: {error})",
-                       "a checkpoint that is not damaged") from None
+        raise BadInput(
+            "resume", f"content that does not fit the scene ({type(error).__name__}: {error})", "a checkpoint that is not damaged"
+        ) from None
 
 
 def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
     kinds = _kinds(master)
     for name, kind in checkpoint.kinds.items():
         if kinds[name] != kind:
-            raise BadInput("resume", f"a checkpoint of a run with {name} as {kind!r}", f"the same kind, here {kinds[name]!r}",
-                           "Components run as FMUs or in process in both runs.")
+            raise BadInput(
+                "resume",
+                f"a checkpoint of a run with {name} as {kind!r}",
+                f"the same kind, here {kinds[name]!r}",
+                "Components run as FMUs or in process in both runs.",
+            )
     initial = loop.master.save()
     saved = _filled(_without_units(initial), checkpoint.master)
     units = _of_master(saved).units
@@ -211,8 +235,10 @@ def _filled(template: Any, data: Any) -> Any:
     if isinstance(data, ObjectContent):
         fields = vars(template) if hasattr(template, "__dict__") and not isinstance(template, type) else {}
         if fields.keys() != data.attributes.keys():
-            raise ValueError(f"fields of {type(template).__name__} are {', '.join(fields) or 'none'}, "
-                             f"not {', '.join(data.attributes) or 'none'}")
+            raise ValueError(
+                f"fields of {type(template).__name__} are {', '.join(fields) or 'none'}, "
+                f"not {', '.join(data.attributes) or 'none'}"
+            )
         filled = copy(template)
         vars(filled).update({key: _filled(fields[key], value) for key, value in data.attributes.items()})
         return filled

@@ -36,8 +36,12 @@ class _Initialized:
 
 def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     """Values of all inputs of each component after the scene's initialization in process."""
-    alone = {f"units.{n}.{key}": value for n, unit in scene.units.items() if unit.component and unit.isolation != "none"
-             for key, value in (("isolation", "none"), ("time_limit", None))}
+    alone = {
+        f"units.{n}.{key}": value
+        for n, unit in scene.units.items()
+        if unit.component and unit.isolation != "none"
+        for key, value in (("isolation", "none"), ("time_limit", None))
+    }
     scene = scene.with_changes(alone) if alone else scene
     with ExitStack() as stack:
         units: dict[str, Any] = dict(open_units(scene, stack, True))
@@ -68,8 +72,9 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
     that is no target.
     """
     if not own_target():
-        raise BadInput("--native", "this machine, which is no target", "Linux on x86-64 or ARM64, Windows on x86-64",
-                       "Leave --native out.")
+        raise BadInput(
+            "--native", "this machine, which is no target", "Linux on x86-64 or ARM64, Windows on x86-64", "Leave --native out."
+        )
     fmus = {}
     for unit, maker in makers(scene).items():
         component = maker()

@@ -16,8 +16,13 @@ if TYPE_CHECKING:
     from .units.native import NativeFmu
 
 
-def open_units(scene: Scene, stack: ExitStack, in_process: bool, rescue: Callable[[str], None] | None = None,
-               native: Mapping[str, NativeFmu] | None = None) -> dict[str, Unit]:
+def open_units(
+    scene: Scene,
+    stack: ExitStack,
+    in_process: bool,
+    rescue: Callable[[str], None] | None = None,
+    native: Mapping[str, NativeFmu] | None = None,
+) -> dict[str, Unit]:
     """The running units of a scene by name, and its contacts, which are units of the graph; `stack` closes them.
 
     `rescue` is called with what has happened where an FMU ends this process. `native`: native FMUs of components.

@@ -76,8 +76,12 @@ def locked(directory: str | Path) -> Iterator[Path]:
     try:
         release = lock_folder(path)
     except BlockingIOError:
-        raise BadInput("output directory", f"{str(directory)!r}, into which {_holder(path)} writes",
-                       "one of its own for each run", "Wait for it, or give another directory.") from None
+        raise BadInput(
+            "output directory",
+            f"{str(directory)!r}, into which {_holder(path)} writes",
+            "one of its own for each run",
+            "Wait for it, or give another directory.",
+        ) from None
     except OSError as error:
         raise not_written(directory, error) from None
     _held.add(key)
@@ -85,8 +89,10 @@ def locked(directory: str | Path) -> Iterator[Path]:
     try:
         with suppress(OSError):  # the message of another run would be less precise
             (path / UNFINISHED).mkdir(exist_ok=True)
-            write_json(path / UNFINISHED / HOLDER, {"process": os.getpid(), "host": platform.node(),
-                                                    "since": datetime.now(UTC).isoformat(timespec="seconds")})
+            write_json(
+                path / UNFINISHED / HOLDER,
+                {"process": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds")},
+            )
         yield path
     finally:
         _held.discard(key)
@@ -127,6 +133,7 @@ def _holder(path: Path) -> str:
 
 
 if sys.platform == "win32":
+
     def lock_folder(path: Path) -> Callable[[], None]:
         try:  # a file that the system removes with its last user
             handle = os.open(path / ".lock", os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)

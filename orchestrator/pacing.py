@@ -74,7 +74,12 @@ class Pacing(BatchObserver):
             return np.histogram(np.clip(values, BINS[0], BINS[-1]), BINS)[0].tolist()
 
         return {
-            "steps": durations.size, "late": int(np.count_nonzero(lateness > 0.0)), "duration": percentiles(durations),
-            "lateness": percentiles(behind), "waking": percentiles(np.array(self._waking)) if self._waking else {},
-            "bins": BINS.tolist(), "duration_counts": counts(durations), "lateness_counts": counts(behind[lateness > 0.0]),
+            "steps": durations.size,
+            "late": int(np.count_nonzero(lateness > 0.0)),
+            "duration": percentiles(durations),
+            "lateness": percentiles(behind),
+            "waking": percentiles(np.array(self._waking)) if self._waking else {},
+            "bins": BINS.tolist(),
+            "duration_counts": counts(durations),
+            "lateness_counts": counts(behind[lateness > 0.0]),
         }

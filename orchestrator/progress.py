@@ -73,9 +73,14 @@ class Progress(BatchObserver):
             from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
             from rich.progress import Progress as Bar
 
-            self._bar = Bar(TextColumn("{task.description}"), BarColumn(),
-                            TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
-                            TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+            self._bar = Bar(
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
+                TimeRemainingColumn(),
+                console=Console(stderr=True),
+                transient=True,
+            )
             self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
             self._bar.start()
         return self

@@ -19,8 +19,9 @@ Sample = Callable[[], list[float]]
 class Recorder(BatchObserver):
     """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
 
-    def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False,
-                 columns: slice | None = None):
+    def __init__(
+        self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False, columns: slice | None = None
+    ):
         """`of_master`: the sample is the master's own. `columns`: where in the outputs of batches it stands, if it does."""
         self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
         self._due, self._last, self._columns = 0, -math.inf, columns

@@ -41,8 +41,14 @@ class OutputFailed(Exception):
 class Spool:
     """Recorders of the same rows and the table these go to; takes part in checkpoints."""
 
-    def __init__(self, recorder: Recorder, table: Table, columns: Sequence[int] | None = None, texts: TextRecorder | None = None,
-                 beside: Path | None = None):
+    def __init__(
+        self,
+        recorder: Recorder,
+        table: Table,
+        columns: Sequence[int] | None = None,
+        texts: TextRecorder | None = None,
+        beside: Path | None = None,
+    ):
         """`columns`: those of the recorder that the table has; default: all. `texts`: records the same rows.
 
         `beside`: folder of the checkpoint from which the run goes on, where its result may be whatever its name was.
@@ -98,8 +104,12 @@ class Spool:
         folders = [Path(d, *between, stored["table"]) for d in directories for between in ([UNFINISHED], [])]
         source = next((folder for folder in folders if StoredTable.has(folder, stored)), None)
         if source is None:
-            raise BadInput("resume", f"a checkpoint whose {stored['rows']} rows are not in {stored['directory']!r} any more",
-                           "the result directory of its run, unchanged", "Another run has written there, or it is damaged.")
+            raise BadInput(
+                "resume",
+                f"a checkpoint whose {stored['rows']} rows are not in {stored['directory']!r} any more",
+                "the result directory of its run, unchanged",
+                "Another run has written there, or it is damaged.",
+            )
         if isinstance(self.table, StoredTable):
             self.table.go_on(source, stored)
         elif stored["parts"]:
@@ -123,8 +133,15 @@ class ResultFiles(BatchObserver):
         self._pause, self._due = FIRST_SECONDS, perf_counter() + FIRST_SECONDS
         self.failure = ""  # why nothing more is written
 
-    def open(self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: Mapping[str, Any], *,
-             resumed: bool = False) -> Table:
+    def open(
+        self,
+        names: Sequence[str],
+        texts: Sequence[str],
+        units: Mapping[str, str],
+        info: Mapping[str, Any],
+        *,
+        resumed: bool = False,
+    ) -> Table:
         """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`.
 
         `resumed`: tables that are there stay, until it is known whether the run goes on with them.

@@ -72,8 +72,10 @@ class Result:
     def __repr__(self) -> str:
         end = f" to t = {self.end:g} s" if self.rows else ""
         warnings = len(self.info.get("warnings", ()))
-        return (f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
-                f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>")
+        return (
+            f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
+            f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>"
+        )
 
     def _repr_html_(self) -> str:
         from .views.html import result_html
@@ -85,8 +87,9 @@ class Result:
         for group in (self.columns, self.texts):
             if name in group:
                 return group[name]
-        raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal",
-                       nearest(name, [*self.columns, *self.texts]))
+        raise BadInput(
+            f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, [*self.columns, *self.texts])
+        )
 
     @property
     def rows(self) -> int:
@@ -134,8 +137,9 @@ class Result:
     @property
     def _views(self) -> Views:
         if self.scene.views is None:
-            raise BadInput(f"result of {self.scene.name}", "a scene that knows no systems",
-                           "one of cosimo.load_scene or cosimo.read_scene")
+            raise BadInput(
+                f"result of {self.scene.name}", "a scene that knows no systems", "one of cosimo.load_scene or cosimo.read_scene"
+            )
         return self.scene.views
 
     @property
@@ -158,8 +162,12 @@ class Result:
         """Write report.html into a directory, or into the one where the result is stored; returns its path."""
         where = directory if directory is not None else self.directory
         if where is None:
-            raise BadInput(f"report of {self.scene.name}", "no directory", "one, for a result that is not stored",
-                           "As in result.report('out').")
+            raise BadInput(
+                f"report of {self.scene.name}",
+                "no directory",
+                "one, for a result that is not stored",
+                "As in result.report('out').",
+            )
         return self._views.report(self, where)
 
     def extremes(self, name: str) -> tuple[float, float, float]:
@@ -199,8 +207,9 @@ class Result:
             some = slice(first, first + rows)
             texts = np.array([c[some] for c in self.texts.values()], dtype=object)
             time, n = self.time[some], len(self.columns)
-            table.append(time, np.array([c[some] for c in self.columns.values()]).reshape(n, time.size).T,
-                         texts.reshape(-1, time.size).T)
+            table.append(
+                time, np.array([c[some] for c in self.columns.values()]).reshape(n, time.size).T, texts.reshape(-1, time.size).T
+            )
         for name, snapshot in self.snapshots.items():
             elements = [f"{name}[{k + 1}]" for k in range(snapshot.values.shape[1])]
             none = np.zeros((snapshot.time.size, 0), dtype=object)
@@ -224,8 +233,9 @@ class Result:
             table = StoredTable.read(where) if where.is_dir() and not rowless else None
             snapshots = [StoredTable.read(p) for p in sorted((folder / SNAPSHOTS).glob("*.parquet")) if any(p.iterdir())]
         except OSError as error:
-            raise BadInput("result", repr(str(path)), "a directory that a run has written",
-                           f"{error.strerror or error}.") from None
+            raise BadInput(
+                "result", repr(str(path)), "a directory that a run has written", f"{error.strerror or error}."
+            ) from None
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             if isinstance(error, BadInput):
                 raise
@@ -233,8 +243,14 @@ class Result:
         if killed:
             last = table.extremes(TIME)[2] if table and table.rows else 0.0
             info |= {"outcome": "failed", "message": f"the run was killed; its rows up to t = {last:.9g} s were written"}
-        return result_of(scene, table, {t.title: t for t in snapshots}, table.units if table else {}, info,
-                         path.resolve() if not killed else None)
+        return result_of(
+            scene,
+            table,
+            {t.title: t for t in snapshots},
+            table.units if table else {},
+            info,
+            path.resolve() if not killed else None,
+        )
 
 
 class _Held:
@@ -287,15 +303,41 @@ class _Snapshots(Mapping[str, Snapshot]):
         return len(self._tables)
 
 
-def result_of(scene: Scene, table: Table | None, snapshots: Mapping[str, Any], measures: Mapping[str, str],
-              info: Mapping[str, Any], directory: Path | None) -> Result:
+def result_of(
+    scene: Scene,
+    table: Table | None,
+    snapshots: Mapping[str, Any],
+    measures: Mapping[str, str],
+    info: Mapping[str, Any],
+    directory: Path | None,
+) -> Result:
     """The result whose rows are in tables, held in memory unless they are many; `directory`: where they are stored."""
     outcome, message = str(info.get("outcome", "failed")), str(info.get("message", ""))
     if isinstance(table, StoredTable) and table.rows * (1 + len(table.names)) > HELD:
-        return StoredResult(scene, table, StoredColumns(table, table.names), _Snapshots(snapshots), measures,  # type: ignore[arg-type]
-                            info, outcome, message, StoredColumns(table, table.texts), directory)
+        return StoredResult(
+            scene,
+            table,
+            StoredColumns(table, table.names),
+            _Snapshots(snapshots),
+            measures,  # type: ignore[arg-type]
+            info,
+            outcome,
+            message,
+            StoredColumns(table, table.texts),
+            directory,
+        )
     time, values, texts = joined(table) if table is not None else (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
     names, strings = (table.names, table.texts) if table is not None else ((), ())
     columns = dict(zip(names, (c.copy() for c in values.T), strict=True))
-    return Result(scene, time, columns, {name: Snapshot(*joined(t)[:2]) for name, t in snapshots.items()}, measures, info,
-                  outcome, message, dict(zip(strings, texts.T, strict=True)), directory)
+    return Result(
+        scene,
+        time,
+        columns,
+        {name: Snapshot(*joined(t)[:2]) for name, t in snapshots.items()},
+        measures,
+        info,
+        outcome,
+        message,
+        dict(zip(strings, texts.T, strict=True)),
+        directory,
+    )

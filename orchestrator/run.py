@@ -47,10 +47,19 @@ if TYPE_CHECKING:
 END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
 
 
-def run(scene: Scene, *, in_process: bool = False, native: bool = False, progress: bool = False,
-        checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None,
-        resume: str | Path | None = None, output: str | Path | None = None, real_time: bool = False,
-        windows: WindowsWish | None = None) -> Result:
+def run(
+    scene: Scene,
+    *,
+    in_process: bool = False,
+    native: bool = False,
+    progress: bool = False,
+    checkpoint_every: float | None = None,
+    checkpoint_to: str | Path | None = None,
+    resume: str | Path | None = None,
+    output: str | Path | None = None,
+    real_time: bool = False,
+    windows: WindowsWish | None = None,
+) -> Result:
     """Simulate a scene from 0 to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
@@ -70,8 +79,16 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     scene = asked_for(scene)
     with ExitStack() as stack:
         files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
-        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files, real_time=real_time,
-                      windows=windows)
+        current = Run(
+            scene,
+            stack,
+            in_process=in_process,
+            native=native,
+            progress=progress,
+            files=files,
+            real_time=real_time,
+            windows=windows,
+        )
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -83,8 +100,18 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
 class Run:
     """One run of a scene, from `prepare` over `observe` and `execute` to `conclude`; `stack` closes what it opens."""
 
-    def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool,
-                 files: ResultFiles | None = None, real_time: bool = False, windows: WindowsWish | None = None):
+    def __init__(
+        self,
+        scene: Scene,
+        stack: ExitStack,
+        *,
+        in_process: bool,
+        native: bool,
+        progress: bool,
+        files: ResultFiles | None = None,
+        real_time: bool = False,
+        windows: WindowsWish | None = None,
+    ):
         self._wish = windows
         self.windows: Windows | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
@@ -146,8 +173,13 @@ class Run:
         self.signals = Spool(signals, self._table(past), columns, texts, beside)
         self.arrays = {}
         for (unit, array), names in coupling.snapshots.items():
-            recorder = Recorder(self.units[unit].reader(names), len(names), snapshot_every, end,
-                                columns=self.stepping.watch([(unit, n) for n in names]))
+            recorder = Recorder(
+                self.units[unit].reader(names),
+                len(names),
+                snapshot_every,
+                end,
+                columns=self.stepping.watch([(unit, n) for n in names]),
+            )
             name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
             table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
             self.arrays[name] = Spool(recorder, table, beside=beside)
@@ -160,8 +192,12 @@ class Run:
             self.observers.append(self.files)
         steps = int(scene.stop_time / scene.master.step)
         if self._wish is not None and not obstacle(scene):
-            angles = {f"{unit}.{name}" for unit, interface in coupling.interfaces.items()
-                      for name, signal in interface.outputs.items() if signal.unit == "rad"}
+            angles = {
+                f"{unit}.{name}"
+                for unit, interface in coupling.interfaces.items()
+                for name, signal in interface.outputs.items()
+                if signal.unit == "rad"
+            }
             self.windows = Windows(master, self.stepping, steps, self.account, angles)
             self.observers.append(self.windows)
         if any(len(group) > 1 for group in coupling.groups):
@@ -194,8 +230,7 @@ class Run:
 
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.signals, "faults": self.faults,
-                                  "stepping": self.stepping}
+        parts: dict[str, Part] = {"signals": self.signals, "faults": self.faults, "stepping": self.stepping}
         return parts | {f"snapshots of {name}": spool for name, spool in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
@@ -297,8 +332,14 @@ class Run:
             except OutputFailed as error:
                 self.outcome, self.message = "failed", f"{error}; what was written is in its folder {UNFINISHED!r}"
                 info |= {"outcome": self.outcome, "message": self.message}
-        return result_of(self.scene, self.signals.table, {name: spool.table for name, spool in self.arrays.items()},
-                         self._measures, info, directory)
+        return result_of(
+            self.scene,
+            self.signals.table,
+            {name: spool.table for name, spool in self.arrays.items()},
+            self._measures,
+            info,
+            directory,
+        )
 
     @property
     def _now(self) -> float:
@@ -334,8 +375,13 @@ class Run:
         """
         start, run, cpu = self._since - self.started, self._until[0] - self._since, self._until[1] - self._cpu
         (real, used), (whole, whole_used) = self._compiled, self.compiling.spent
-        return {"simulated": self._now, "start": max(start - real, 0.0), "compile": whole,
-                "run": max(run - (whole - real), 0.0), "cpu": max(cpu - (whole_used - used), 0.0)}
+        return {
+            "simulated": self._now,
+            "start": max(start - real, 0.0),
+            "compile": whole,
+            "run": max(run - (whole - real), 0.0),
+            "cpu": max(cpu - (whole_used - used), 0.0),
+        }
 
     def _remedy(self) -> str:
         """What would help a run that became unstable."""

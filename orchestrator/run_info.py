@@ -99,21 +99,25 @@ def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], ma
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
         "scene": scene_info(scene),
-        "units": {n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
-                  | ({"walls": walls[n]} if n in walls else {}) for n, unit in units.items()},
-        "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},
-                        "off": {e: "not named in the scene" for e, why in i.effects.items() if not why}}
-                    for n, i in interfaces.items()},
+        "units": {
+            n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
+            | ({"walls": walls[n]} if n in walls else {})
+            for n, unit in units.items()
+        },
+        "effects": {
+            n: {
+                "on": {e: why for e, why in i.effects.items() if why},
+                "off": {e: "not named in the scene" for e, why in i.effects.items() if not why},
+            }
+            for n, i in interfaces.items()
+        },
         "settings": {
             **scene.master.model_dump(mode="json"),
             "undriven_inputs": list(coupling.undriven),
             "held_at_mean": sorted(n for n in driven if interfaces[n].input_degree < scene.master.extrapolation),
             "undeclared_dependencies": undeclared,
         },
-        "counters": {
-            "master": master.counters(),
-            "units": {n: unit.work() for n, unit in units.items()},
-        },
+        "counters": {"master": master.counters(), "units": {n: unit.work() for n, unit in units.items()}},
         "initial_values": [asdict(group) for group in master.initialization],
         "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
     }

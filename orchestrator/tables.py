@@ -63,15 +63,22 @@ def prepare() -> None:
     import pyarrow.parquet as parquet
 
     table = pyarrow.table({TIME: arrow_array(np.zeros(1)), "text": arrow_array(np.array(["a"], dtype=object))})
-    parquet.write_table(table, pyarrow.BufferOutputStream(), compression="zstd", use_dictionary=["text"],
-                        use_byte_stream_split=[TIME])
+    parquet.write_table(
+        table, pyarrow.BufferOutputStream(), compression="zstd", use_dictionary=["text"], use_byte_stream_split=[TIME]
+    )
 
 
 class StoredTable:
     """Rows in a folder of Parquet files, which other programs read as one table; units of measure are metadata of its fields."""
 
-    def __init__(self, folder: Path, names: Sequence[str], texts: Sequence[str] = (), units: Mapping[str, str] | None = None,
-                 title: str = ""):
+    def __init__(
+        self,
+        folder: Path,
+        names: Sequence[str],
+        texts: Sequence[str] = (),
+        units: Mapping[str, str] | None = None,
+        title: str = "",
+    ):
         """A new table in `folder`, which is created."""
         self.folder, self.names, self.texts, self.rows = folder, names, texts, 0
         self._units, self._title, self._parts = units or {}, title, 0
@@ -124,8 +131,14 @@ class StoredTable:
         path = self.folder / PART.format(self._parts)
         part = path.with_name(path.name + INTERNAL)
         try:
-            parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), part, compression="zstd", compression_level=1,
-                                use_dictionary=list(self.texts), use_byte_stream_split=[TIME, *self.names])
+            parquet.write_table(
+                pyarrow.Table.from_arrays(arrays, schema=schema),
+                part,
+                compression="zstd",
+                compression_level=1,
+                use_dictionary=list(self.texts),
+                use_byte_stream_split=[TIME, *self.names],
+            )
             os.replace(part, path)
         except BaseException:
             part.unlink(missing_ok=True)
@@ -177,8 +190,10 @@ class StoredTable:
 
         numbers = [pyarrow.field(n, pyarrow.float64(), metadata={"unit": self._units.get(n, "")}) for n in self.names]
         texts = [pyarrow.field(n, pyarrow.string()) for n in self.texts]
-        return pyarrow.schema([pyarrow.field(TIME, pyarrow.float64(), metadata={"unit": "s"}), *numbers, *texts],
-                              metadata={"title": self._title, "format": "cosimo result 1"})
+        return pyarrow.schema(
+            [pyarrow.field(TIME, pyarrow.float64(), metadata={"unit": "s"}), *numbers, *texts],
+            metadata={"title": self._title, "format": "cosimo result 1"},
+        )
 
     def _each(self, names: Sequence[str]) -> Iterator[list[np.ndarray]]:
         """Columns of one part after the other."""

@@ -34,9 +34,29 @@ from typing import Any
 SECONDS, MEGABYTES = 10, 1000  # a file may take
 BATCH = 500  # files that one process reads
 SIGNS = b"[]{}\"'\\=.,</>\n\0\xff*a01"
-TOKENS = [b"", *(bytes([sign]) for sign in SIGNS), b"\xef\xbb\xbf", b"nan", b"inf", b"-1", b"1e400", b"9" * 20, b"true", b"..",
-          b"../../x", b"%s", b"->", b"]]>", b"&amp;", b"<!DOCTYPE x>", b"[[", b"1e-320", b"[" * 300, b"<a>" * 300,
-          "ö\u202e".encode()]
+TOKENS = [
+    b"",
+    *(bytes([sign]) for sign in SIGNS),
+    b"\xef\xbb\xbf",
+    b"nan",
+    b"inf",
+    b"-1",
+    b"1e400",
+    b"9" * 20,
+    b"true",
+    b"..",
+    b"../../x",
+    b"%s",
+    b"->",
+    b"]]>",
+    b"&amp;",
+    b"<!DOCTYPE x>",
+    b"[[",
+    b"1e-320",
+    b"[" * 300,
+    b"<a>" * 300,
+    "ö\u202e".encode(),
+]
 WRITES = {"os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.symlink", "os.link", "os.truncate", "os.chmod", "shutil.move"}
 MODES = re.compile("[wax+]")
 
@@ -177,7 +197,8 @@ PLANS = (
 correlation = [["spring.stiffness", "mass.mass", 0.3]]\n[vary]
 "spring.stiffness" = { distribution = "normal", mean = 100.0, deviation = 5.0 }
 "mass.mass" = { distribution = "uniform", low = 0.5, high = 2.0 }\n""",
-    """[vary]\n"spring.stiffness" = { from = 50.0, to = 200.0, points = 20 }\n"mass.mass" = [1.0, 2.0, 4.0]\n""")
+    """[vary]\n"spring.stiffness" = { from = 50.0, to = 200.0, points = 20 }\n"mass.mass" = [1.0, 2.0, 4.0]\n""",
+)
 
 
 def cases(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
@@ -208,8 +229,10 @@ def responses(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     from cosimo.orchestrator.systems.railway.frequency_response import read_response
 
     rows = [(0.5 * k, 1.0 / (100.0 - k), -0.01 * k) for k in range(1, 40)]
-    texts = [header + "".join(f"{f:g},{a:.5g},{b:.5g}\n" for f, a, b in rows)
-             for header in ("frequency [Hz],real [m/N],imaginary [m/N]\n", "frequency [Hz],magnitude [m/s2/N],phase [deg]\n")]
+    texts = [
+        header + "".join(f"{f:g},{a:.5g},{b:.5g}\n" for f, a, b in rows)
+        for header in ("frequency [Hz],real [m/N],imaginary [m/N]\n", "frequency [Hz],magnitude [m/s2/N],phase [deg]\n")
+    ]
     return [t.encode() for t in texts], "case.csv", read_response
 
 
@@ -240,8 +263,10 @@ def faults(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     return [b"x"], "case", use
 
 
-KINDS = {f.__name__: f for f in (scenes, fmus, ssps, ssds, checkpoints, tables, results, cases, curves, plans, responses, lines,
-                                 faults)}
+KINDS = {
+    f.__name__: f
+    for f in (scenes, fmus, ssps, ssds, checkpoints, tables, results, cases, curves, plans, responses, lines, faults)
+}
 ARCHIVES = {"fmus", "ssps", "checkpoints"}
 
 
@@ -318,8 +343,12 @@ def campaign(kind: str, count: int, seed: int, batch: int = BATCH) -> dict[str, 
             environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "TMPDIR": folder, "PYTHONDONTWRITEBYTECODE": "1"}
             environment.setdefault("COSIMO_CACHE", str(Path(folder, "cache")))
             numbers = ("--seed", str(seed), "--first", str(first), "--count", str(min(batch, count - first)))
-            done = subprocess.run([sys.executable, "-m", "cosimo.tests.campaign", kind, *numbers, "--folder", folder],
-                                  capture_output=True, text=True, env=environment)
+            done = subprocess.run(
+                [sys.executable, "-m", "cosimo.tests.campaign", kind, *numbers, "--folder", folder],
+                capture_output=True,
+                text=True,
+                env=environment,
+            )
         lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
         results = [line for line in lines if "verdict" in line]
         for line in results:
@@ -337,8 +366,15 @@ def campaign(kind: str, count: int, seed: int, batch: int = BATCH) -> dict[str, 
         if largest > MEGABYTES:
             findings.setdefault(f"{largest:.0f} MB", begun[0])
         first = begun[-1] + 1
-    return {"kind": kind, "count": count, "seed": seed, **{k: counts[k] for k in ("used", "refused", "findings")},
-            "slowest": slowest, "megabytes": largest, "texts": findings}
+    return {
+        "kind": kind,
+        "count": count,
+        "seed": seed,
+        **{k: counts[k] for k in ("used", "refused", "findings")},
+        "slowest": slowest,
+        "megabytes": largest,
+        "texts": findings,
+    }
 
 
 def main() -> None:

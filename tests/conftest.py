@@ -17,8 +17,16 @@ settings.register_profile("busy machine", deadline=None, suppress_health_check=[
 settings.load_profile("busy machine")
 
 # A worker has each file as a whole: started last, these would be waited for. The dearest first, see docs/development/tests.md.
-LONG = ("test_plain_python.py", "test_readme.py", "test_native_run.py", "test_native_bits.py", "test_processes.py",
-        "test_site.py", "test_instability_monitor.py", "test_independent_accuracy.py")
+LONG = (
+    "test_plain_python.py",
+    "test_readme.py",
+    "test_native_run.py",
+    "test_native_bits.py",
+    "test_processes.py",
+    "test_site.py",
+    "test_instability_monitor.py",
+    "test_independent_accuracy.py",
+)
 
 
 def pytest_configure(config):
@@ -43,8 +51,12 @@ def pytest_collection_modifyitems(config, items):
             if kept[test] > (first.args or (1,))[0]:
                 item.add_marker(pytest.mark.full)
     whole = COMPILED and [Path(argument).name for argument in config.args] == ["tests"]
-    elsewhere = [item for item in items if ("benchmark" not in config.option.markexpr and item.get_closest_marker("benchmark"))
-                 or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))]
+    elsewhere = [
+        item
+        for item in items
+        if ("benchmark" not in config.option.markexpr and item.get_closest_marker("benchmark"))
+        or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))
+    ]
     config.hook.pytest_deselected(items=elsewhere)
     out = set(elsewhere)
     items[:] = [item for item in items if item not in out]

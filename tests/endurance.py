@@ -32,11 +32,31 @@ STEP = 2.0**-8  # s: its multiples are exact
 PATIENCE = 300.0  # s for something to happen on a busy machine
 PLAIN = {"NUMBA_DISABLE_JIT": "1"}
 TROUBLES = {
-    1: "segmentation fault", 2: "abort", 3: "exit(0)", 4: "_exit(7)", 5: "hangs", 6: "error", 7: "fatal", 8: "unknown status",
-    9: "NaN", 10: "infinite", 11: "takes all memory", 12: "endless recursion", 13: "prints 20 MB", 14: "logs null pointers",
-    15: "closes all files", 16: "ignores all signals, changes the directory", 17: "floating point signal",
-    18: "segmentation fault in the initialization", 19: "hangs in the initialization", 20: "hangs in the termination",
-    21: "segmentation fault when it is freed", 22: "writes into all files", 23: "spoils the heap", 24: "forks"}
+    1: "segmentation fault",
+    2: "abort",
+    3: "exit(0)",
+    4: "_exit(7)",
+    5: "hangs",
+    6: "error",
+    7: "fatal",
+    8: "unknown status",
+    9: "NaN",
+    10: "infinite",
+    11: "takes all memory",
+    12: "endless recursion",
+    13: "prints 20 MB",
+    14: "logs null pointers",
+    15: "closes all files",
+    16: "ignores all signals, changes the directory",
+    17: "floating point signal",
+    18: "segmentation fault in the initialization",
+    19: "hangs in the initialization",
+    20: "hangs in the termination",
+    21: "segmentation fault when it is freed",
+    22: "writes into all files",
+    23: "spoils the heap",
+    24: "forks",
+}
 PACKAGINGS = (("in process", {"in_process": True}, 100), ("pythonfmu", {}, 8_000), ("native", {"native": True}, 200))  # bytes
 WARM = 100  # runs before those that count
 UNGUARDED = {4, 15}  # which take the process, or all it could say, with them and leave an exit code of their own
@@ -56,8 +76,13 @@ def rows(count: int, folder: Path) -> dict[str, Any]:
 
     run(mass().with_changes({"stop_time": 1.0}), in_process=True, output=folder)
     before = peak()
-    result = run(mass().with_changes({"stop_time": count * STEP}), in_process=True, output=folder,
-                 checkpoint_every=0.4 * count * STEP, checkpoint_to=folder / "checkpoint")
+    result = run(
+        mass().with_changes({"stop_time": count * STEP}),
+        in_process=True,
+        output=folder,
+        checkpoint_every=0.4 * count * STEP,
+        checkpoint_to=folder / "checkpoint",
+    )
     findings, first = [], 0
     for time, *_ in StoredTable.read(folder / "result.parquet").chunks():
         if not np.array_equal(time, np.arange(first, first + time.size) * STEP):
@@ -65,10 +90,15 @@ def rows(count: int, folder: Path) -> dict[str, Any]:
         first += time.size
     if (result.outcome, first) != ("done", count + 1):
         findings.append(f"{result.outcome} with {first} rows: {result.message}")
-    return {"megabytes": peak(), "megabytes before": before, "rows": first,
-            "checkpoint bytes": (folder / "checkpoint").stat().st_size,
-            "result bytes": sum(p.stat().st_size for p in (folder / "result.parquet").iterdir()),
-            "seconds": result.info["timing"]["run"], "findings": findings}
+    return {
+        "megabytes": peak(),
+        "megabytes before": before,
+        "rows": first,
+        "checkpoint bytes": (folder / "checkpoint").stat().st_size,
+        "result bytes": sum(p.stat().st_size for p in (folder / "result.parquet").iterdir()),
+        "seconds": result.info["timing"]["run"],
+        "findings": findings,
+    }
 
 
 def cycles(count: int, folder: Path) -> dict[str, Any]:
@@ -100,9 +130,25 @@ def kills(count: int, folder: Path, seed: int) -> dict[str, Any]:
         old = checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
         more = ["--resume", str(checkpoint)] if old else []
         process = subprocess.Popen(
-            [sys.executable, "-m", "cosimo.orchestrator.cli", "run", "mass-on-spring", "--in-process", "-o", str(folder),
-             "--stop", "1e6", "--checkpoint-every", "5", *more],
-            env=os.environ | PLAIN, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+            [
+                sys.executable,
+                "-m",
+                "cosimo.orchestrator.cli",
+                "run",
+                "mass-on-spring",
+                "--in-process",
+                "-o",
+                str(folder),
+                "--stop",
+                "1e6",
+                "--checkpoint-every",
+                "5",
+                *more,
+            ],
+            env=os.environ | PLAIN,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+        )
         end, wait = monotonic() + PATIENCE, rng.random() < 0.7 or not old  # for a new checkpoint
         while wait and process.poll() is None and monotonic() < end:
             if checkpoint.exists() and checkpoint.stat().st_mtime_ns > old:
@@ -128,10 +174,12 @@ def kills(count: int, folder: Path, seed: int) -> dict[str, Any]:
     return {"kills": count, "behind a new checkpoint": fresh, "reached": max(ends), "rows": left.rows, "findings": findings}
 
 
-BUILD = ("import hashlib; from cosimo.fmus.build import built; from cosimo.orchestrator.run import run; "
-         "from cosimo.orchestrator.systems import load_scene; "
-         "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); "
-         "print(hashlib.sha256(built('PlanarLink').read_bytes() + r['mass.base_x'].tobytes()).hexdigest(), r.outcome)")
+BUILD = (
+    "import hashlib; from cosimo.fmus.build import built; from cosimo.orchestrator.run import run; "
+    "from cosimo.orchestrator.systems import load_scene; "
+    "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); "
+    "print(hashlib.sha256(built('PlanarLink').read_bytes() + r['mass.base_x'].tobytes()).hexdigest(), r.outcome)"
+)
 
 
 def builds(count: int, folder: Path, compiled: bool) -> dict[str, Any]:
@@ -140,8 +188,12 @@ def builds(count: int, folder: Path, compiled: bool) -> dict[str, Any]:
     for k in range(count):
         cache = folder / f"cache-{k}"
         environment = os.environ | {"COSIMO_CACHE": str(cache)} | ({} if compiled else PLAIN)
-        several = [subprocess.Popen([sys.executable, "-c", BUILD], env=environment, stdout=subprocess.PIPE,
-                                    stderr=subprocess.PIPE, text=True) for _ in range(3)]
+        several = [
+            subprocess.Popen(
+                [sys.executable, "-c", BUILD], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            )
+            for _ in range(3)
+        ]
         for process in several:
             output, errors = process.communicate()
             answers[output.strip()] += 1
@@ -203,9 +255,14 @@ def _unruly_run(trouble: int, scene: Path, out: Path, isolated: bool) -> tuple[s
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
     with open(out.with_suffix(".log"), "w+b") as log:
-        process = subprocess.Popen([sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(scene), "-o", str(out)],
-                                   stdout=log, stderr=log, env=os.environ | PLAIN | {"OPENBLAS_NUM_THREADS": "1"},
-                                   preexec_fn=None if isolated else limit, start_new_session=True)
+        process = subprocess.Popen(
+            [sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(scene), "-o", str(out)],
+            stdout=log,
+            stderr=log,
+            env=os.environ | PLAIN | {"OPENBLAS_NUM_THREADS": "1"},
+            preexec_fn=None if isolated else limit,
+            start_new_session=True,
+        )
         try:
             code = process.wait(LONGEST if isolated else LONGEST / 3.0)
             late = False
@@ -244,10 +301,13 @@ def main() -> None:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="cosimo-endurance-") as name:
         folder = Path(name)
-        seen = {"rows": lambda: rows(options.count, folder), "cycles": lambda: cycles(options.count, folder),
-                "kills": lambda: kills(options.count, folder, options.seed),
-                "builds": lambda: builds(options.count, folder, options.compiled),
-                "foreign": lambda: foreign(options.count, folder)}[options.kind]()
+        seen = {
+            "rows": lambda: rows(options.count, folder),
+            "cycles": lambda: cycles(options.count, folder),
+            "kills": lambda: kills(options.count, folder, options.seed),
+            "builds": lambda: builds(options.count, folder, options.compiled),
+            "foreign": lambda: foreign(options.count, folder),
+        }[options.kind]()
     print(json.dumps({"kind": options.kind, "count": options.count, "seed": options.seed, **seen}, indent=1))
     raise SystemExit(bool(seen["findings"]))
 

@@ -16,7 +16,13 @@ ROOT = Path(__file__).resolve().parents[1]
 def passes_without_the_compiler(files: str, marks: str) -> None:
     """Run the tests of these files and folders (separated by blanks) that `marks` selects, in plain Python; all must pass."""
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-m", marks, *files.split()]
-    done = subprocess.run(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
+    done = subprocess.run(
+        command,
+        cwd=ROOT,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )
     assert done.returncode == 0, done.stdout[-20000:]
     assert " passed" in done.stdout

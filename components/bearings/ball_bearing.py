@@ -145,16 +145,23 @@ class TwoDofBearing(OdeComponent):
     cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 
     refusals = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {substep}", "at most {limits[1]}, what the impacts that may come need",
-                                  "Reduce substep."),
-        DISPLACED_TOO_FAR: Refusal("cage_fault.offset = {cage_fault.offset} rad",
-                                   "less than {message[0]} rad, half the distance of two of {balls} balls"),
-        TOO_STIFF: Refusal("a ball is pressed in by {message[0]}, too stiff a contact for internal steps of {message[1]}",
-                           "a softer one", "Reduce substep to {message[2]} or less"),
+        SUBSTEP_TOO_LONG: Refusal(
+            "substep = {substep}", "at most {limits[1]}, what the impacts that may come need", "Reduce substep."
+        ),
+        DISPLACED_TOO_FAR: Refusal(
+            "cage_fault.offset = {cage_fault.offset} rad", "less than {message[0]} rad, half the distance of two of {balls} balls"
+        ),
+        TOO_STIFF: Refusal(
+            "a ball is pressed in by {message[0]}, too stiff a contact for internal steps of {message[1]}",
+            "a softer one",
+            "Reduce substep to {message[2]} or less",
+        ),
     } | {
-        PASSED + k: Refusal("substep = {substep} at a speed of {message[1]}",
-                            "at most {message[0]}, a quarter of the passage of a ball through " + name,
-                            "Reduce substep or widen the defect.")
+        PASSED + k: Refusal(
+            "substep = {substep} at a speed of {message[1]}",
+            "at most {message[0]}, a quarter of the passage of a ball through " + name,
+            "Reduce substep or widen the defect.",
+        )
         for k, name in enumerate(NARROW)
     }
 
@@ -205,24 +212,38 @@ class BallBearing(TwoDofBearing):
 
     ball_diameter = parameter(11.9e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
     pitch_diameter = parameter(52e-3, "m", "diameter of the circle of their centres", low=1e-6, nominal=0.1)
-    contact_stiffness = parameter(1.334e10, "1", "stiffness of a ball between both races, N/m^1.5; no unit has broken exponents",
-                                  low=1e-3, nominal=1e10)
+    contact_stiffness = parameter(
+        1.334e10, "1", "stiffness of a ball between both races, N/m^1.5; no unit has broken exponents", low=1e-3, nominal=1e10
+    )
     mass = parameter(20.0, "kg", "mass of shaft and inner ring", low=1e-12)
     damping = parameter(200.0, "N.s/m", "damping of the mass against the outer ring", low=0.0, nominal=100.0)
     substep = parameter(5e-5, "s", "longest internal step", low=1e-12, high=1.0)
 
     presets = {
         "JIS 6306": Preset(
-            {"balls": 8, "ball_diameter": 11.9e-3, "pitch_diameter": 52e-3, "contact_stiffness": 1.334e10, "mass": 20.0,
-             "damping": 200.0},
-            JIS6306_SOURCE + "; races of 40.1 and 63.9 mm; the stiffness is 18 % above that of grooves of 0.52 d", "recalled"),
+            {
+                "balls": 8,
+                "ball_diameter": 11.9e-3,
+                "pitch_diameter": 52e-3,
+                "contact_stiffness": 1.334e10,
+                "mass": 20.0,
+                "damping": 200.0,
+            },
+            JIS6306_SOURCE + "; races of 40.1 and 63.9 mm; the stiffness is 18 % above that of grooves of 0.52 d",
+            "recalled",
+        ),
         "6205": Preset(
             {"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3, "contact_stiffness": 9.319e9},
-            "geometry of the 6205 as recalled, its stiffness for steel and grooves of 0.52 d from Hertz's solution", "recalled"),
+            "geometry of the 6205 as recalled, its stiffness for steel and grooves of 0.52 d from Hertz's solution",
+            "recalled",
+        ),
     }
 
-    refusals = {LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
-                                     "balls smaller than the pitch diameter")}
+    refusals = {
+        LARGE_BALLS: Refusal(
+            "balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m", "balls smaller than the pitch diameter"
+        )
+    }
 
     @property
     def geometry(self) -> BallGeometry:

@@ -31,8 +31,9 @@ from .loads import equilibrium
 from .radiation import radiative_coefficient
 
 LARGE_BALLS, LINE_CONTACT, THIN_WALLS, NARROW_RINGS, WIDE_MENISCUS, WIDE_GAP = range(OWN + 1, OWN + 7)  # status
-AS_FAR_AS_THE_BALL = ("at most {refused[0]} m, where the gap beside the contact reaches as far out as the ball's radius of "
-                      "{refused[1]} m")
+AS_FAR_AS_THE_BALL = (
+    "at most {refused[0]} m, where the gap beside the contact reaches as far out as the ball's radius of {refused[1]} m"
+)
 
 
 class BallBulk(Effect):
@@ -81,8 +82,9 @@ class Convection(Effect):
 class Radiation(Effect):
     """Radiation between the rings over pi * pitch diameter * width; exact in both temperatures, not linearised."""
 
-    emissivity = parameter(0.2, "1", "exchange factor of both surfaces together; of two like planes 1/(2/emissivity - 1)",
-                           low=0.0, high=1.0)
+    emissivity = parameter(
+        0.2, "1", "exchange factor of both surfaces together; of two like planes 1/(2/emissivity - 1)", low=0.0, high=1.0
+    )
     inner_temperature = input_(293.15, "K", "temperature of the inner ring", nominal=100.0)
     outer_temperature = input_(293.15, "K", "temperature of the outer ring", nominal=100.0)
 
@@ -110,17 +112,27 @@ class AngularContactConductance(KernelComponent):
     start_inputs = ()
     counters = ("steps", "equilibria")
     refusals = {
-        LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
-                             "balls smaller than the pitch diameter"),
-        LINE_CONTACT: Refusal("Ry/Rx = {refused} of a ball in its groove", f"a ratio in [1, {LARGEST_RATIO:g}]",
-                              "Correct the conformities or the diameters."),
-        THIN_WALLS: Refusal("rings from {ring_walls.bore} m to {ring_walls.outside_diameter} m",
-                            "walls around {refused[0]} m and {refused[1]} m, the diameters where the balls touch",
-                            "Correct bore and outside_diameter."),
-        NARROW_RINGS: Refusal("rings {width} m wide around {balls} balls of {ball_diameter} m",
-                              "a part of the ring for each ball that is no smaller than the ball", "Correct width or balls."),
-        WIDE_MENISCUS: Refusal("lubricant_path.meniscus_height = {lubricant_path.meniscus_height} m", AS_FAR_AS_THE_BALL,
-                               "Reduce meniscus_height."),
+        LARGE_BALLS: Refusal(
+            "balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m", "balls smaller than the pitch diameter"
+        ),
+        LINE_CONTACT: Refusal(
+            "Ry/Rx = {refused} of a ball in its groove",
+            f"a ratio in [1, {LARGEST_RATIO:g}]",
+            "Correct the conformities or the diameters.",
+        ),
+        THIN_WALLS: Refusal(
+            "rings from {ring_walls.bore} m to {ring_walls.outside_diameter} m",
+            "walls around {refused[0]} m and {refused[1]} m, the diameters where the balls touch",
+            "Correct bore and outside_diameter.",
+        ),
+        NARROW_RINGS: Refusal(
+            "rings {width} m wide around {balls} balls of {ball_diameter} m",
+            "a part of the ring for each ball that is no smaller than the ball",
+            "Correct width or balls.",
+        ),
+        WIDE_MENISCUS: Refusal(
+            "lubricant_path.meniscus_height = {lubricant_path.meniscus_height} m", AS_FAR_AS_THE_BALL, "Reduce meniscus_height."
+        ),
         WIDE_GAP: Refusal("gas_path.widest_gap = {gas_path.widest_gap} m", AS_FAR_AS_THE_BALL, "Reduce widest_gap."),
     }
 
@@ -143,14 +155,19 @@ class AngularContactConductance(KernelComponent):
     poisson_ratio = parameter(0.3, "1", "Poisson's ratio of balls and rings", low=0.0, high=0.5)
     ball_conductivity = parameter(46.0, "W/m/K", "heat conductivity of the balls", low=1e-6)
     ring_conductivity = parameter(46.0, "W/m/K", "heat conductivity of the rings", low=1e-6)
-    closest_gap = parameter(1e-6, "m", "least width of the gap beside a contact: roughness and, in gas, the temperature jump",
-                            low=1e-12)
+    closest_gap = parameter(
+        1e-6, "m", "least width of the gap beside a contact: roughness and, in gas, the temperature jump", low=1e-12
+    )
 
     axial_force = input_(0.0, "N", "axial force on the inner ring, in the direction it can carry", nominal=1000.0)
     radial_force = input_(0.0, "N", "radial force on the inner ring", nominal=1000.0)
 
-    conductance = output("W/K", "heat flow from inner to outer ring over the difference of their temperatures", nominal=0.1,
-                         feedthrough=(*HEAT_DEPENDS, "radiation.inner_temperature", "radiation.outer_temperature"))
+    conductance = output(
+        "W/K",
+        "heat flow from inner to outer ring over the difference of their temperatures",
+        nominal=0.1,
+        feedthrough=(*HEAT_DEPENDS, "radiation.inner_temperature", "radiation.outer_temperature"),
+    )
     ball_conductance = output("W/K", "part of it that goes through the balls", nominal=0.1, feedthrough=HEAT_DEPENDS)
     loaded_balls = output("1", "number of balls in contact", feedthrough=DEPENDS)
     max_ball_load = output("N", "largest load of a ball", nominal=100.0, feedthrough=DEPENDS)
@@ -171,8 +188,9 @@ class AngularContactConductance(KernelComponent):
     def geometry(self) -> BallGeometry:
         """The bearing's geometry."""
         p: Any = self.parameters
-        return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"],
-                            p["contact_angle"])
+        return BallGeometry(
+            p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"], p["contact_angle"]
+        )
 
     def material(self) -> float:
         """E' of balls and rings, Pa."""
@@ -197,8 +215,15 @@ class AngularContactConductance(KernelComponent):
         `loads.equilibrium`.  `refused`: numbers for a message.
         """
         return {
-            "places": (self.parameters["balls"], 4), "ring": (3, 5), "bearing": 5, "races": (2, 5), "rings": 5,
-            "ball": 2 if "ball_bulk" in self.on else None, "tangent": (2, 5, 5), "rows": (5, 8), "refused": 2,
+            "places": (self.parameters["balls"], 4),
+            "ring": (3, 5),
+            "bearing": 5,
+            "races": (2, 5),
+            "rings": 5,
+            "ball": 2 if "ball_bulk" in self.on else None,
+            "tangent": (2, 5, 5),
+            "rows": (5, 8),
+            "refused": 2,
         }
 
     def left_range(self) -> str:
@@ -267,10 +292,12 @@ def conductance_start(t, s, p, e):
         status = gaps_status(max(inner_across, outer_across), s, p, e)
     if status != DONE:
         return status
-    stiffness = two_in_series(hertz_stiffness(inner.radius, modulus, inner.ellipse),
-                              hertz_stiffness(outer.radius, modulus, outer.ellipse))
-    contacts = groove_contacts(p.balls, stiffness, p.inner_conformity, p.outer_conformity, d, p.pitch_diameter, p.contact_angle,
-                               0.0)
+    stiffness = two_in_series(
+        hertz_stiffness(inner.radius, modulus, inner.ellipse), hertz_stiffness(outer.radius, modulus, outer.ellipse)
+    )
+    contacts = groove_contacts(
+        p.balls, stiffness, p.inner_conformity, p.outer_conformity, d, p.pitch_diameter, p.contact_angle, 0.0
+    )
     s.bearing[0], s.bearing[1], s.bearing[2] = contacts.stiffness, contacts.distance, contacts.radial
     s.bearing[3], s.bearing[4] = contacts.axial, contacts.lever
     if e.ball_bulk is not None:
@@ -359,8 +386,10 @@ def conductance_outputs(t, s, p, e):
         load = places[j, LOAD]
         loaded += load > 0.0
         largest = max(largest, load)
-        total += conductances_in_series(side_of_ball(load, thickness, inner, rings.inner_relief, s, p, e),
-                                        side_of_ball(load, thickness, outer, rings.outer_relief, s, p, e))
+        total += conductances_in_series(
+            side_of_ball(load, thickness, inner, rings.inner_relief, s, p, e),
+            side_of_ball(load, thickness, outer, rings.outer_relief, s, p, e),
+        )
     if largest ** (1.0 / 3.0) * max(inner.across, outer.across) > LARGEST_CONTACT * 0.5 * p.ball_diameter:
         return OUT_OF_RANGE
     y[BALL_CONDUCTANCE] = total

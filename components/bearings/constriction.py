@@ -45,8 +45,11 @@ def arithmetic_geometric_mean(one, other):
 def constriction(major: float, minor: float, conductivity: float) -> float:
     """Resistance on one side of an isothermal ellipse with semi-axes in m on a half space (W/(m.K)), K/W."""
     if not (major > 0.0 and minor > 0.0 and conductivity > 0.0):
-        raise BadInput("thermal constriction", f"semi-axes {major:g} and {minor:g} m, conductivity {conductivity:g} W/(m.K)",
-                       "positive values")
+        raise BadInput(
+            "thermal constriction",
+            f"semi-axes {major:g} and {minor:g} m, conductivity {conductivity:g} W/(m.K)",
+            "positive values",
+        )
     return 1.0 / (4.0 * conductivity * arithmetic_geometric_mean(major, minor))
 
 
@@ -86,8 +89,9 @@ class ThermalContact(NamedTuple):
 def thermal_contact(contact, radius_along, radius_across, ball_conductivity, ring_conductivity):
     """Constants of a Hertzian contact with relative radii Rx, Ry in m between conductivities in W/(m.K)."""
     along, across = hertz_axes(1.0, contact.radius, contact.modulus, contact.ellipse)
-    return ThermalContact(0.5 * along, 0.5 * across, radius_along, radius_across,
-                          1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
+    return ThermalContact(
+        0.5 * along, 0.5 * across, radius_along, radius_across, 1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity)
+    )
 
 
 @kernel

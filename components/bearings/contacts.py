@@ -61,8 +61,16 @@ def ball_contacts(geometry: BallGeometry, stiffness: float, diametral_clearance:
     clearance in m comes on top of that which the contact angle implies; negative: a preload.
     """
     g = geometry
-    return groove_contacts(g.balls, float(stiffness), g.inner_conformity, g.outer_conformity, g.ball_diameter, g.pitch_diameter,
-                           g.contact_angle, diametral_clearance)
+    return groove_contacts(
+        g.balls,
+        float(stiffness),
+        g.inner_conformity,
+        g.outer_conformity,
+        g.ball_diameter,
+        g.pitch_diameter,
+        g.contact_angle,
+        diametral_clearance,
+    )
 
 
 @kernel

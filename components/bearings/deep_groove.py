@@ -95,22 +95,41 @@ class Linearisation(Effect):
 
     explicit_only = True
 
-    idle_stiffness = parameter(1e6, "N/m", "added along x and y while initializing and at most one ball is loaded, so that a "
-                               "search for the static position comes to a contact; the force itself is not changed, and in "
-                               "the run, where it would act like a damper, there is none", low=0.0, nominal=1e6)
+    idle_stiffness = parameter(
+        1e6,
+        "N/m",
+        "added along x and y while initializing and at most one ball is loaded, so that a "
+        "search for the static position comes to a contact; the force itself is not changed, and in "
+        "the run, where it would act like a damper, there is none",
+        low=0.0,
+        nominal=1e6,
+    )
 
-    force_x = output("N", "force along x of the linearised bearing at zero displacement and velocity", nominal=100.0,
-                     feedthrough=EVERYTHING)
-    force_y = output("N", "force along y of the linearised bearing at zero displacement and velocity", nominal=100.0,
-                     feedthrough=EVERYTHING)
-    force_z = output("N", "force along z of the linearised bearing at zero displacement and velocity", nominal=100.0,
-                     feedthrough=EVERYTHING)
+    force_x = output(
+        "N", "force along x of the linearised bearing at zero displacement and velocity", nominal=100.0, feedthrough=EVERYTHING
+    )
+    force_y = output(
+        "N", "force along y of the linearised bearing at zero displacement and velocity", nominal=100.0, feedthrough=EVERYTHING
+    )
+    force_z = output(
+        "N", "force along z of the linearised bearing at zero displacement and velocity", nominal=100.0, feedthrough=EVERYTHING
+    )
     moment_x = output("N.m", "moment about x of the linearised bearing at zero displacement and velocity", feedthrough=EVERYTHING)
     moment_y = output("N.m", "moment about y of the linearised bearing at zero displacement and velocity", feedthrough=EVERYTHING)
-    stiffness = output("1", "-d(force, moment)/d(x, y, z, tilt_x, tilt_y) row by row, N/m for forces by translations", size=25,
-                       nominal=1e7, feedthrough=EVERYTHING)
-    damping = output("1", "-d(force, moment)/d(velocity, tilt rate) row by row, N.s/m for forces by translations", size=25,
-                     nominal=1e3, feedthrough=EVERYTHING)
+    stiffness = output(
+        "1",
+        "-d(force, moment)/d(x, y, z, tilt_x, tilt_y) row by row, N/m for forces by translations",
+        size=25,
+        nominal=1e7,
+        feedthrough=EVERYTHING,
+    )
+    damping = output(
+        "1",
+        "-d(force, moment)/d(velocity, tilt rate) row by row, N.s/m for forces by translations",
+        size=25,
+        nominal=1e3,
+        feedthrough=EVERYTHING,
+    )
 
 
 class Friction(Effect):
@@ -144,9 +163,22 @@ class DeepGrooveBearing(KernelComponent):
     counters = ("steps",)
     default_step = 1e-4
     start_inputs = ()
-    ports = {"shaft": (  # what a rotor with a bearing's port gives and takes; the loads without a tangent are own signals
-        "displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "velocity_z",
-        "tilt_rate_x", "tilt_rate_y", "speed", "linearisation.*")}
+    ports = {
+        "shaft": (  # what a rotor with a bearing's port gives and takes; the loads without a tangent are own signals
+            "displacement_x",
+            "displacement_y",
+            "displacement_z",
+            "tilt_x",
+            "tilt_y",
+            "velocity_x",
+            "velocity_y",
+            "velocity_z",
+            "tilt_rate_x",
+            "tilt_rate_y",
+            "speed",
+            "linearisation.*",
+        )
+    }
 
     film = Film
     damping = Damping
@@ -165,12 +197,17 @@ class DeepGrooveBearing(KernelComponent):
     pitch_diameter = parameter(53.5e-3, "m", "diameter of the circle of their centres", low=1e-6, nominal=0.1)
     inner_conformity = parameter(0.52, "1", "groove radius of the inner race over ball diameter", low=0.5001, high=1.0)
     outer_conformity = parameter(0.52, "1", "groove radius of the outer race over ball diameter", low=0.5001, high=1.0)
-    diametral_clearance = parameter(0.0, "m", "free way of the rings across the shaft, twice the radial gap; negative: preload",
-                                    nominal=1e-5)
+    diametral_clearance = parameter(
+        0.0, "m", "free way of the rings across the shaft, twice the radial gap; negative: preload", nominal=1e-5
+    )
     elastic_modulus = parameter(2.06e11, "Pa", "Young's modulus of rings and balls", low=1e3, nominal=1e11)
     poisson_ratio = parameter(0.3, "1", "Poisson's ratio of rings and balls", low=0.0, high=0.5)
-    hertz = choice("exact", HERTZ, "solution of the elliptic contact; the fit of Brewe and Hamrock is off by -0.7 to "
-                   "+1.7 % at ratios of the radii of 5 to 33")
+    hertz = choice(
+        "exact",
+        HERTZ,
+        "solution of the elliptic contact; the fit of Brewe and Hamrock is off by -0.7 to "
+        "+1.7 % at ratios of the radii of 5 to 33",
+    )
     first_ball = parameter(0.0, "rad", "angle of ball 1 at the start")
 
     displacement_x = input_(0.0, "m", "displacement of the inner ring along x", nominal=1e-5)
@@ -196,27 +233,48 @@ class DeepGrooveBearing(KernelComponent):
     cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 
     presets = {
-        "6205": Preset({"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3},
-                       "geometry of the 6205 as recalled; grooves of 0.52 d are a choice", "recalled"),
-        "6207-like": Preset({"balls": 9, "ball_diameter": 11.1e-3, "pitch_diameter": 53.5e-3},
-                            "geometry near that of a 6207, recalled; grooves of 0.52 d are a choice", "recalled"),
+        "6205": Preset(
+            {"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3},
+            "geometry of the 6205 as recalled; grooves of 0.52 d are a choice",
+            "recalled",
+        ),
+        "6207-like": Preset(
+            {"balls": 9, "ball_diameter": 11.1e-3, "pitch_diameter": 53.5e-3},
+            "geometry near that of a 6207, recalled; grooves of 0.52 d are a choice",
+            "recalled",
+        ),
         "ISO/TS 16281 example": Preset(
-            {"balls": 7, "ball_diameter": 11.5e-3, "pitch_diameter": 43.5e-3, "inner_conformity": 0.52, "outer_conformity": 0.53,
-             "elastic_modulus": 2.1e11},
-            "repository minzhun/ISO16281, test of the ball bearing", "verbatim"),
+            {
+                "balls": 7,
+                "ball_diameter": 11.5e-3,
+                "pitch_diameter": 43.5e-3,
+                "inner_conformity": 0.52,
+                "outer_conformity": 0.53,
+                "elastic_modulus": 2.1e11,
+            },
+            "repository minzhun/ISO16281, test of the ball bearing",
+            "verbatim",
+        ),
     }
 
     refusals = {
-        LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
-                             "balls smaller than the pitch diameter"),
+        LARGE_BALLS: Refusal(
+            "balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m", "balls smaller than the pitch diameter"
+        ),
         NO_ELLIPSE: Refusal("Ry/Rx = {message[0]} of a contact", f"a ratio in [1, {LARGEST_RATIO:g}]"),
-        NO_GROOVE: Refusal("diametral_clearance = {diametral_clearance} m",
-                           "less than {message[0]} m, the play of the balls in the grooves"),
-        TIGHT: Refusal("diametral_clearance = {diametral_clearance} m",
-                       "{message[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius"),
+        NO_GROOVE: Refusal(
+            "diametral_clearance = {diametral_clearance} m", "less than {message[0]} m, the play of the balls in the grooves"
+        ),
+        TIGHT: Refusal(
+            "diametral_clearance = {diametral_clearance} m",
+            "{message[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius",
+        ),
     } | {
-        MISSED + k: Refusal(f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it", "a step that sees it",
-                            "Reduce the macro step to {noted[6]} s or less")
+        MISSED + k: Refusal(
+            f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it",
+            "a step that sees it",
+            "Reduce the macro step to {noted[6]} s or less",
+        )
         for k, name in enumerate(FEATURES)
     }
 
@@ -235,8 +293,16 @@ class DeepGrooveBearing(KernelComponent):
         if "ball_defect" in self.on and (ball := self.get("ball_defect.ball")) > n:
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"a ball of the {n} there are")
         return {
-            "x": 3 if "ball_defect" in self.on else 2, "constants": CONSTANTS, "directions": (2, n), "balls": (n, 4), "sums": 8,
-            "stiffness": (5, 5), "damping": (5, 5), "features": (len(FEATURES), 3), "noted": (2, 4), "message": 1,
+            "x": 3 if "ball_defect" in self.on else 2,
+            "constants": CONSTANTS,
+            "directions": (2, n),
+            "balls": (n, 4),
+            "sums": 8,
+            "stiffness": (5, 5),
+            "damping": (5, 5),
+            "features": (len(FEATURES), 3),
+            "noted": (2, 4),
+            "message": 1,
             "initializing": 1,
         } | wave_shapes(self.on, n)
 
@@ -251,8 +317,11 @@ class DeepGrooveBearing(KernelComponent):
         feature, share, enough, when = self.arguments[0].noted[COARSE].tolist()
         if feature >= 0.0 and not self._warned:
             self._warned = True
-            warnings.warn(f"{self.name}: a ball passes {self._with_values(FEATURES[int(feature)])} in {share:.2g} macro steps at "
-                          f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {enough:.2g} s", stacklevel=2)
+            warnings.warn(
+                f"{self.name}: a ball passes {self._with_values(FEATURES[int(feature)])} in {share:.2g} macro steps at "
+                f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {enough:.2g} s",
+                stacklevel=2,
+            )
 
     def _check(self, status: int) -> None:
         if MISSED <= status < MISSED + len(FEATURES):  # a run under way

@@ -130,8 +130,9 @@ class DimensionlessBallBearing(TwoDofBearing):
     damping_ratio = parameter(3.9119e-3, "1", "damping over 2 m w_0", low=0.0)
     substep = parameter(0.06391, "1", "longest internal step", low=1e-12, high=1e3)
 
-    speed = replace(TwoDofBearing.speed, start=0.081931, unit="1", nominal=0.1,
-                    text="speed of the inner ring over w_0, positive from x to y")
+    speed = replace(
+        TwoDofBearing.speed, start=0.081931, unit="1", nominal=0.1, text="speed of the inner ring over w_0, positive from x to y"
+    )
     load = unitless(TwoDofBearing.load, 1.0, "load along x over that of the scales")
     transverse_load = unitless(TwoDofBearing.transverse_load, 0.0, "load along y over that of the scales")
 
@@ -146,12 +147,14 @@ class DimensionlessBallBearing(TwoDofBearing):
     max_ball_load = unitless(TwoDofBearing.max_ball_load)
 
     presets = {
-        "JIS 6306": Preset({"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 3.9119e-3},
-                           JIS6306_SOURCE + ", scaled", "recalled"),
+        "JIS 6306": Preset(
+            {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 3.9119e-3}, JIS6306_SOURCE + ", scaled", "recalled"
+        )
     }
 
-    refusals = {LARGE_BALLS: Refusal("balls of {diameter_ratio} on a pitch diameter of 1",
-                                     "balls smaller than the pitch diameter")}
+    refusals = {
+        LARGE_BALLS: Refusal("balls of {diameter_ratio} on a pitch diameter of 1", "balls smaller than the pitch diameter")
+    }
 
     @property
     def geometry(self) -> BallGeometry:

@@ -54,8 +54,9 @@ def entrainment_speed(geometry: BallGeometry, rotation: float) -> float:
     return mean_surface_speed(geometry.ball_diameter, geometry.pitch_diameter, rotation)
 
 
-def film_thickness(contact: PointContact, radius_x: float, load: float, speed: float, oil: Lubricant, *,
-                   thinnest: bool = False) -> float:
+def film_thickness(
+    contact: PointContact, radius_x: float, load: float, speed: float, oil: Lubricant, *, thinnest: bool = False
+) -> float:
     """Film in the middle of a contact, or where it is thinnest, m; 0 at speed 0.
 
     radius_x: Rx of the contact in m.  load: N, above 0 (the film would be infinite, slowly, without one).  speed: m/s.

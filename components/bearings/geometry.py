@@ -59,8 +59,11 @@ class BallGeometry:
         if self.balls < 1:
             raise BadInput("ball bearing", f"{self.balls} balls", "at least one")
         if not 0.0 < self.ball_diameter < self.pitch_diameter:
-            raise BadInput("ball bearing", f"balls of {self.ball_diameter:g} m on a pitch diameter of {self.pitch_diameter:g} m",
-                           "balls smaller than the pitch diameter")
+            raise BadInput(
+                "ball bearing",
+                f"balls of {self.ball_diameter:g} m on a pitch diameter of {self.pitch_diameter:g} m",
+                "balls smaller than the pitch diameter",
+            )
         if min(self.inner_conformity, self.outer_conformity) <= 0.5:
             actual = f"groove radii of {self.inner_conformity:g} and {self.outer_conformity:g} ball diameters"
             raise BadInput("ball bearing", actual, "more than half a ball diameter")

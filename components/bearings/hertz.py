@@ -110,8 +110,12 @@ def brewe_hamrock(ratio: float) -> Ellipse:
 
 def _checked_ratio(ratio: float) -> float:
     if not 1.0 <= ratio <= LARGEST_RATIO:
-        raise BadInput("Hertz contact", f"Ry/Rx = {ratio:.6g}", f"a ratio in [1, {LARGEST_RATIO:g}]",
-                       "Exchange x and y if the ratio is below 1.")
+        raise BadInput(
+            "Hertz contact",
+            f"Ry/Rx = {ratio:.6g}",
+            f"a ratio in [1, {LARGEST_RATIO:g}]",
+            "Exchange x and y if the ratio is below 1.",
+        )
     return float(ratio)
 
 
@@ -147,8 +151,12 @@ class PointContact(NamedTuple):
 def point_contact(radius_x: float, radius_y: float, modulus: float, ellipse=exact_ellipse) -> PointContact:
     """The contact of relative radii Rx <= Ry (m) and E' (Pa); `ellipse`: `exact_ellipse` or `brewe_hamrock`."""
     if not (radius_x > 0.0 and radius_y > 0.0 and modulus > 0.0):
-        raise BadInput("Hertz contact", f"Rx = {radius_x:g} m, Ry = {radius_y:g} m, E' = {modulus:g} Pa", "positive values",
-                       "A groove must be wider than the ball.")
+        raise BadInput(
+            "Hertz contact",
+            f"Rx = {radius_x:g} m, Ry = {radius_y:g} m, E' = {modulus:g} Pa",
+            "positive values",
+            "A groove must be wider than the ball.",
+        )
     return PointContact(1.0 / (1.0 / radius_x + 1.0 / radius_y), modulus, ellipse(radius_y / radius_x))
 
 

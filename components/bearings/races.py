@@ -30,8 +30,13 @@ TWO_PI = 2.0 * math.pi
 class Waviness(Effect):
     """Waves of a race: the surface lies deeper by the sum of amplitude * cos(order * angle + phase), angle along the race."""
 
-    order = integer((2, 3, 4, 5, 6, 7, 8, 9), "number of waves along the race; amplitude 0 leaves an order out", size=ORDERS,
-                    low=1, high=10000)
+    order = integer(
+        (2, 3, 4, 5, 6, 7, 8, 9),
+        "number of waves along the race; amplitude 0 leaves an order out",
+        size=ORDERS,
+        low=1,
+        high=10000,
+    )
     amplitude = parameter((1e-6, *[0.0] * (ORDERS - 1)), "m", "amplitude of the order", size=ORDERS, nominal=1e-6)
     phase = parameter(0.0, "rad", "phase of the order at the race's own angle 0", size=ORDERS)
 

@@ -28,8 +28,13 @@ CONSTANTS = 11  # elements of `s.constants`
 # Rows of `s.features`: extent, rad, turn of the feature under a ball per turn of the inner ring, and of waves the highest order.
 # Without a turn it is not there.
 EXTENT, TURN, ORDER = range(3)
-FEATURES = ("inner_waviness of order {features[2]}", "outer_waviness of order {features[5]}", "inner_defect", "outer_defect",
-            "ball_defect")
+FEATURES = (
+    "inner_waviness of order {features[2]}",
+    "outer_waviness of order {features[5]}",
+    "inner_defect",
+    "outer_defect",
+    "ball_defect",
+)
 
 # Statuses; the last are of what a ball may have missed, in the order of `FEATURES`
 LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
@@ -79,10 +84,12 @@ def bearing_start(t, s, p, e):
         return NO_ELLIPSE
     inner = grooved_contact(inner_x, inner_y, modulus, p.hertz == FITTED)
     outer = grooved_contact(outer_x, outer_y, modulus, p.hertz == FITTED)
-    stiffness = two_in_series(hertz_stiffness(inner.radius, modulus, inner.ellipse),
-                              hertz_stiffness(outer.radius, modulus, outer.ellipse))
-    contacts = groove_contacts(p.balls, stiffness, p.inner_conformity, p.outer_conformity, p.ball_diameter, p.pitch_diameter, 0.0,
-                               p.diametral_clearance)
+    stiffness = two_in_series(
+        hertz_stiffness(inner.radius, modulus, inner.ellipse), hertz_stiffness(outer.radius, modulus, outer.ellipse)
+    )
+    contacts = groove_contacts(
+        p.balls, stiffness, p.inner_conformity, p.outer_conformity, p.ball_diameter, p.pitch_diameter, 0.0, p.diametral_clearance
+    )
     if contacts.radial <= 0.0:
         s.message[0] = 2.0 * contacts.distance
         return NO_GROOVE

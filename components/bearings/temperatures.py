@@ -68,8 +68,9 @@ class BearingTemperatures(StiffComponent):
     default_step = 1.0
     default_stop = 3600.0
     refusals = {
-        TOO_LARGE_SHARES: Refusal("inner_share + outer_share = {refused}", "at most 1: the rest heats the balls",
-                                  "Reduce one of them."),
+        TOO_LARGE_SHARES: Refusal(
+            "inner_share + outer_share = {refused}", "at most 1: the rest heats the balls", "Reduce one of them."
+        )
     }
 
     housing = Housing
@@ -260,8 +261,9 @@ def network_outputs(t, s, p, e):
     return DONE
 
 
-_stiff = stiff_kernels(__name__, start=network_start, derivatives=network_derivatives, jacobian=network_jacobian,
-                       outputs=network_outputs)
+_stiff = stiff_kernels(
+    __name__, start=network_start, derivatives=network_derivatives, jacobian=network_jacobian, outputs=network_outputs
+)
 _advance = _stiff.step
 
 

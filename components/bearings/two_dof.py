@@ -37,8 +37,13 @@ MESSAGE = 3  # elements of `s.message`, numbers of a message
 # Statuses; the last are of what a ball must not step over, in this order
 LARGE_BALLS, DISPLACED_TOO_FAR, TOO_STIFF = OWN + 1, OWN + 2, OWN + 3
 PASSED = OWN + 4
-NARROW = ("inner_defect", "outer_defect", "ball_defect", "half a wave of inner_waviness of order {message[2]}",
-          "half a wave of outer_waviness of order {message[2]}")
+NARROW = (
+    "inner_defect",
+    "outer_defect",
+    "ball_defect",
+    "half a wave of inner_waviness of order {message[2]}",
+    "half a wave of outer_waviness of order {message[2]}",
+)
 
 
 @kernel_tuple

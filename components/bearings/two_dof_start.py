@@ -159,9 +159,12 @@ def three_digits(value):
 
 def bearing_kernels(module: str, start: Any) -> Kernels:
     """The kernels of a bearing with its own start; module: its `__name__`."""
-    return Kernels(bind(bearing_initialize, module, start=start, stable=bearing_stable),
-                   bind(bearing_step, module, derivatives=bearing_derivatives, outputs=bearing_outputs),
-                   bearing_outputs, bearing_derivatives)
+    return Kernels(
+        bind(bearing_initialize, module, start=start, stable=bearing_stable),
+        bind(bearing_step, module, derivatives=bearing_derivatives, outputs=bearing_outputs),
+        bearing_outputs,
+        bearing_derivatives,
+    )
 
 
 @kernel

@@ -159,8 +159,9 @@ class Block:
             if leaf.kind == "array":
                 strides = [leaf.itemsize * int(np.prod(leaf.shape[i + 1 :])) for i in range(len(leaf.shape))]
                 size = int(np.prod(leaf.shape))
-                arguments += [f"{next(given)} {value}" for value in
-                              ("null", "null", size, leaf.itemsize, f"%p{k}", *leaf.shape, *strides)]
+                arguments += [
+                    f"{next(given)} {value}" for value in ("null", "null", size, leaf.itemsize, f"%p{k}", *leaf.shape, *strides)
+                ]
             elif leaf.kind == "none":
                 kind = next(given)
                 arguments.append(f"{kind} {'null' if kind == 'ptr' else 0}")

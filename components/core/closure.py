@@ -39,8 +39,9 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
             yield from _statements(getattr(node, field, ()))
 
 
-def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None,
-            imports: Callable[[bytes], Imports] = imports) -> dict[Path, bytes]:
+def closure(
+    file: Path, absolute: Callable[[str], Path | None] = lambda name: None, imports: Callable[[bytes], Imports] = imports
+) -> dict[Path, bytes]:
     """The file and all that it imports, contents by path.
 
     `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it;

@@ -227,8 +227,9 @@ class Component:
         """`BadInput` where parameters that were given have no part: their values would be ignored."""
         if unused := self.unused(n for n in names if n in self.parameters):
             values = ", ".join(f"{n} = {self.parameters[n]!r}" for n in unused)
-            raise BadInput(self.name, values, "none; it would have no effect: " + "; ".join(dict.fromkeys(unused.values())),
-                           "Leave it out.")
+            raise BadInput(
+                self.name, values, "none; it would have no effect: " + "; ".join(dict.fromkeys(unused.values())), "Leave it out."
+            )
 
     def input_positions(self, names: Iterable[str]) -> np.ndarray:
         """Columns of `u` for input names, (n,)."""
@@ -278,8 +279,12 @@ class Component:
         try:
             status = self._initialize(self.t)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
-            raise BadInput(self.name, "parameters or inputs of which something cannot be computed", "numbers of a usual size",
-                           f"Check the largest and the smallest of them ({type(error).__name__}: {error}).") from error
+            raise BadInput(
+                self.name,
+                "parameters or inputs of which something cannot be computed",
+                "numbers of a usual size",
+                f"Check the largest and the smallest of them ({type(error).__name__}: {error}).",
+            ) from error
         self._check(status)
         self.refresh()
 

@@ -112,8 +112,9 @@ class KernelComponent(Component):
         cls = type(self)
         shapes = self.shapes()
         contents: dict[str, Any] = {"u": self.u, "y": self.y, "x": np.zeros(0), "counts": np.zeros_like(self.counts)}
-        contents |= {n: v if isinstance(v, np.ndarray) or v is None or hasattr(v, "_fields") else np.zeros(v)
-                     for n, v in shapes.items()}
+        contents |= {
+            n: v if isinstance(v, np.ndarray) or v is None or hasattr(v, "_fields") else np.zeros(v) for n, v in shapes.items()
+        }
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()

@@ -45,8 +45,12 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
                 yield "presets", "an effect of the class", f"preset {name!r} with effect {effect!r}", nearest(effect, cls.effects)
         for variable_name, value in preset.parameters.items():
             if variable_name not in cls.variables:
-                yield ("presets", "a parameter of the class", f"preset {name!r} with {variable_name!r}",
-                       nearest(variable_name, cls.variables))
+                yield (
+                    "presets",
+                    "a parameter of the class",
+                    f"preset {name!r} with {variable_name!r}",
+                    nearest(variable_name, cls.variables),
+                )
                 continue
             try:
                 cls.variables[variable_name].checked(value, "")
@@ -71,7 +75,7 @@ def _of_variable(variable: Variable, name: str) -> Iterator[tuple[str, str, str,
 
 
 def place_of(cls: type, name: str = "") -> str:
-    """"file:line: Class.name" of a declaration, of an effect's variable as "effect.name"; without a line of what has no file."""
+    """ "file:line: Class.name" of a declaration, of an effect's variable as "effect.name"; without a line of what has no file."""
     owner, attribute = cls, name.partition("[")[0]
     effect, dot, variable = attribute.partition(".")
     if dot and isinstance(inner := getattr(cls, effect, None), type) and issubclass(inner, Effect):

@@ -17,14 +17,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from .integrators import (
-    Kernels,
-    OdeComponent,
-    finished,
-    internal_steps,
-    ode_kernels,
-    rk4_step,
-)
+from .integrators import Kernels, OdeComponent, finished, internal_steps, ode_kernels, rk4_step
 from .kernels import DONE, NOT_CONVERGED
 
 MOST_EVENTS = 64  # in one substep, above which the modes chase each other

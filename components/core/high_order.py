@@ -13,28 +13,44 @@ import numpy as np
 from .component import Effect
 from .contract import Kernels
 from .events import event_steps
-from .integrators import (
-    RK4_STABILITY_RADIUS,
-    OdeComponent,
-    derivatives,
-    finished,
-    internal_steps,
-    ode_kernels,
-    rk4_step,
-)
+from .integrators import RK4_STABILITY_RADIUS, OdeComponent, derivatives, finished, internal_steps, ode_kernels, rk4_step
 from .kernels import DONE, kernel
 
 RK8_STABILITY_RADIUS = 5.9  # |eigenvalue times step|: 5.96 on the imaginary axis, 6.27 or more in the left half-plane
 STAGES = 12
 ROWS = STAGES + 2  # of the workspace
-NODES = np.array([
-    0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25,
-    0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0,
-])
-WEIGHTS = np.array([
-    0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199,
-    -0.1521609496625161, 0.20136540080403034, 0.04471061572777259,
-])
+NODES = np.array(
+    [
+        0.0,
+        0.05260015195876773,
+        0.0789002279381516,
+        0.1183503419072274,
+        0.2816496580927726,
+        0.3333333333333333,
+        0.25,
+        0.3076923076923077,
+        0.6512820512820513,
+        0.6,
+        0.8571428571428571,
+        1.0,
+    ]
+)
+WEIGHTS = np.array(
+    [
+        0.054293734116568765,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        4.450312892752409,
+        1.8915178993145003,
+        -5.801203960010585,
+        0.3111643669578199,
+        -0.1521609496625161,
+        0.20136540080403034,
+        0.04471061572777259,
+    ]
+)
 MATRIX = np.array([
     [
         0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
@@ -142,7 +158,12 @@ def smooth_event_step(t, h, s, p, e):
 
 
 smooth_event_step.parts = (  # type: ignore[attr-defined]
-    "rk4_step", "rk8_steps", "event_steps", "finished", "internal_steps")
+    "rk4_step",
+    "rk8_steps",
+    "event_steps",
+    "finished",
+    "internal_steps",
+)
 
 
 def smooth_kernels(module: str, *, step: Any = smooth_step, **ode: Any) -> Kernels:

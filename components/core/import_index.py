@@ -41,5 +41,7 @@ def _read(file: Path | None) -> dict[str, Imports]:
     content = read_kept(file) if file is not None else None
     if content is None:
         return {}
-    return {key: tuple((level, module, tuple(names)) for level, module, names in statements)
-            for key, statements in json.loads(content).items()}
+    return {
+        key: tuple((level, module, tuple(names)) for level, module, names in statements)
+        for key, statements in json.loads(content).items()
+    }

@@ -117,8 +117,12 @@ def ode_kernels(module: str, start: Any, derivatives: Any, outputs: Any, stable:
 
     step: a template of a step, and `more` the kernels that this needs besides.
     """
-    return Kernels(bind(ode_initialize, module, start=start, stable=stable),
-                   bind(step, module, derivatives=inlined(derivatives), outputs=outputs, **more), outputs, derivatives)
+    return Kernels(
+        bind(ode_initialize, module, start=start, stable=stable),
+        bind(step, module, derivatives=inlined(derivatives), outputs=outputs, **more),
+        outputs,
+        derivatives,
+    )
 
 
 class OdeComponent(KernelComponent):
@@ -131,7 +135,7 @@ class OdeComponent(KernelComponent):
     rows: ClassVar[int] = 6  # of the workspace of a step
     _forced_step = 0.0
     refusals: ClassVar[Mapping[int, Refusal]] = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of {method}", "Reduce substep."),
+        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of {method}", "Reduce substep.")
     }
 
     def states(self) -> int:

@@ -29,20 +29,50 @@ def _unit(factor: float = 1.0, offset: float = 0.0, **powers: int) -> Unit:
 
 PI = 3.141592653589793
 SYMBOLS = {
-    "1": _unit(), "kg": _unit(kg=1), "m": _unit(m=1), "s": _unit(s=1), "A": _unit(A=1), "K": _unit(K=1),
-    "mol": _unit(mol=1), "cd": _unit(cd=1), "rad": _unit(rad=1),
-    "Hz": _unit(s=-1), "N": _unit(kg=1, m=1, s=-2), "Pa": _unit(kg=1, m=-1, s=-2), "J": _unit(kg=1, m=2, s=-2),
-    "W": _unit(kg=1, m=2, s=-3), "V": _unit(kg=1, m=2, s=-3, A=-1), "Ohm": _unit(kg=1, m=2, s=-3, A=-2),
-    "H": _unit(kg=1, m=2, s=-2, A=-2), "F": _unit(kg=-1, m=-2, s=4, A=2), "C": _unit(s=1, A=1),
-    "g": _unit(1e-3, kg=1), "t": _unit(1e3, kg=1),
-    "mm": _unit(1e-3, m=1), "um": _unit(1e-6, m=1), "cm": _unit(1e-2, m=1), "km": _unit(1e3, m=1), "l": _unit(1e-3, m=3),
-    "ms": _unit(1e-3, s=1), "us": _unit(1e-6, s=1), "min": _unit(60.0, s=1), "h": _unit(3600.0, s=1),
-    "kN": _unit(1e3, kg=1, m=1, s=-2), "mN": _unit(1e-3, kg=1, m=1, s=-2),
-    "kPa": _unit(1e3, kg=1, m=-1, s=-2), "MPa": _unit(1e6, kg=1, m=-1, s=-2), "GPa": _unit(1e9, kg=1, m=-1, s=-2),
-    "bar": _unit(1e5, kg=1, m=-1, s=-2), "kJ": _unit(1e3, kg=1, m=2, s=-2),
-    "kW": _unit(1e3, kg=1, m=2, s=-3), "mW": _unit(1e-3, kg=1, m=2, s=-3),
-    "kHz": _unit(1e3, s=-1), "deg": _unit(PI / 180.0, rad=1), "rpm": _unit(2.0 * PI / 60.0, rad=1, s=-1),
-    "%": _unit(1e-2), "degC": _unit(1.0, 273.15, K=1),
+    "1": _unit(),
+    "kg": _unit(kg=1),
+    "m": _unit(m=1),
+    "s": _unit(s=1),
+    "A": _unit(A=1),
+    "K": _unit(K=1),
+    "mol": _unit(mol=1),
+    "cd": _unit(cd=1),
+    "rad": _unit(rad=1),
+    "Hz": _unit(s=-1),
+    "N": _unit(kg=1, m=1, s=-2),
+    "Pa": _unit(kg=1, m=-1, s=-2),
+    "J": _unit(kg=1, m=2, s=-2),
+    "W": _unit(kg=1, m=2, s=-3),
+    "V": _unit(kg=1, m=2, s=-3, A=-1),
+    "Ohm": _unit(kg=1, m=2, s=-3, A=-2),
+    "H": _unit(kg=1, m=2, s=-2, A=-2),
+    "F": _unit(kg=-1, m=-2, s=4, A=2),
+    "C": _unit(s=1, A=1),
+    "g": _unit(1e-3, kg=1),
+    "t": _unit(1e3, kg=1),
+    "mm": _unit(1e-3, m=1),
+    "um": _unit(1e-6, m=1),
+    "cm": _unit(1e-2, m=1),
+    "km": _unit(1e3, m=1),
+    "l": _unit(1e-3, m=3),
+    "ms": _unit(1e-3, s=1),
+    "us": _unit(1e-6, s=1),
+    "min": _unit(60.0, s=1),
+    "h": _unit(3600.0, s=1),
+    "kN": _unit(1e3, kg=1, m=1, s=-2),
+    "mN": _unit(1e-3, kg=1, m=1, s=-2),
+    "kPa": _unit(1e3, kg=1, m=-1, s=-2),
+    "MPa": _unit(1e6, kg=1, m=-1, s=-2),
+    "GPa": _unit(1e9, kg=1, m=-1, s=-2),
+    "bar": _unit(1e5, kg=1, m=-1, s=-2),
+    "kJ": _unit(1e3, kg=1, m=2, s=-2),
+    "kW": _unit(1e3, kg=1, m=2, s=-3),
+    "mW": _unit(1e-3, kg=1, m=2, s=-3),
+    "kHz": _unit(1e3, s=-1),
+    "deg": _unit(PI / 180.0, rad=1),
+    "rpm": _unit(2.0 * PI / 60.0, rad=1, s=-1),
+    "%": _unit(1e-2),
+    "degC": _unit(1.0, 273.15, K=1),
 }
 _FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
 
@@ -67,8 +97,9 @@ def parse(text: str, where: str = "unit") -> Unit:
     return Unit(factor, 0.0, tuple(exponents))
 
 
-def conversion(source: str, target: str, where: str = "unit",
-               defined: tuple[Unit | None, Unit | None] = (None, None)) -> tuple[float, float]:
+def conversion(
+    source: str, target: str, where: str = "unit", defined: tuple[Unit | None, Unit | None] = (None, None)
+) -> tuple[float, float]:
     """(factor, offset) with target value = factor * source value + offset; raises `BadInput` if they do not fit.
 
     `defined`: what the two strings mean where they have a meaning of their own.

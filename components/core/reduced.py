@@ -82,8 +82,7 @@ def reduced_step(h, law, stiffness, damping, clearance, z1, v1, z2, v2, loose1, 
         sum_x1, sum_x2, sum_u1, sum_u2, sum_f, sum_sf = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for stage in range(4):
             r1, r2 = a1 + s * (b1 + s * c1), a2 + s * (b2 + s * c2)
-            force = law_force(law, stiffness, damping, x1 - x2 - clearance,
-                              u1 + r1 * yield1 - u2 - r2 * yield2, yielding)
+            force = law_force(law, stiffness, damping, x1 - x2 - clearance, u1 + r1 * yield1 - u2 - r2 * yield2, yielding)
             dx1, du1 = u1 + (r1 - force) * yield1, (r1 - force) * loose1
             dx2, du2 = u2 + (r2 + force) * yield2, (r2 + force) * loose2
             weight = 1.0 if stage == 0 or stage == 3 else 2.0

@@ -43,8 +43,14 @@ def rodas3(t, h, s, p, e):
     x, u, work = s.x, s.u, s.work
     nx, nu = x.size, u.shape[1]
     band = work[:nx, : 2 * nx - 1]
-    k1, k2, k3, k4, f, xs = (work[nx, :nx], work[nx + 1, :nx], work[nx + 2, :nx], work[nx + 3, :nx], work[nx + 4, :nx],
-                             work[nx + 5, :nx])
+    k1, k2, k3, k4, f, xs = (
+        work[nx, :nx],
+        work[nx + 1, :nx],
+        work[nx + 2, :nx],
+        work[nx + 3, :nx],
+        work[nx + 4, :nx],
+        work[nx + 5, :nx],
+    )
     us = work[nx + 6, :nu]
     n = internal_steps(h, s)
     d = h / n
@@ -98,8 +104,9 @@ rodas3.parts = ("finished", "internal_steps")  # type: ignore[attr-defined]
 
 def stiff_kernels(module: str, start: Any, derivatives: Any, jacobian: Any, outputs: Any) -> Kernels:
     """The kernels of a `StiffComponent`; module: its `__name__`."""
-    return ode_kernels(module, start=start, derivatives=derivatives, outputs=outputs, stable=unlimited, step=rodas3,
-                       jacobian=jacobian)
+    return ode_kernels(
+        module, start=start, derivatives=derivatives, outputs=outputs, stable=unlimited, step=rodas3, jacobian=jacobian
+    )
 
 
 class StiffComponent(OdeComponent):

@@ -21,15 +21,18 @@ def quaternion_of_angles(roll, pitch, yaw):
     cr, sr = math.cos(0.5 * roll), math.sin(0.5 * roll)
     cp, sp = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     cy, sy = math.cos(0.5 * yaw), math.sin(0.5 * yaw)
-    return (cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy)
+    return (cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy)
 
 
 @kernel
 def quaternion_rate(w, x, y, z, p, q, r):
     """Time derivative of the quaternion for the angular velocity (p, q, r) about the body's axes, rad/s."""
-    return (-0.5 * (x * p + y * q + z * r), 0.5 * (w * p + y * r - z * q),
-            0.5 * (w * q + z * p - x * r), 0.5 * (w * r + x * q - y * p))
+    return (
+        -0.5 * (x * p + y * q + z * r),
+        0.5 * (w * p + y * r - z * q),
+        0.5 * (w * q + z * p - x * r),
+        0.5 * (w * r + x * q - y * p),
+    )
 
 
 @kernel

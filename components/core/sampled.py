@@ -62,8 +62,11 @@ def integrated(integral, gain, error, back, period):
 
 def sampled_kernels(module: str, start: Any, sample: Any, outputs: Any) -> Kernels:
     """The kernels of a `SampledComponent`; module: its `__name__`."""
-    return Kernels(bind(sampled_initialize, module, start=start, sample=sample),
-                   bind(sampled, module, sample=sample, outputs=outputs), outputs)
+    return Kernels(
+        bind(sampled_initialize, module, start=start, sample=sample),
+        bind(sampled, module, sample=sample, outputs=outputs),
+        outputs,
+    )
 
 
 class SampledComponent(KernelComponent):

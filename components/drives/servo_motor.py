@@ -50,8 +50,9 @@ class MotorParameters:
     inductance = Inductance
 
     resistance = parameter(2.3, "Ohm", "resistance of the winding", low=1e-9)
-    constant = parameter(23.4e-3, "N.m/A", "torque of the motor per current, the same number as voltage per rate", low=0.0,
-                         nominal=0.01)
+    constant = parameter(
+        23.4e-3, "N.m/A", "torque of the motor per current, the same number as voltage per rate", low=0.0, nominal=0.01
+    )
     gear_ratio = parameter(19.0, "1", "turns of the motor per turn of the wheel; negative: against it", nominal=10.0)
     rotor_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the rotor, at the motor's shaft", low=0.0, nominal=1e-6)
     wheel_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the wheel and the gear's last shaft", low=1e-15, nominal=1e-6)
@@ -88,13 +89,17 @@ class ServoMotor(MotorParameters, EventComponent):
     angle = output("rad", "angle of the wheel")
     rate = output("rad/s", "rate of the wheel", nominal=10.0)
     current = output("A", "current in the winding", feedthrough=("voltage",))
-    electrical_power = output("W", "power that the amplifier gives, negative where it gets some back", nominal=10.0,
-                              feedthrough=("voltage",))
+    electrical_power = output(
+        "W", "power that the amplifier gives, negative where it gets some back", nominal=10.0, feedthrough=("voltage",)
+    )
 
     presets = {
         "motor alone": Preset(
             {"gear_ratio": 1.0, "wheel_inertia": 1e-15, "inductance.inductance": 0.238e-3},
-            "the default motor without gear and wheel: poles at -244.3 and -9419.6 1/s", "recalled", ("inductance",)),
+            "the default motor without gear and wheel: poles at -244.3 and -9419.6 1/s",
+            "recalled",
+            ("inductance",),
+        )
     }
 
     @property
@@ -204,8 +209,9 @@ def servo_derivatives(t, x, u, dx, s, p, e):
     dx[RATE] = torque / shaft_inertia(p)
     if e.inductance is not None:
         induced = p.constant * p.gear_ratio * x[RATE]
-        dx[CURRENT] = (winding_voltage(x[RATE], u, p,
-                                       e.saturation) - p.resistance * x[CURRENT] - induced) / e.inductance.inductance
+        dx[CURRENT] = (
+            winding_voltage(x[RATE], u, p, e.saturation) - p.resistance * x[CURRENT] - induced
+        ) / e.inductance.inductance
 
 
 @kernel
@@ -235,5 +241,12 @@ def servo_outputs(t, s, p, e):
     return DONE
 
 
-ServoMotor.kernels = event_kernels(__name__, start=servo_start, derivatives=servo_derivatives, outputs=servo_outputs,
-                                   stable=servo_stable, guards=servo_guards, switch=servo_switch)
+ServoMotor.kernels = event_kernels(
+    __name__,
+    start=servo_start,
+    derivatives=servo_derivatives,
+    outputs=servo_outputs,
+    stable=servo_stable,
+    guards=servo_guards,
+    switch=servo_switch,
+)

@@ -52,8 +52,9 @@ class TorqueMotor(OdeComponent):
 
     torque = output("N.m", "torque on the load", feedthrough=("voltage", "rate"))
     current = output("A", "current in the winding", feedthrough=("voltage", "rate"))
-    electrical_power = output("W", "power that the amplifier gives, negative where it gets some back", nominal=10.0,
-                              feedthrough=("voltage", "rate"))
+    electrical_power = output(
+        "W", "power that the amplifier gives, negative where it gets some back", nominal=10.0, feedthrough=("voltage", "rate")
+    )
 
     def states(self) -> int:
         """The current, with `inductance`; no state without."""
@@ -126,5 +127,6 @@ def motor_outputs(t, s, p, e):
     return DONE
 
 
-TorqueMotor.kernels = Kernels(motor_initialize, bind(rk4, __name__, derivatives=motor_derivatives, outputs=motor_outputs),
-                              motor_outputs, motor_derivatives)
+TorqueMotor.kernels = Kernels(
+    motor_initialize, bind(rk4, __name__, derivatives=motor_derivatives, outputs=motor_outputs), motor_outputs, motor_derivatives
+)

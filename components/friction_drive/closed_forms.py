@@ -45,5 +45,4 @@ def loaded_feed(wheels: FrictionWheels, rate: float, force: float) -> tuple[floa
     if abs(share) >= 1.0:
         raise BadInput(wheels.name, f"force = {force:g} N", f"less than {most:g} N, what both contacts bear")
     rim, root = p.wheel_radius * rate, math.sqrt(1.0 - share * share)
-    return (rim * math.cos(p.angle) - abs(rim) * math.sin(p.angle) * share / root,
-            most * abs(rim) * math.sin(p.angle) / root)
+    return (rim * math.cos(p.angle) - abs(rim) * math.sin(p.angle) * share / root, most * abs(rim) * math.sin(p.angle) / root)

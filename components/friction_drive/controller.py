@@ -103,10 +103,16 @@ class ServoController(SampledComponent):
     wanted_feed = output("m", "set point of the feed at the last sample", nominal=0.01)
     wanted_rotation = output("rad", "set point of the rotation at the last sample")
 
-    refusals = IDLE | LOST | {
-        TIME_FALLS: Refusal("reference: time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
-                            "times that do not decrease, and zeros behind the last row"),
-    }
+    refusals = (
+        IDLE
+        | LOST
+        | {
+            TIME_FALLS: Refusal(
+                "reference: time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
+                "times that do not decrease, and zeros behind the last row",
+            )
+        }
+    )
 
     def states(self) -> int:
         """See the top of the file."""
@@ -127,8 +133,9 @@ def control_start(t, s, p, e):
     if e.reference is not None:
         time, rows = e.reference.time, rows_in_use(e.reference.time)
         s.rows[0] = rows
-        if status == DONE and not (is_zero_behind(time, rows) and is_zero_behind(e.reference.feed, rows)
-                                   and is_zero_behind(e.reference.rotation, rows)):
+        if status == DONE and not (
+            is_zero_behind(time, rows) and is_zero_behind(e.reference.feed, rows) and is_zero_behind(e.reference.rotation, rows)
+        ):
             s.fall[0], s.fall[1], s.fall[2] = rows, time[rows - 1], time[rows]
             status = TIME_FALLS
     if e.quantisation is not None:  # as if the wheels had turned at their rates before
@@ -179,8 +186,10 @@ def control_sample(t, u, s, p, e):
     x = s.x
     first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
     if e.quantisation is not None:
-        first_angle, second_angle = counted(first_angle, e.quantisation.wheel_step), counted(second_angle,
-                                                                                             e.quantisation.wheel_step)
+        first_angle, second_angle = (
+            counted(first_angle, e.quantisation.wheel_step),
+            counted(second_angle, e.quantisation.wheel_step),
+        )
         first_rate, second_rate = (first_angle - x[LAST]) / p.period, (second_angle - x[LAST + 1]) / p.period
         x[LAST], x[LAST + 1] = first_angle, second_angle
         feed, rotation = counted(feed, e.quantisation.feed_step), counted(rotation, e.quantisation.rotation_step)

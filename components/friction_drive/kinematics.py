@@ -24,8 +24,13 @@ SKEWED, FREE_ROLLERS, ORTHOGONAL = range(3)
 ANGLE = math.pi / 6.0  # rad, of skewed wheels by default
 WORST = 1e3  # condition of the map of rates, above which one degree of freedom counts as lost
 IDLE_ANGLE, LOST_ROTATION, LOST_FEED = OWN + 1, OWN + 2, OWN + 3  # statuses
-IDLE = {IDLE_ANGLE: Refusal("angle = {angle} rad in the layout '{layout}'", "a layout of skewed wheels, or no angle",
-                            "Orthogonal wheels stand along the axis and across it.")}
+IDLE = {
+    IDLE_ANGLE: Refusal(
+        "angle = {angle} rad in the layout '{layout}'",
+        "a layout of skewed wheels, or no angle",
+        "Orthogonal wheels stand along the axis and across it.",
+    )
+}
 LOST = {status: Refusal("angle = {angle} rad in the layout '{layout}'",
                         f"wheels that give feed and rotation, a condition number of at most {WORST:g}",
                         f"The {lost} is lost; take an angle well between 0 and {math.pi / 2:.4g} rad.")
@@ -54,8 +59,7 @@ def sleeve_rates(first, second, layout, angle, wheel_radius, sleeve_radius):
     along, around = math.cos(angle), math.sin(angle)
     if layout == FREE_ROLLERS:
         along, around = 1.0 / along, 1.0 / around
-    return (0.5 * wheel_radius * (first + second) * along,
-            0.5 * wheel_radius * (first - second) * around / sleeve_radius)
+    return (0.5 * wheel_radius * (first + second) * along, 0.5 * wheel_radius * (first - second) * around / sleeve_radius)
 
 
 @kernel

@@ -162,10 +162,12 @@ def shafts(t, x, u, p, e):
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
-    return (shaft_drive(0, at, x, u[VOLTAGES], load_1, p, e.inductance),
-            shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, e.inductance),
-            shaft_levels(0, at, x, u[VOLTAGES], p, e.inductance, e.shaft_friction)[1],
-            shaft_levels(1, at, x, u[VOLTAGES + 1], p, e.inductance, e.shaft_friction)[1])
+    return (
+        shaft_drive(0, at, x, u[VOLTAGES], load_1, p, e.inductance),
+        shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, e.inductance),
+        shaft_levels(0, at, x, u[VOLTAGES], p, e.inductance, e.shaft_friction)[1],
+        shaft_levels(1, at, x, u[VOLTAGES + 1], p, e.inductance, e.shaft_friction)[1],
+    )
 
 
 @kernel
@@ -268,5 +270,12 @@ def drive_outputs(t, s, p, e):
     return DONE
 
 
-FrictionDrive.kernels = event_kernels(__name__, start=drive_start, derivatives=drive_derivatives, outputs=drive_outputs,
-                                      stable=drive_stable, guards=drive_guards, switch=drive_switch)
+FrictionDrive.kernels = event_kernels(
+    __name__,
+    start=drive_start,
+    derivatives=drive_derivatives,
+    outputs=drive_outputs,
+    stable=drive_stable,
+    guards=drive_guards,
+    switch=drive_switch,
+)

@@ -146,8 +146,10 @@ def traction(k, t, x, sx, sy, p, e):
     rx, ry = deflection_rate(k, x, sx, sy, p, e)
     if e.lugre_slip is not None:
         lugre, z = e.lugre_slip, DEFLECTIONS + 2 * k
-        return (-share * (lugre.stiffness * x[z] + lugre.damping * rx + lugre.viscous * sx),
-                -share * (lugre.stiffness * x[z + 1] + lugre.damping * ry + lugre.viscous * sy))
+        return (
+            -share * (lugre.stiffness * x[z] + lugre.damping * rx + lugre.viscous * sx),
+            -share * (lugre.stiffness * x[z + 1] + lugre.damping * ry + lugre.viscous * sy),
+        )
     if e.exact_slip is not None:
         exact, z = e.exact_slip, DEFLECTIONS + 2 * k
         stiffness = share * friction_level(p) / exact.deflection
@@ -232,8 +234,9 @@ def sleeve_guards(x, first, second, g, p, lugre, exact, trocar):
         g[1] = planar_stick_guard(x[MODES + 1], bx, by, x[z + 2], x[z + 3], breakaway)
     if trocar is not None and trocar.level > 0.0:
         z = seal_place(lugre, exact)
-        g[2] = planar_stick_guard(x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1],
-                                  trocar.static_ratio * trocar.deflection)
+        g[2] = planar_stick_guard(
+            x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1], trocar.static_ratio * trocar.deflection
+        )
 
 
 @kernel
@@ -272,8 +275,10 @@ def contact_outputs(t, x, first, second, y, at, p, e):
     ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e)
     y[at], y[at + 1], y[at + 2], y[at + 3] = ax, ay, bx, by
     y[at + 4], y[at + 5], y[at + 6], y[at + 7] = qx, qy, rx, ry
-    y[at + 8] = min(free_share(math.hypot(qx, qy), preload_share(0, t, e.preload_loss) * friction_level(p)),
-                    free_share(math.hypot(rx, ry), preload_share(1, t, e.preload_loss) * friction_level(p)))
+    y[at + 8] = min(
+        free_share(math.hypot(qx, qy), preload_share(0, t, e.preload_loss) * friction_level(p)),
+        free_share(math.hypot(rx, ry), preload_share(1, t, e.preload_loss) * friction_level(p)),
+    )
     y[at + 9] = -(qx * ax + qy * ay + rx * bx + ry * by)
     return wheel_loads(qx, qy, rx, ry, p)
 

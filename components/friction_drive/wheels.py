@@ -68,9 +68,11 @@ class SleeveDeclarations:
     substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
     refusals: ClassVar[Mapping[int, Refusal]] = IDLE | {
-        status: Refusal(f"creep = {{creep}} N.s/m with {effect!r}",
-                        "contacts that creep: 'smoothed_slip' or none of the effects of slip",
-                        f"The stiffness of contacts with {effect!r} is a parameter of that effect.")
+        status: Refusal(
+            f"creep = {{creep}} N.s/m with {effect!r}",
+            "contacts that creep: 'smoothed_slip' or none of the effects of slip",
+            f"The stiffness of contacts with {effect!r} is a parameter of that effect.",
+        )
         for status, effect in ((CREEP_WITH_LUGRE, "lugre_slip"), (CREEP_WITH_EXACT, "exact_slip"))
     }
 
@@ -112,8 +114,9 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
     first_traction_around = output("N", "force of the first wheel on the sleeve, around it", feedthrough=FIRST)
     second_traction_axial = output("N", "force of the second wheel on the sleeve, along the axis", feedthrough=SECOND)
     second_traction_around = output("N", "force of the second wheel on the sleeve, around it", feedthrough=SECOND)
-    margin = output("1", "share of the kinetic friction still free, of the wheel that has less; 0 without preload",
-                    feedthrough=BOTH)
+    margin = output(
+        "1", "share of the kinetic friction still free, of the wheel that has less; 0 without preload", feedthrough=BOTH
+    )
     contact_power = output("W", "power that the contacts take up: lost, but for what deflections store", feedthrough=BOTH)
     mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
 
@@ -200,5 +203,12 @@ def wheels_outputs(t, s, p, e):
     return DONE
 
 
-FrictionWheels.kernels = event_kernels(__name__, start=wheels_start, derivatives=wheels_derivatives, outputs=wheels_outputs,
-                                       stable=wheels_stable, guards=wheels_guards, switch=wheels_switch)
+FrictionWheels.kernels = event_kernels(
+    __name__,
+    start=wheels_start,
+    derivatives=wheels_derivatives,
+    outputs=wheels_outputs,
+    stable=wheels_stable,
+    guards=wheels_guards,
+    switch=wheels_switch,
+)

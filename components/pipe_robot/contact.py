@@ -5,14 +5,7 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
-from ..core.friction import (
-    directed_friction,
-    directed_guard,
-    directed_switch,
-    lugre_force,
-    lugre_rate,
-    smoothed_friction,
-)
+from ..core.friction import directed_friction, directed_guard, directed_switch, lugre_force, lugre_rate, smoothed_friction
 from ..core.kernels import kernel
 from ..core.variables import parameter
 

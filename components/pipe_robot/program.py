@@ -39,8 +39,13 @@ class ExciterProgram(StatelessComponent):
     amplitude = output("N", "amplitude of the force", nominal=10.0)
     voltage = output("V", "voltage asked of the motor's amplifier", nominal=10.0)
 
-    refusals = {BACK_TOO_EARLY: Refusal("return_time = {return_time} s", "at least {end[0]} s, when the change ends",
-                                        "Begin the way back later, or shorten duration.")}
+    refusals = {
+        BACK_TOO_EARLY: Refusal(
+            "return_time = {return_time} s",
+            "at least {end[0]} s, when the change ends",
+            "Begin the way back later, or shorten duration.",
+        )
+    }
 
     def shapes(self) -> dict[str, Any]:
         """`end`: (1,) time at which the change ends, s."""

@@ -78,8 +78,13 @@ class PipeRobot(ShakenRobot):
 
     title = "Pipe robot with inclined elastic elements"
     start_inputs = (  # whether it sticks follows from what drives it
-        "harmonic_force.amplitude", "harmonic_force.frequency", "unbalance.torque", "tow.force", "route.slope",
-        "route.friction_factor")
+        "harmonic_force.amplitude",
+        "harmonic_force.frequency",
+        "unbalance.torque",
+        "tow.force",
+        "route.slope",
+        "route.friction_factor",
+    )
 
     harmonic_force = HarmonicExciter
     prescribed_motion = PrescribedMotion
@@ -114,19 +119,34 @@ class PipeRobot(ShakenRobot):
     }  # fmt: skip
 
     refusals = {
-        FORWARD_GIVEN: Refusal("forward_friction = {forward_friction} N with the effect 'bristles'", "one of the two",
-                               "The bristles give the levels of friction."),
-        BACKWARD_GIVEN: Refusal("backward_friction = {backward_friction} N with the effect 'bristles'", "one of the two",
-                                "The bristles give the levels of friction."),
-        STATIC_RATIO: Refusal("static_ratio = {static_ratio} with the effect 'smoothed_friction'", "1",
-                              "Smoothed friction knows no rest; take lugre_friction, or the exact one."),
-        HEAVY_UNBALANCE: Refusal("unbalance.mass = {unbalance.mass} kg", "at most the inner mass, {inner_mass} kg",
-                                 "The unbalance belongs to it."),
-        NO_INERTIA: Refusal("an unbalance that is all of the inner mass, without inertia of the rotor",
-                            "a mass or an inertia besides", "In front and behind nothing would resist its turning."),
-        LOCKED_BRISTLES: Refusal("bristles with friction * tan(angle) = {lean[0]}, locked backwards",
-                                 "less than 1 with smoothed_friction or lugre_friction, also at route.largest_factor",
-                                 "Leave both effects off: exact friction holds a locked robot."),
+        FORWARD_GIVEN: Refusal(
+            "forward_friction = {forward_friction} N with the effect 'bristles'",
+            "one of the two",
+            "The bristles give the levels of friction.",
+        ),
+        BACKWARD_GIVEN: Refusal(
+            "backward_friction = {backward_friction} N with the effect 'bristles'",
+            "one of the two",
+            "The bristles give the levels of friction.",
+        ),
+        STATIC_RATIO: Refusal(
+            "static_ratio = {static_ratio} with the effect 'smoothed_friction'",
+            "1",
+            "Smoothed friction knows no rest; take lugre_friction, or the exact one.",
+        ),
+        HEAVY_UNBALANCE: Refusal(
+            "unbalance.mass = {unbalance.mass} kg", "at most the inner mass, {inner_mass} kg", "The unbalance belongs to it."
+        ),
+        NO_INERTIA: Refusal(
+            "an unbalance that is all of the inner mass, without inertia of the rotor",
+            "a mass or an inertia besides",
+            "In front and behind nothing would resist its turning.",
+        ),
+        LOCKED_BRISTLES: Refusal(
+            "bristles with friction * tan(angle) = {lean[0]}, locked backwards",
+            "less than 1 with smoothed_friction or lugre_friction, also at route.largest_factor",
+            "Leave both effects off: exact friction holds a locked robot.",
+        ),
         GIVES_WAY: Refusal("a softening spring that does not hold the inner mass on the slope", "a stiffer one"),
     }
 
@@ -153,9 +173,13 @@ class PipeRobot(ShakenRobot):
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
-            raise StepFailed(self.name, self.t, "the excitation turns by over a radian within a substep, the stretch of a cubic"
-                             " spring or the factor of friction left its range, or the state is not finite",
-                             "Reduce substep; check frequency, route.friction_factor and cubic_spring.largest_stretch")
+            raise StepFailed(
+                self.name,
+                self.t,
+                "the excitation turns by over a radian within a substep, the stretch of a cubic"
+                " spring or the factor of friction left its range, or the state is not finite",
+                "Reduce substep; check frequency, route.friction_factor and cubic_spring.largest_stretch",
+            )
         super()._check(status)
 
 
@@ -194,8 +218,9 @@ def robot_start(t, s, p, e):
     status = robot_refused(s, p, e)
     if status != DONE:
         return status
-    sag = hanging_stretch(p.inner_mass * downhill(u, e.route), p.stiffness,
-                          e.cubic_spring.stiffness if e.cubic_spring is not None else 0.0)
+    sag = hanging_stretch(
+        p.inner_mass * downhill(u, e.route), p.stiffness, e.cubic_spring.stiffness if e.cubic_spring is not None else 0.0
+    )
     if math.isnan(sag):
         return GIVES_WAY
     x[POSITION], x[VELOCITY] = p.start_position, p.start_velocity
@@ -335,5 +360,12 @@ def robot_outputs(t, s, p, e):
     return DONE
 
 
-PipeRobot.kernels = event_kernels(__name__, start=robot_start, derivatives=robot_derivatives, outputs=robot_outputs,
-                                  stable=robot_stable, guards=robot_guards, switch=robot_switch)
+PipeRobot.kernels = event_kernels(
+    __name__,
+    start=robot_start,
+    derivatives=robot_derivatives,
+    outputs=robot_outputs,
+    stable=robot_stable,
+    guards=robot_guards,
+    switch=robot_switch,
+)

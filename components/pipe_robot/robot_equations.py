@@ -140,8 +140,11 @@ def dissipated_power(t, x, friction, forward, backward, p, e):
     _, rate = stretch_of(t, x, e.prescribed_motion)
     power = friction * x[VELOCITY] + p.damping * rate * rate
     if e.lugre_friction is not None:  # what bends the bristles is not lost
-        power -= e.lugre_friction.stiffness * x[CONTACT] * bristle_rate(
-            x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, e.lugre_friction, p.substep)
+        power -= (
+            e.lugre_friction.stiffness
+            * x[CONTACT]
+            * bristle_rate(x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, e.lugre_friction, p.substep)
+        )
     if e.unbalance is not None:
         power += e.unbalance.damping * x[PHASE_RATE] ** 2
     return power

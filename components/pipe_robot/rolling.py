@@ -50,8 +50,14 @@ class RollingPipeRobot(ShakenRobot):
 
     title = "Pipe robot on elastic rings with one-way rollers"
     start_inputs = (  # whether it sticks follows from what drives it
-        "diameter", "taper", "harmonic_force.amplitude", "harmonic_force.frequency", "tow.force", "route.slope",
-        "route.friction_factor")
+        "diameter",
+        "taper",
+        "harmonic_force.amplitude",
+        "harmonic_force.frequency",
+        "tow.force",
+        "route.slope",
+        "route.friction_factor",
+    )
 
     harmonic_force = HarmonicForce
     tow = Tow
@@ -72,8 +78,9 @@ class RollingPipeRobot(ShakenRobot):
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
     mode = output("1", "1 rolling forwards, -1 sliding backwards, 0 at rest")
     exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=("harmonic_force.amplitude",))
-    dissipation = output("W", "power lost in rolling, sliding and the damper", nominal=10.0,
-                         feedthrough=("diameter", "route.friction_factor"))
+    dissipation = output(
+        "W", "power lost in rolling, sliding and the damper", nominal=10.0, feedthrough=("diameter", "route.friction_factor")
+    )
     mechanical_energy = output("J", "kinetic energy, energy of spring and rings", feedthrough=("diameter",))
     pressing_force = output("N", "force of a ring on either roller", nominal=10.0, feedthrough=("diameter",))
     grip = output("1", "share of the friction that turning the rollers takes; above 1 they would slip", feedthrough=FORCES)
@@ -81,7 +88,10 @@ class RollingPipeRobot(ShakenRobot):
     presets = {
         "two steel rings": Preset(
             {"harmonic_force.amplitude": 20.0, "harmonic_force.frequency": 60.0, "rings": 2, "bending_stiffness": 0.2},
-            "numbers of ours: strips of 20 mm by 0.85 mm, 5.1 N on a roller", "inferred", ("harmonic_force",)),
+            "numbers of ours: strips of 20 mm by 0.85 mm, 5.1 N on a roller",
+            "inferred",
+            ("harmonic_force",),
+        )
     }
 
     def states(self) -> int:
@@ -94,9 +104,13 @@ class RollingPipeRobot(ShakenRobot):
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
-            raise StepFailed(self.name, self.t, "the rings lost contact with the pipe or are pressed in too far, the excitation"
-                             " turns by over a radian within a substep, or the state is not finite",
-                             "Check diameter and free_diameter, route.friction_factor, and frequency times substep")
+            raise StepFailed(
+                self.name,
+                self.t,
+                "the rings lost contact with the pipe or are pressed in too far, the excitation"
+                " turns by over a radian within a substep, or the state is not finite",
+                "Check diameter and free_diameter, route.friction_factor, and frequency times substep",
+            )
         super()._check(status)
 
 
@@ -227,5 +241,12 @@ def rolling_outputs(t, s, p, e):
     return DONE
 
 
-RollingPipeRobot.kernels = event_kernels(__name__, start=rolling_start, derivatives=rolling_derivatives, outputs=rolling_outputs,
-                                         stable=rolling_stable, guards=rolling_guards, switch=rolling_switch)
+RollingPipeRobot.kernels = event_kernels(
+    __name__,
+    start=rolling_start,
+    derivatives=rolling_derivatives,
+    outputs=rolling_outputs,
+    stable=rolling_stable,
+    guards=rolling_guards,
+    switch=rolling_switch,
+)

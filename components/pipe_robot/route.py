@@ -26,8 +26,9 @@ class PipeRoute(StatelessComponent):
     system = "pipe_robot"
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
-    slope_table = parameter(0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708,
-                            high=1.5708)
+    slope_table = parameter(
+        0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708, high=1.5708
+    )
     diameter_table = parameter(0.2, "m", "diameters at the places", size=KNOTS, low=1e-6)
     factor_table = parameter(1.0, "1", "friction at the places over what it is elsewhere", size=KNOTS, low=0.0)
 
@@ -38,8 +39,11 @@ class PipeRoute(StatelessComponent):
     taper = output("1", "growth of the diameter along the pipe", feedthrough=("position",))
     friction_factor = output("1", "factor on the friction", feedthrough=("position",))
 
-    refusals = {DISORDER: Refusal("place[{disorder[0]}] = {disorder[1]} m, then {disorder[2]} m",
-                                  "places in ascending order, no two equal")}
+    refusals = {
+        DISORDER: Refusal(
+            "place[{disorder[0]}] = {disorder[1]} m, then {disorder[2]} m", "places in ascending order, no two equal"
+        )
+    }
 
     def shapes(self) -> dict[str, Any]:
         """What follows from the tables.
@@ -95,8 +99,11 @@ def route_at(t, s, p, e):
     share = min(max((position - places[i]) / h, 0.0), 1.0)
     y[0] = between(share, h, p.slope_table, rates[0], i)
     y[1] = between(share, h, p.diameter_table, rates[1], i)
-    y[2] = (6.0 * (share * (1.0 - share)) * (p.diameter_table[i + 1] - p.diameter_table[i]) / h
-            + (1.0 - share) * (1.0 - 3.0 * share) * rates[1, i] + share * (3.0 * share - 2.0) * rates[1, i + 1])
+    y[2] = (
+        6.0 * (share * (1.0 - share)) * (p.diameter_table[i + 1] - p.diameter_table[i]) / h
+        + (1.0 - share) * (1.0 - 3.0 * share) * rates[1, i]
+        + share * (3.0 * share - 2.0) * rates[1, i + 1]
+    )
     y[3] = between(share, h, p.factor_table, rates[2], i)
     return DONE
 

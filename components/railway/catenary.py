@@ -82,8 +82,18 @@ from .wires import Laws, Motion
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
 # parameters that a table of a line may leave out
-LINE = ("contact_wire_tension", "contact_wire_mass", "messenger_tension", "messenger_mass", "dropper_stiffness", "dropper_mass",
-        "contact_clamp_mass", "messenger_clamp_mass", "support_stiffness", "support_damping")
+LINE = (
+    "contact_wire_tension",
+    "contact_wire_mass",
+    "messenger_tension",
+    "messenger_mass",
+    "dropper_stiffness",
+    "dropper_mass",
+    "contact_clamp_mass",
+    "messenger_clamp_mass",
+    "support_stiffness",
+    "support_damping",
+)
 SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
 PLACED = "it decides where nodes are, and how many"
 
@@ -106,10 +116,29 @@ class Catenary(KernelComponent):
     system = "railway"
     default_stop = 2.0
     start_inputs = (
-        "contact_position", "contact_force", "second_pantograph.contact_position", "second_pantograph.contact_force",
-        "further_pantographs.contact_position", "further_pantographs.contact_force", "second_wire.contact_force")
-    kept = ("ready", "numbers", "indices", "grid", "plan", "filled", "network", "balance", "limits", "refused", "gusts",
-            "diagonals", "solver")
+        "contact_position",
+        "contact_force",
+        "second_pantograph.contact_position",
+        "second_pantograph.contact_force",
+        "further_pantographs.contact_position",
+        "further_pantographs.contact_force",
+        "second_wire.contact_force",
+    )
+    kept = (
+        "ready",
+        "numbers",
+        "indices",
+        "grid",
+        "plan",
+        "filled",
+        "network",
+        "balance",
+        "limits",
+        "refused",
+        "gusts",
+        "diagonals",
+        "solver",
+    )
     ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     counters = ("steps", "solves", "factorizations")
 
@@ -139,9 +168,12 @@ class Catenary(KernelComponent):
     messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
     droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
     dropper_position = parameter(
-        (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)), "m",
-        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS,
-        structural=PLACED)
+        (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)),
+        "m",
+        "position of a dropper within the span; elements beyond the number of droppers do not count",
+        size=MAX_DROPPERS,
+        structural=PLACED,
+    )
     dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0)
     dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0)
     contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0)
@@ -157,12 +189,13 @@ class Catenary(KernelComponent):
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05,
-                         feedthrough=("contact_position",))
-    wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1,
-                           feedthrough=("contact_position",))
-    contact_compliance = output("m/N", "compliance that the mesh leaves out under the moving contact, in series with its spring",
-                                nominal=1e-6)
+    wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05, feedthrough=("contact_position",))
+    wire_velocity = output(
+        "m/s", "vertical velocity of the wire at the contact point", nominal=0.1, feedthrough=("contact_position",)
+    )
+    contact_compliance = output(
+        "m/N", "compliance that the mesh leaves out under the moving contact, in series with its spring", nominal=1e-6
+    )
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
     support_uplift = output("m", "uplift of the contact wire at a watched support, 0 beyond the end", nominal=0.05, size=WATCHED)
 
@@ -170,24 +203,49 @@ class Catenary(KernelComponent):
         "EN 50318:2002": Preset(
             {"support_stiffness": 50e3, "dropper_stiffness": 100e3},
             "the defaults: repository ChandraguptSharma07/faraway; script after Liu et al., Appl. Sci. 13 (2023) 6819",
-            "verbatim", ("dropper_slackening", "gravity_sag")),
+            "verbatim",
+            ("dropper_slackening", "gravity_sag"),
+        ),
         "EN 50318:2018 AC simple": Preset(
-            {"substep": 2.5e-4, "span_length": 55.0, "contact_wire_tension": 22e3, "contact_wire_mass": 1.35,
-             "messenger_tension": 16e3, "messenger_mass": 1.08, "droppers": 9,
-             **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
-             "dropper_stiffness": 200e3, "dropper_mass": 0.117, "contact_clamp_mass": 0.165, "messenger_clamp_mass": 0.195,
-             "support_stiffness": 500e3, "support_damping": 1000.0, "pre_sag.depth": 0.055,
-             "bending_stiffness.contact_wire": 195.0, "bending_stiffness.messenger": 131.7,
-             "damping.alpha": 0.0125, "damping.beta": 1e-4},
+            {
+                "substep": 2.5e-4,
+                "span_length": 55.0,
+                "contact_wire_tension": 22e3,
+                "contact_wire_mass": 1.35,
+                "messenger_tension": 16e3,
+                "messenger_mass": 1.08,
+                "droppers": 9,
+                **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
+                "dropper_stiffness": 200e3,
+                "dropper_mass": 0.117,
+                "contact_clamp_mass": 0.165,
+                "messenger_clamp_mass": 0.195,
+                "support_stiffness": 500e3,
+                "support_damping": 1000.0,
+                "pre_sag.depth": 0.055,
+                "bending_stiffness.contact_wire": 195.0,
+                "bending_stiffness.messenger": 131.7,
+                "damping.alpha": 0.0125,
+                "damping.beta": 1e-4,
+            },
             "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support "
-            "damping recalled, steady arm left out", "recalled",
-            ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping")),
+            "damping recalled, steady arm left out",
+            "recalled",
+            ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping"),
+        ),
     }
 
     refusals = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {substep} s", "at most {limits[1]} s, the explicit method's limit",
-                                  "Reduce substep, enlarge element, or set method = 'implicit'."),
-        **plans.REFUSALS, **meshes.REFUSALS, **wind.REFUSALS, **statics.REFUSALS}
+        SUBSTEP_TOO_LONG: Refusal(
+            "substep = {substep} s",
+            "at most {limits[1]} s, the explicit method's limit",
+            "Reduce substep, enlarge element, or set method = 'implicit'.",
+        ),
+        **plans.REFUSALS,
+        **meshes.REFUSALS,
+        **wind.REFUSALS,
+        **statics.REFUSALS,
+    }
 
     # -- memory ------------------------------------------------------------------------------------------------------
     def shapes(self) -> dict[str, Any]:
@@ -204,33 +262,56 @@ class Catenary(KernelComponent):
         _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
         if implicit and e.moving_window is not None:
-            raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
-                           "The window moves through the wires; a factorised matrix does not.")
+            raise BadInput(
+                self.name,
+                "effect 'moving_window' with method 'implicit'",
+                "method 'explicit'",
+                "The window moves through the wires; a factorised matrix does not.",
+            )
         layout, fixed = self._layout()
         if len(layout.contact_lanes) > 1 and e.second_wire is None:
-            raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
-                           "the effect second_wire", "Switch it on, here and at the pantographs.")
+            raise BadInput(
+                self.name,
+                "a line with two contact wires, or sections that overlap, without 'second_wire'",
+                "the effect second_wire",
+                "Switch it on, here and at the pantographs.",
+            )
         plan = plan_of(layout, fixed)
         mesh, grid = empty_mesh(layout, plan, float(self.get("element")))
         numbers, indices = packed(mesh)
         n, N, W, d = mesh.position.size, mesh.mass.size, layout.lanes, mesh.dropper.size
         points = contact_points(e, len(layout.contact_lanes))
         reach = 3 if e.bending_stiffness is not None else 2  # nodes
-        parts = [3 * N, 2 * len(points), 0 if e.gusts is None else 3 + 2 * N, d if implicit else 0,
-                 0 if e.moving_window is None else 2]
+        parts = [
+            3 * N,
+            2 * len(points),
+            0 if e.gusts is None else 3 + 2 * N,
+            d if implicit else 0,
+            0 if e.moving_window is None else 2,
+        ]
         cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
         band = (N, reach * W + 1)
         return {
-            "x": sum(parts), "ready": 1, "numbers": numbers, "indices": indices, "grid": grid, "plan": plan,
+            "x": sum(parts),
+            "ready": 1,
+            "numbers": numbers,
+            "indices": indices,
+            "grid": grid,
+            "plan": plan,
             "filled": empty_numbers(len(layout.wires), d, layout.holds.position.size),
-            "network": empty_network(plan, cut) if e.line_table is not None else None, "points": points,
-            "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None, "balance": empty_balance(mesh),
-            "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))), "limits": 2, "refused": 4,
+            "network": empty_network(plan, cut) if e.line_table is not None else None,
+            "points": points,
+            "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None,
+            "balance": empty_balance(mesh),
+            "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))),
+            "limits": 2,
+            "refused": 4,
             "window": 5 if e.moving_window is not None else None,
             "gusts": empty_buffeting(mesh, e.gusts.components, e.gusts.seed) if e.gusts is not None else None,
             "work": (5, N) if implicit else (2, N + 2 * PAD * W),
             "diagonals": None if implicit else (reach + 1, N + PAD * W),
-            "solver": Solver(np.zeros(band), np.zeros(band), np.zeros(band), np.zeros(d), np.zeros(1)) if implicit else None}
+            "solver": Solver(np.zeros(band), np.zeros(band), np.zeros(band), np.zeros(d), np.zeros(1)) if implicit else None,
+        }
 
     def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
         """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""
@@ -262,8 +343,11 @@ class Catenary(KernelComponent):
             wanted, given = float(window[WANTED]), float(self.get(f"moving_window.{name}"))
             if 0.0 < given < min(wanted, whole):
                 takes = "the whole line" if wanted >= whole else f"{wanted:.0f} m"
-                warnings.warn(f"{self.name}: moving_window.{name} = {given:g} m may cost {100.0 * cost:.2g} % of the contact "
-                              f"force: {100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes", stacklevel=3)
+                warnings.warn(
+                    f"{self.name}: moving_window.{name} = {given:g} m may cost {100.0 * cost:.2g} % of the contact "
+                    f"force: {100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes",
+                    stacklevel=3,
+                )
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -313,8 +397,11 @@ class Catenary(KernelComponent):
         if "gusts" in self.on and self.parameters["gusts.lift_coefficient"] == 0.0:
             reasons |= dict.fromkeys(ACROSS.intersection(names), "without gusts.lift_coefficient only vertical gusts act")
         if "first_watched_support" in names:
-            last = self.get("spans") if "line_table" not in self.on else (
-                support_positions(line_of(self.parameters, self.name)).size - 1)
+            last = (
+                self.get("spans")
+                if "line_table" not in self.on
+                else (support_positions(line_of(self.parameters, self.name)).size - 1)
+            )
             if self.get("first_watched_support") > last:
                 reasons["first_watched_support"] = f"the last support of the line is number {last}"
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
@@ -416,9 +503,23 @@ def given_by(p, e):
         arm_stiffness, arm_mass = e.steady_arm.stiffness, e.steady_arm.mass
     if e.pre_sag is not None:
         sag = e.pre_sag.depth
-    return Given(p.contact_wire_tension, p.contact_wire_mass, p.messenger_tension, p.messenger_mass, p.dropper_stiffness,
-                 p.dropper_mass, p.contact_clamp_mass, p.messenger_clamp_mass, p.support_stiffness, p.support_damping,
-                 contact_wire_bending, messenger_bending, arm_stiffness, arm_mass, sag)
+    return Given(
+        p.contact_wire_tension,
+        p.contact_wire_mass,
+        p.messenger_tension,
+        p.messenger_mass,
+        p.dropper_stiffness,
+        p.dropper_mass,
+        p.contact_clamp_mass,
+        p.messenger_clamp_mass,
+        p.support_stiffness,
+        p.support_damping,
+        contact_wire_bending,
+        messenger_bending,
+        arm_stiffness,
+        arm_mass,
+        sag,
+    )
 
 
 @kernel
@@ -494,12 +595,14 @@ def catenary_initialize(t, s, p, e):
             if s.diagonals is not None:
                 fill_diagonals(s.balance.stiffness, mesh.bending_gradient.size, s.diagonals)
                 if beta > 0.0:
-                    damped = beta * highest_eigenvalue(s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0],
-                                                       nodal[1])
+                    damped = beta * highest_eigenvalue(
+                        s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1]
+                    )
                 nodal[2] = 1.0
                 taut = s.balance.factors[0]  # as long as nothing is factored
-                put_droppers(nodal[2, : mesh.dropper.size], mesh.lower, mesh.upper, mesh.dropper_stiffness, s.balance.stiffness,
-                             taut)
+                put_droppers(
+                    nodal[2, : mesh.dropper.size], mesh.lower, mesh.upper, mesh.dropper_stiffness, s.balance.stiffness, taut
+                )
                 for j in range(taut.shape[0]):
                     taut[j, 0] += mesh.ground[j]
                 omega2 = highest_eigenvalue(taut, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1])

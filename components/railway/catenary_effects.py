@@ -68,10 +68,12 @@ class SecondPantograph(Effect):
 
     contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05,
-                         feedthrough=(".contact_position",))
-    wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
-                           feedthrough=(".contact_position",))
+    wire_height = output(
+        "m", "height of the contact wire at the second contact point", nominal=0.05, feedthrough=(".contact_position",)
+    )
+    wire_velocity = output(
+        "m/s", "vertical velocity of the wire at the second contact point", nominal=0.1, feedthrough=(".contact_position",)
+    )
     contact_compliance = output("m/N", "compliance that the mesh leaves out at the second contact point", nominal=1e-6)
 
 
@@ -84,12 +86,23 @@ class FurtherPantographs(Effect):
     count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER)
     contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, moving=True, size=FURTHER)
     contact_force = input_(0.0, "N", "force of a further pantograph on the wire, positive upwards", nominal=100.0, size=FURTHER)
-    wire_height = output("m", "height of the contact wire at a further contact point", nominal=0.05, size=FURTHER,
-                         feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
-    wire_velocity = output("m/s", "vertical velocity of the wire at a further contact point", nominal=0.1, size=FURTHER,
-                           feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
-    contact_compliance = output("m/N", "compliance that the mesh leaves out at a further contact point", nominal=1e-6,
-                                size=FURTHER)
+    wire_height = output(
+        "m",
+        "height of the contact wire at a further contact point",
+        nominal=0.05,
+        size=FURTHER,
+        feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)),
+    )
+    wire_velocity = output(
+        "m/s",
+        "vertical velocity of the wire at a further contact point",
+        nominal=0.1,
+        size=FURTHER,
+        feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)),
+    )
+    contact_compliance = output(
+        "m/N", "compliance that the mesh leaves out at a further contact point", nominal=1e-6, size=FURTHER
+    )
 
 
 class MovingWindow(Effect):
@@ -152,12 +165,23 @@ class SecondWire(Effect):
     requires = ("line_table",)
 
     contact_force = input_(0.0, "N", "force on the second contact wire, positive upwards", nominal=100.0, size=2 + FURTHER)
-    wire_height = output("m", "height of the second contact wire at a contact point", nominal=0.05, size=2 + FURTHER,
-                         feedthrough=("contact_position",))
-    wire_velocity = output("m/s", "vertical velocity of the second contact wire at a contact point", nominal=0.1,
-                           size=2 + FURTHER, feedthrough=("contact_position",))
-    contact_compliance = output("m/N", "compliance that the mesh leaves out at a contact point of the second contact wire",
-                                nominal=1e-6, size=2 + FURTHER)
+    wire_height = output(
+        "m",
+        "height of the second contact wire at a contact point",
+        nominal=0.05,
+        size=2 + FURTHER,
+        feedthrough=("contact_position",),
+    )
+    wire_velocity = output(
+        "m/s",
+        "vertical velocity of the second contact wire at a contact point",
+        nominal=0.1,
+        size=2 + FURTHER,
+        feedthrough=("contact_position",),
+    )
+    contact_compliance = output(
+        "m/N", "compliance that the mesh leaves out at a contact point of the second contact wire", nominal=1e-6, size=2 + FURTHER
+    )
 
 
 class Stagger(Effect):
@@ -170,8 +194,9 @@ class Stagger(Effect):
     explicit_only = True
     requires = ("line_table",)
 
-    lateral_position = output("m", "lateral position of the contact wire at the contact point", nominal=0.1,
-                              feedthrough=("contact_position",))
+    lateral_position = output(
+        "m", "lateral position of the contact wire at the contact point", nominal=0.1, feedthrough=("contact_position",)
+    )
     second_lateral_position = output("m", "the same of the second contact wire", nominal=0.1, feedthrough=("contact_position",))
 
 
@@ -180,8 +205,13 @@ class WireProfile(Effect):
 
     explicit_only = True
 
-    height = output("m", "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
-                    nominal=0.05, size=PROFILE, feedthrough=("contact_position",))
+    height = output(
+        "m",
+        "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
+        nominal=0.05,
+        size=PROFILE,
+        feedthrough=("contact_position",),
+    )
 
 
 class LineProfile(Effect):
@@ -190,7 +220,17 @@ class LineProfile(Effect):
     explicit_only = True
     requires = ("wire_profile",)
 
-    messenger_uplift = output("m", "displacement of the messenger wire at the points of the profile", nominal=0.05, size=PROFILE,
-                              feedthrough=("contact_position",))
-    dropper_tension = output("N", "smallest tension of the droppers within half a metre of each point, 0 where one is slack, -1 "
-                             "without any", nominal=100.0, size=PROFILE, feedthrough=("contact_position",))
+    messenger_uplift = output(
+        "m",
+        "displacement of the messenger wire at the points of the profile",
+        nominal=0.05,
+        size=PROFILE,
+        feedthrough=("contact_position",),
+    )
+    dropper_tension = output(
+        "N",
+        "smallest tension of the droppers within half a metre of each point, 0 where one is slack, -1 without any",
+        nominal=100.0,
+        size=PROFILE,
+        feedthrough=("contact_position",),
+    )

@@ -34,8 +34,11 @@ PER_WAVE = 8.0  # samples in the shortest period, stations in the shortest wave
 ACROSS = {"gusts.intensity", "gusts.length"}  # parameters of the wind across the line
 SLACK_IN_WIND, NO_BAND = OWN + 9, OWN + 10  # statuses of `initialize`
 REFUSALS = {
-    SLACK_IN_WIND: Refusal("gusts: a mean wind of {gusts.speed} m/s whose lift leaves {refused[0]} droppers slack at rest",
-                           "tension in every dropper", "Reduce speed, lift_coefficient or contact_wire_diameter."),
+    SLACK_IN_WIND: Refusal(
+        "gusts: a mean wind of {gusts.speed} m/s whose lift leaves {refused[0]} droppers slack at rest",
+        "tension in every dropper",
+        "Reduce speed, lift_coefficient or contact_wire_diameter.",
+    ),
     NO_BAND: Refusal("gusts: frequencies from {gusts.lowest} to {gusts.highest} Hz", "a lowest one below the highest"),
 }
 
@@ -69,16 +72,25 @@ class Gusts(Effect):
     components = integer(200, "number of waves", low=1, high=2000)
     seed = integer(1, "of the random frequencies, wave numbers and phases", low=0, high=2**31 - 1)
 
-    load = output("N/m", "lift per length of the gusts on the contact wire at the contact point, without its own motion's part",
-                  feedthrough=("contact_position",))
+    load = output(
+        "N/m",
+        "lift per length of the gusts on the contact wire at the contact point, without its own motion's part",
+        feedthrough=("contact_position",),
+    )
 
 
 def empty_buffeting(mesh: Mesh, components: int, seed: int) -> Buffeting:
     """Room for the waves on a mesh, with what is random of them."""
     n, random = components, np.random.default_rng(seed)
     place, share, turn = random.random(n), random.uniform(-1.0, 1.0, (2, n)), random.random((2, n))
-    arrays: Any = (np.zeros(3), np.vstack((place, share, turn)), np.zeros(n), *np.zeros((3, 2, n)), *np.zeros((2, 2, 2, n)),
-                   np.zeros((2, mesh.mass.size)))
+    arrays: Any = (
+        np.zeros(3),
+        np.vstack((place, share, turn)),
+        np.zeros(n),
+        *np.zeros((3, 2, n)),
+        *np.zeros((2, 2, 2, n)),
+        np.zeros((2, mesh.mass.size)),
+    )
     return Buffeting(*arrays)
 
 
@@ -137,8 +149,14 @@ def raise_wind(g, mesh, plan, grid, gusts):
     if g.lowest >= g.highest:
         return NO_BAND
     U, n, across = g.speed, gusts.omega.size, g.lift_coefficient != 0.0
-    put_over_wires(g.contact_wire_diameter * (g.lift_slope + g.drag_coefficient), g.messenger_diameter * g.drag_coefficient,
-                   mesh, plan, grid, gusts.push[0])
+    put_over_wires(
+        g.contact_wire_diameter * (g.lift_slope + g.drag_coefficient),
+        g.messenger_diameter * g.drag_coefficient,
+        mesh,
+        plan,
+        grid,
+        gusts.push[0],
+    )
     put_over_wires(g.contact_wire_diameter * g.lift_coefficient, 0.0, mesh, plan, grid, gusts.push[1])
     for j in range(gusts.push.shape[1]):
         gusts.push[0, j] *= 0.5 * g.density * U

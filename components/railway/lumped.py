@@ -58,16 +58,21 @@ class LumpedCatenary(OdeComponent):
 
     span_length = parameter(60.0, "m", "length of a span", low=1.0)
     mean_stiffness = parameter(2807.0, "N/m", "mean stiffness k0 along the span", low=1.0)
-    harmonic = parameter((0.3603, 0.0977, -0.0004, -0.0392, -0.0489, -0.0437, -0.0332, -0.0253, -0.0284, 0.0165), "1",
-                         "harmonic of the stiffness over the mean stiffness", size=HARMONICS)
+    harmonic = parameter(
+        (0.3603, 0.0977, -0.0004, -0.0392, -0.0489, -0.0437, -0.0332, -0.0253, -0.0284, 0.0165),
+        "1",
+        "harmonic of the stiffness over the mean stiffness",
+        size=HARMONICS,
+    )
     mass = parameter(8.775, "kg", "lumped mass, or inertance", low=1e-6)
     damping = parameter(328.6, "N.s/m", "damping to the ground", low=0.0)
     substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the wire at the contact point", nominal=0.05,
-                         feedthrough=("contact_position",))  # through the static line of `inerter`
+    wire_height = output(
+        "m", "height of the wire at the contact point", nominal=0.05, feedthrough=("contact_position",)
+    )  # through the static line of `inerter`
     wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1)
     wire_stiffness = output("N/m", "stiffness at the contact point", nominal=1e3, feedthrough=("contact_position",))
 
@@ -159,8 +164,9 @@ def lumped_outputs(t, s, p, e):
     return DONE
 
 
-LumpedCatenary.kernels = ode_kernels(__name__, start=lumped_start, derivatives=lumped_derivatives, outputs=lumped_outputs,
-                                     stable=lumped_stable)
+LumpedCatenary.kernels = ode_kernels(
+    __name__, start=lumped_start, derivatives=lumped_derivatives, outputs=lumped_outputs, stable=lumped_stable
+)
 
 
 @dataclass(frozen=True)
@@ -208,5 +214,9 @@ def fit_span(line, force: float, span: int | None = None, harmonics: int = HARMO
     values = {"span_length": length, "mean_stiffness": k0, "mass": impedance**2 / tension * interval, "damping": 2.0 * impedance}
     values |= {f"harmonic[{n + 1}]": float(a[n]) if n < harmonics else 0.0 for n in range(HARMONICS)}
     swing = float(np.std(k))
-    return SpanFit(values, float(np.sqrt(np.mean(left**2)) / k0), float(np.abs(left).max() / k0),
-                   float(np.sqrt(np.mean(odd**2)) / swing) if swing > 0.0 else 0.0)
+    return SpanFit(
+        values,
+        float(np.sqrt(np.mean(left**2)) / k0),
+        float(np.abs(left).max() / k0),
+        float(np.sqrt(np.mean(odd**2)) / swing) if swing > 0.0 else 0.0,
+    )

@@ -93,8 +93,13 @@ NUMBERS = tuple(f for f in Mesh._fields if f not in INTEGERS)
 RIGID = 1e18  # N/m
 NO_WIRE = 10.0  # m, height of a contact wire where there is none: out of reach
 PUSHED = OWN + 8  # status of `initialize`
-REFUSALS = {PUSHED: Refusal("dropper at {refused[0]} m would carry {refused[1]} N at rest", "tension in every dropper",
-                            "Reduce the pre-sag or move the droppers.")}
+REFUSALS = {
+    PUSHED: Refusal(
+        "dropper at {refused[0]} m would carry {refused[1]} N at rest",
+        "tension in every dropper",
+        "Reduce the pre-sag or move the droppers.",
+    )
+}
 
 
 @kernel_tuple
@@ -138,8 +143,17 @@ CLAMPED = 2.0  # in `HELD`, at the ends of the wire and at droppers
 def packed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """All numbers and all indices of a mesh in one array each: handing 20 arrays to a kernel costs 3 us, two cost 0.3."""
     numbers = np.concatenate([np.atleast_1d(getattr(mesh, f)) for f in NUMBERS])
-    sizes = [mesh.position.size, mesh.bending_gradient.size, mesh.dropper.size, mesh.support.size, mesh.node_of.size,
-             mesh.height.size, mesh.fastest.size, mesh.jump.size, mesh.clamped.size]
+    sizes = [
+        mesh.position.size,
+        mesh.bending_gradient.size,
+        mesh.dropper.size,
+        mesh.support.size,
+        mesh.node_of.size,
+        mesh.height.size,
+        mesh.fastest.size,
+        mesh.jump.size,
+        mesh.clamped.size,
+    ]
     return numbers, np.concatenate((sizes, *(getattr(mesh, f) for f in INTEGERS)))
 
 
@@ -162,9 +176,37 @@ def unpacked(numbers, indices):
     height, bow, i = i[:m], i[m : 2 * m], i[2 * m :]
     compliance, fastest, sharpness = i[: k * SPEEDS], i[k * SPEEDS : k * SPEEDS + k], i[k * SPEEDS + k : k * SPEEDS + 2 * k]
     jump_change = i[k * SPEEDS + 2 * k : k * SPEEDS + 2 * k + jumps]
-    return Mesh(numbers[:n], numbers[n : 2 * n], inverse_length, cell, node_of, mass, inverse_mass, tension, curvature,
-                bending_gradient, impedance, ground, ground_damping, dropper, lower, upper, dropper_stiffness, preload, support,
-                height, bow, kind, compliance, fastest, sharpness, jump, jump_change, clamped, clamp)
+    return Mesh(
+        numbers[:n],
+        numbers[n : 2 * n],
+        inverse_length,
+        cell,
+        node_of,
+        mass,
+        inverse_mass,
+        tension,
+        curvature,
+        bending_gradient,
+        impedance,
+        ground,
+        ground_damping,
+        dropper,
+        lower,
+        upper,
+        dropper_stiffness,
+        preload,
+        support,
+        height,
+        bow,
+        kind,
+        compliance,
+        fastest,
+        sharpness,
+        jump,
+        jump_change,
+        clamped,
+        clamp,
+    )
 
 
 def node_positions(fixed: np.ndarray, element: float) -> np.ndarray:
@@ -172,8 +214,6 @@ def node_positions(fixed: np.ndarray, element: float) -> np.ndarray:
     counts = [max(1, math.ceil(gap / element - 1e-9)) for gap in np.diff(fixed)]
     parts = [np.linspace(a, b, count, endpoint=False) for (a, b), count in zip(pairwise(fixed), counts, strict=True)]
     return np.concatenate((*parts, fixed[-1:]))
-
-
 
 
 def empty_mesh(layout: Layout, plan: Plan, element: float) -> tuple[Mesh, Grid]:
@@ -206,11 +246,37 @@ def empty_mesh(layout: Layout, plan: Plan, element: float) -> tuple[Mesh, Grid]:
     jump, clamp = (np.array(sorted(rows), dtype=np.int64).reshape(-1, 2) for rows in (jumps, clamps))
     N, d, numbers = W * n, at_dropper.size, np.zeros
     mean = float(L @ L / L.sum())
-    mesh = Mesh(x, L, np.repeat(np.append(1.0 / L[:-1], 0.0), W), cell, node_of, numbers(N), numbers(N), numbers(N), numbers(N),
-                numbers(W), numbers(N), numbers(N), numbers(N), at_dropper, W * at_dropper + lower, W * at_dropper + upper,
-                numbers(d), numbers(d), np.searchsorted(x, layout.supports - 1e-6), numbers(kind.size), numbers(kind.size),
-                kind.ravel(), numbers(SPEEDS * len(kinds)), numbers(len(kinds)), numbers(len(kinds)), jump[:, 0],
-                numbers(len(jump)), clamp[:, 0], clamp[:, 1])
+    mesh = Mesh(
+        x,
+        L,
+        np.repeat(np.append(1.0 / L[:-1], 0.0), W),
+        cell,
+        node_of,
+        numbers(N),
+        numbers(N),
+        numbers(N),
+        numbers(N),
+        numbers(W),
+        numbers(N),
+        numbers(N),
+        numbers(N),
+        at_dropper,
+        W * at_dropper + lower,
+        W * at_dropper + upper,
+        numbers(d),
+        numbers(d),
+        np.searchsorted(x, layout.supports - 1e-6),
+        numbers(kind.size),
+        numbers(kind.size),
+        kind.ravel(),
+        numbers(SPEEDS * len(kinds)),
+        numbers(len(kinds)),
+        numbers(len(kinds)),
+        jump[:, 0],
+        numbers(len(jump)),
+        clamp[:, 0],
+        clamp[:, 1],
+    )
     return mesh, Grid(node, kind_of, jump[:, 1].copy(), np.array([mean, mean**3]))
 
 
@@ -231,8 +297,18 @@ def fourth_order_term(tension, mass, element, time_error):
 def wire_on_mesh(k, filled, element, way):
     """Wire k on elements of one length, m; way: `Discretisation`."""
     T, m, B = filled.tension[k], filled.mass[k], filled.bending[k]
-    return WireOnMesh(T, m, B, element, fourth_order_term(T, m, element, way.time_error), B * element**2 / 6.0, way.time_error,
-                      1.0 + way.reading_error * T / m / element**2, way.alpha, way.beta)
+    return WireOnMesh(
+        T,
+        m,
+        B,
+        element,
+        fourth_order_term(T, m, element, way.time_error),
+        B * element**2 / 6.0,
+        way.time_error,
+        1.0 + way.reading_error * T / m / element**2,
+        way.alpha,
+        way.beta,
+    )
 
 
 @kernel
@@ -273,8 +349,7 @@ def spread_wires(mesh, plan, filled, grid, way, space):
                 smaller = min(over_right[j - W], over_right[j])
                 mesh.inverse_mass[j] = 1.0  # there is a wire
                 mesh.impedance[j] = math.sqrt(smaller * wire.mass)
-                mesh.curvature[j] = (wire.bending / here
-                                     + fourth_order_term(smaller, wire.mass, here, way.time_error) / here)
+                mesh.curvature[j] = wire.bending / here + fourth_order_term(smaller, wire.mass, here, way.time_error) / here
         if least <= 0.0:
             filled.refused[0] = least
             filled.refused[1], filled.refused[2] = mesh.position[a], mesh.position[b]

@@ -65,8 +65,15 @@ class Pantograph(OdeComponent):
     title = "Lumped pantograph with contact spring"
     system = "railway"
     start_inputs = (
-        "wire_height", "wire_compliance", "two_strips.wire_height", "two_strips.wire_compliance", "second_wire.wire_height",
-        "second_wire.wire_compliance", "actuator.command", "base_excitation.height")
+        "wire_height",
+        "wire_compliance",
+        "two_strips.wire_height",
+        "two_strips.wire_compliance",
+        "second_wire.wire_height",
+        "second_wire.wire_compliance",
+        "actuator.command",
+        "base_excitation.height",
+    )
     ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     default_stop = 2.0
 
@@ -100,11 +107,16 @@ class Pantograph(OdeComponent):
     substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
     wire_height = input_(0.0, "m", "height of the contact wire at the contact point", nominal=0.05)
-    wire_compliance = input_(0.0, "m/N", "compliance of the wire that its model leaves out, in series with the contact spring",
-                             nominal=1e-5)
+    wire_compliance = input_(
+        0.0, "m/N", "compliance of the wire that its model leaves out, in series with the contact spring", nominal=1e-5
+    )
 
-    contact_force = output("N", "force on the wire, positive upwards", nominal=100.0,
-                           feedthrough=("wire_height", "wire_compliance", "outer_contact.force"))
+    contact_force = output(
+        "N",
+        "force on the wire, positive upwards",
+        nominal=100.0,
+        feedthrough=("wire_height", "wire_compliance", "outer_contact.force"),
+    )
     contact_position = output("m", "position of the contact point along the track", nominal=100.0)
     head_height = output("m", "height of the head", nominal=0.05)
     head_velocity = output("m/s", "vertical velocity of the head", nominal=0.1)
@@ -112,44 +124,108 @@ class Pantograph(OdeComponent):
 
     presets = {
         "EN 50318:2002": Preset(
-            {"head_mass": 7.2, "head_stiffness": 4200.0, "head_damping": 10.0, "frame_mass": 15.0, "frame_stiffness": 50.0,
-             "frame_damping": 90.0, "static_force": 120.0, "contact_stiffness": 50e3},
-            "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force recalled", "verbatim"),
+            {
+                "head_mass": 7.2,
+                "head_stiffness": 4200.0,
+                "head_damping": 10.0,
+                "frame_mass": 15.0,
+                "frame_stiffness": 50.0,
+                "frame_damping": 90.0,
+                "static_force": 120.0,
+                "contact_stiffness": 50e3,
+            },
+            "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force recalled",
+            "verbatim",
+        ),
         "EN 50318:2018": Preset(
-            {"head_mass": 7.5, "head_stiffness": 7000.0, "head_damping": 45.0, "frame_mass": 9.0, "frame_stiffness": 15500.0,
-             "frame_damping": 0.1, "lower_frame.mass": 6.0, "lower_frame.stiffness": 160.0, "lower_frame.damping": 100.0,
-             "contact_stiffness": 50e3},
-            "masses and stiffnesses: two public repositories; order of the dampers and contact stiffness recalled", "recalled",
-            ("lower_frame",)),
+            {
+                "head_mass": 7.5,
+                "head_stiffness": 7000.0,
+                "head_damping": 45.0,
+                "frame_mass": 9.0,
+                "frame_stiffness": 15500.0,
+                "frame_damping": 0.1,
+                "lower_frame.mass": 6.0,
+                "lower_frame.stiffness": 160.0,
+                "lower_frame.damping": 100.0,
+                "contact_stiffness": 50e3,
+            },
+            "masses and stiffnesses: two public repositories; order of the dampers and contact stiffness recalled",
+            "recalled",
+            ("lower_frame",),
+        ),
         "DSA380": Preset(
-            {"head_mass": 7.12, "head_stiffness": 9430.0, "head_damping": 0.0, "frame_mass": 6.0, "frame_stiffness": 14100.0,
-             "frame_damping": 0.0, "lower_frame.mass": 5.8, "lower_frame.stiffness": 0.1, "lower_frame.damping": 70.0,
-             "static_force": 70.0},
-            "IEEE-style paper on arcing, Tables I-III; repository pantograph-rigid-ocs-amm", "verbatim", ("lower_frame",)),
+            {
+                "head_mass": 7.12,
+                "head_stiffness": 9430.0,
+                "head_damping": 0.0,
+                "frame_mass": 6.0,
+                "frame_stiffness": 14100.0,
+                "frame_damping": 0.0,
+                "lower_frame.mass": 5.8,
+                "lower_frame.stiffness": 0.1,
+                "lower_frame.damping": 70.0,
+                "static_force": 70.0,
+            },
+            "IEEE-style paper on arcing, Tables I-III; repository pantograph-rigid-ocs-amm",
+            "verbatim",
+            ("lower_frame",),
+        ),
         "DSA250": Preset(
-            {"head_mass": 7.51, "head_stiffness": 8380.0, "head_damping": 0.0, "frame_mass": 5.855, "frame_stiffness": 6200.0,
-             "frame_damping": 0.0, "lower_frame.mass": 4.645, "lower_frame.stiffness": 80.0, "lower_frame.damping": 70.0,
-             "static_force": 120.0},
-            "repository pantograph-rigid-ocs-amm", "verbatim", ("lower_frame",)),
+            {
+                "head_mass": 7.51,
+                "head_stiffness": 8380.0,
+                "head_damping": 0.0,
+                "frame_mass": 5.855,
+                "frame_stiffness": 6200.0,
+                "frame_damping": 0.0,
+                "lower_frame.mass": 4.645,
+                "lower_frame.stiffness": 80.0,
+                "lower_frame.damping": 70.0,
+                "static_force": 120.0,
+            },
+            "repository pantograph-rigid-ocs-amm",
+            "verbatim",
+            ("lower_frame",),
+        ),
         "TSG18F": Preset(
-            {"head_mass": 10.31, "head_stiffness": 53415.8, "head_damping": 29.60, "frame_mass": 6.15, "frame_stiffness": 6754.2,
-             "frame_damping": 0.20, "lower_frame.mass": 15.30, "lower_frame.stiffness": 40687.0, "lower_frame.damping": 1.14,
-             "static_force": 110.0},
-            "repository pantograph-rigid-ocs-amm; first and third stiffness look odd there", "verbatim", ("lower_frame",)),
+            {
+                "head_mass": 10.31,
+                "head_stiffness": 53415.8,
+                "head_damping": 29.60,
+                "frame_mass": 6.15,
+                "frame_stiffness": 6754.2,
+                "frame_damping": 0.20,
+                "lower_frame.mass": 15.30,
+                "lower_frame.stiffness": 40687.0,
+                "lower_frame.damping": 1.14,
+                "static_force": 110.0,
+            },
+            "repository pantograph-rigid-ocs-amm; first and third stiffness look odd there",
+            "verbatim",
+            ("lower_frame",),
+        ),
     }
 
     refusals = {
         WRONG_ACCELERATION: Refusal(
             "acceleration: rate = {acceleration.rate} m/s2 from {speed} to {acceleration.final_speed} m/s",
-            "a rate that leads to the final speed", "Change its sign, or final_speed."),
+            "a rate that leads to the final speed",
+            "Change its sign, or final_speed.",
+        ),
         WRONG_LENGTHS: Refusal(
             "wire_unevenness: wave lengths from {wire_unevenness.shortest} to {wire_unevenness.longest} m",
-            "a shortest one below the longest"),
+            "a shortest one below the longest",
+        ),
         WRONG_FREQUENCIES: Refusal(
             "lift_fluctuation: frequencies from {lift_fluctuation.lowest} to {lift_fluctuation.highest} Hz",
-            "a lowest one below the highest"),
-        UNHELD: Refusal("a lowest mass that no spring holds", "a start at rest on both strips",
-                        "Give the springs of frame and lower frame some stiffness."),
+            "a lowest one below the highest",
+        ),
+        UNHELD: Refusal(
+            "a lowest mass that no spring holds",
+            "a start at rest on both strips",
+            "Give the springs of frame and lower frame some stiffness.",
+        ),
     }
 
     def states(self) -> int:
@@ -170,8 +246,12 @@ class Pantograph(OdeComponent):
             fluctuation = random_phases(get("lift_fluctuation.components"), SUMS, get("lift_fluctuation.seed"))
         if "measured_unevenness" in self.on:
             measured = measured_heights(get("measured_unevenness.table"), self.name)
-        return super().shapes() | {"unevenness": unevenness, "fluctuation": fluctuation, "measured": measured,
-                                   "slopes": (2, n, n)}
+        return super().shapes() | {
+            "unevenness": unevenness,
+            "fluctuation": fluctuation,
+            "measured": measured,
+            "slopes": (2, n, n),
+        }
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
@@ -268,13 +348,11 @@ def spring_forces(t, x, u, loss, s, p, e):
     wire = uneven(u[WIRE_HEIGHT], position, s)
     if e.second_wire is not None:
         beside = x[0] - u[e.second_wire.u]
-        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss),
-                spring_force(beside, u[e.second_wire.u + 1], p, loss))
+        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss), spring_force(beside, u[e.second_wire.u + 1], p, loss))
     if e.two_strips is None:
         return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss), 0.0
     i, rear = first_strip(e), uneven(u[e.two_strips.u], position - e.two_strips.distance, s)
-    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, loss),
-            spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, loss))
+    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, loss), spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, loss))
 
 
 @kernel
@@ -490,5 +568,6 @@ def pantograph_outputs(t, s, p, e):
     return DONE
 
 
-Pantograph.kernels = ode_kernels(__name__, start=pantograph_start, derivatives=pantograph_derivatives, outputs=pantograph_outputs,
-                                 stable=pantograph_stable)
+Pantograph.kernels = ode_kernels(
+    __name__, start=pantograph_start, derivatives=pantograph_derivatives, outputs=pantograph_outputs, stable=pantograph_stable
+)

@@ -51,8 +51,12 @@ class TwoStrips(Effect):
 
     wire_height = input_(0.0, "m", "height of the contact wire at the rear strip", nominal=0.05)
     wire_compliance = input_(0.0, "m/N", "compliance of the wire at the rear strip that its model leaves out", nominal=1e-5)
-    contact_force = output("N", "force of the rear strip on the wire, positive upwards", nominal=100.0,
-                           feedthrough=(".wire_height", ".wire_compliance"))
+    contact_force = output(
+        "N",
+        "force of the rear strip on the wire, positive upwards",
+        nominal=100.0,
+        feedthrough=(".wire_height", ".wire_compliance"),
+    )
     contact_position = output("m", "position of the rear strip along the track", nominal=100.0)
     front_height = output("m", "height of the front strip", nominal=0.05)
     rear_height = output("m", "height of the rear strip", nominal=0.05)
@@ -73,10 +77,15 @@ class SecondWire(Effect):
 
     wire_height = input_(10.0, "m", "height of the second contact wire at the contact point", nominal=0.05)
     wire_compliance = input_(0.0, "m/N", "compliance of the second wire that its model leaves out", nominal=1e-5)
-    contact_force = output("N", "force on the second wire, positive upwards", nominal=100.0,
-                           feedthrough=(".wire_height", ".wire_compliance"))
-    total_force = output("N", "force on both wires", nominal=100.0,
-                         feedthrough=("wire_height", "wire_compliance", ".wire_height", ".wire_compliance"))
+    contact_force = output(
+        "N", "force on the second wire, positive upwards", nominal=100.0, feedthrough=(".wire_height", ".wire_compliance")
+    )
+    total_force = output(
+        "N",
+        "force on both wires",
+        nominal=100.0,
+        feedthrough=("wire_height", "wire_compliance", ".wire_height", ".wire_compliance"),
+    )
 
 
 class AerodynamicUplift(Effect):

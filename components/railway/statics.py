@@ -20,8 +20,11 @@ from .stiffness import add_spring, add_wire, fill_stiffness, product_at
 
 MAX_SETS = 100  # of taut droppers that are tried
 UNBALANCED = OWN + 11  # status of `initialize`
-REFUSALS = {UNBALANCED: Refusal("slack droppers of the static equilibrium that do not converge", "a set of them that does",
-                                "Check the contact force.")}
+REFUSALS = {
+    UNBALANCED: Refusal(
+        "slack droppers of the static equilibrium that do not converge", "a set of them that does", "Check the contact force."
+    )
+}
 
 
 @kernel_tuple
@@ -132,8 +135,9 @@ class Statics:
             add_contact(float(position), float(load), force, wire[0] if wire else 0, self.mesh)
         residual = find_balance(force, unilateral, q, self.mesh, self.balance)
         if math.isnan(residual):
-            raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge",
-                             "Check the contact force")
+            raise StepFailed(
+                "Catenary", 0.0, "the slack droppers of the static equilibrium do not converge", "Check the contact force"
+            )
         return q, self.balance.taut[PRESENT].copy(), residual
 
 

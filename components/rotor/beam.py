@@ -45,10 +45,12 @@ class Disks(Effect):
 
     position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
     mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
-    polar_inertia = parameter(tuple(d.polar_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about the shaft's axis",
-                              size=MAX_DISKS, low=0.0)
-    diametral_inertia = parameter(tuple(d.diametral_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about a diameter",
-                                   size=MAX_DISKS, low=0.0)
+    polar_inertia = parameter(
+        tuple(d.polar_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about the shaft's axis", size=MAX_DISKS, low=0.0
+    )
+    diametral_inertia = parameter(
+        tuple(d.diametral_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about a diameter", size=MAX_DISKS, low=0.0
+    )
 
 
 class Unbalance(Effect):
@@ -116,17 +118,34 @@ class BeamRotor(KernelComponent):
     counters = ("steps", "factorizations")
     default_step = 1e-4
     start_inputs = (
-        "force_x", "force_y", "bearing_a.force_x", "bearing_a.force_y", "bearing_a.moment_x", "bearing_a.moment_y",
-        "bearing_a.stiffness", "bearing_b.force_x", "bearing_b.force_y", "bearing_b.moment_x", "bearing_b.moment_y",
-        "bearing_b.stiffness", "frame_rotation.rate_x", "frame_rotation.rate_y")
+        "force_x",
+        "force_y",
+        "bearing_a.force_x",
+        "bearing_a.force_y",
+        "bearing_a.moment_x",
+        "bearing_a.moment_y",
+        "bearing_a.stiffness",
+        "bearing_b.force_x",
+        "bearing_b.force_y",
+        "bearing_b.moment_x",
+        "bearing_b.moment_y",
+        "bearing_b.stiffness",
+        "frame_rotation.rate_x",
+        "frame_rotation.rate_y",
+    )
 
     refusals = {
         HOLLOW: Refusal("inner_diameter = {inner_diameter} m", "less than the outer diameter of {outer_diameter} m"),
-        NO_MATERIAL: Refusal("youngs_modulus = {youngs_modulus} Pa with shear_modulus = {shear_modulus} Pa: Poisson's ratio "
-                             "{refused}", "more than -1 and at most 0.5",
-                             "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel."),
-        UNBALANCE_LOST: Refusal("unbalance.moment[{refused}] without disk {refused}", "an unbalance at a disk",
-                                "Give disks.mass[{refused}], or set the unbalance to 0."),
+        NO_MATERIAL: Refusal(
+            "youngs_modulus = {youngs_modulus} Pa with shear_modulus = {shear_modulus} Pa: Poisson's ratio {refused}",
+            "more than -1 and at most 0.5",
+            "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.",
+        ),
+        UNBALANCE_LOST: Refusal(
+            "unbalance.moment[{refused}] without disk {refused}",
+            "an unbalance at a disk",
+            "Give disks.mass[{refused}], or set the unbalance to 0.",
+        ),
         WATCHED_BEYOND: Refusal("watched_position at {refused} m", ON_SHAFT),
         DISK_BEYOND: Refusal("a disk at {refused} m", ON_SHAFT),
         SUPPORT_BEYOND: Refusal("a support at {refused} m", ON_SHAFT),
@@ -146,14 +165,23 @@ class BeamRotor(KernelComponent):
 
     presets = {
         "Friswell 5.9.1": Preset(
-            {"length": 1.5, "outer_diameter": 0.05, "youngs_modulus": 211e9, "shear_modulus": 81.2e9, "density": STEEL,
-             "element": 0.25},
-            "the defaults: Friswell et al. (2010), example 5.9.1, as read in public code of the book and of ROSS", "verbatim",
-            ("gyroscopic", "disks", "linear_supports")),
+            {
+                "length": 1.5,
+                "outer_diameter": 0.05,
+                "youngs_modulus": 211e9,
+                "shear_modulus": 81.2e9,
+                "density": STEEL,
+                "element": 0.25,
+            },
+            "the defaults: Friswell et al. (2010), example 5.9.1, as read in public code of the book and of ROSS",
+            "verbatim",
+            ("gyroscopic", "disks", "linear_supports"),
+        )
     }
 
-    length = parameter(1.5, "m", "length of the shaft", low=1e-6,
-                       structural="with the longest element it decides how many elements there are")
+    length = parameter(
+        1.5, "m", "length of the shaft", low=1e-6, structural="with the longest element it decides how many elements there are"
+    )
     outer_diameter = parameter(0.05, "m", "outer diameter of the shaft", low=1e-6)
     inner_diameter = parameter(0.0, "m", "inner diameter of the shaft", low=0.0, nominal=0.05)
     youngs_modulus = parameter(211e9, "Pa", "Young's modulus", low=1.0)
@@ -162,11 +190,16 @@ class BeamRotor(KernelComponent):
     element = parameter(0.25, "m", "longest element", low=1e-6, structural="it decides how many elements there are")
     start_speed = parameter(100.0, "rad/s", "speed of rotation at the start, positive from x to y")
     start_angle = parameter(0.0, "rad", "angle of the rotor at the start")
-    start_fall = parameter(1e-4, "m", "way along its constant loads, weight and input force, by which a rotor starts displaced "
-                           "that has ports and that nothing holds: more than the clearance of its bearings, or 0 where "
-                           "they offer no tangent", low=0.0, high=0.1)
-    watched_position = parameter(0.5, "m", "place of the shaft whose motion is an output and where a force may act",
-                                 low=0.0)
+    start_fall = parameter(
+        1e-4,
+        "m",
+        "way along its constant loads, weight and input force, by which a rotor starts displaced "
+        "that has ports and that nothing holds: more than the clearance of its bearings, or 0 where "
+        "they offer no tangent",
+        low=0.0,
+        high=0.1,
+    )
+    watched_position = parameter(0.5, "m", "place of the shaft whose motion is an output and where a force may act", low=0.0)
     substep = parameter(2e-5, "s", "longest internal step", low=1e-9, high=1.0)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
@@ -202,12 +235,28 @@ class BeamRotor(KernelComponent):
         N = DOFS * nodes
         band = (N, WIDTH)
         return {
-            "x": 3 * N + 1, "nodes": nodes, "mesh": np.zeros(2, dtype=np.int64), "places": fixed + 2, "matrix": (DOFS, DOFS),
-            "mass": band, "damping": band, "stiffness": band, "gyroscopic": band if "gyroscopic" in on else None,
-            "circulatory": band if "internal_damping" in on else None, "load": N, "supports": (supports, 6),
-            "imbalance": (MAX_DISKS, 3) if "unbalance" in on else None, "ports": ports, "levers": len(ports),
-            "about": (2, N) if "frame_rotation" in on else None, "prepared": 2, "fixed": (4, *band), "now": (4, *band),
-            "room": (4, N + WIDTH - 1), "tangents": (len(ports), 2, DOFS, DOFS), "refused": 1,
+            "x": 3 * N + 1,
+            "nodes": nodes,
+            "mesh": np.zeros(2, dtype=np.int64),
+            "places": fixed + 2,
+            "matrix": (DOFS, DOFS),
+            "mass": band,
+            "damping": band,
+            "stiffness": band,
+            "gyroscopic": band if "gyroscopic" in on else None,
+            "circulatory": band if "internal_damping" in on else None,
+            "load": N,
+            "supports": (supports, 6),
+            "imbalance": (MAX_DISKS, 3) if "unbalance" in on else None,
+            "ports": ports,
+            "levers": len(ports),
+            "about": (2, N) if "frame_rotation" in on else None,
+            "prepared": 2,
+            "fixed": (4, *band),
+            "now": (4, *band),
+            "room": (4, N + WIDTH - 1),
+            "tangents": (len(ports), 2, DOFS, DOFS),
+            "refused": 1,
         }
 
     @property
@@ -222,8 +271,12 @@ class BeamRotor(KernelComponent):
         Gyroscopic and circulatory ones are zero where their effect is off.
         """
         s, N = self.arguments[0], DOFS * self.nodes.size
-        return Matrices(*(np.zeros((N, N)) if band is None else dense(band[:N])
-                          for band in (s.mass, s.damping, s.stiffness, s.gyroscopic, s.circulatory)))
+        return Matrices(
+            *(
+                np.zeros((N, N)) if band is None else dense(band[:N])
+                for band in (s.mass, s.damping, s.stiffness, s.gyroscopic, s.circulatory)
+            )
+        )
 
     def energy(self) -> float:
         """Energy of bending motion, shaft and linear supports, and of the height where there is gravity, J."""

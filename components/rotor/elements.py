@@ -78,8 +78,9 @@ def element_mass(section, L, matrix):
     e = (8.0 + 14.0 * phi + 7.0 * phi**2) * L**2
     f = -(6.0 + 14.0 * phi + 7.0 * phi**2) * L**2
     m, over = section.mass, 840.0 * (1.0 + phi) ** 2
-    set_mirrored(matrix, a * m * L / over, b * m * L / over, c * m * L / over, d * m * L / over, e * m * L / over,
-                 f * m * L / over)
+    set_mirrored(
+        matrix, a * m * L / over, b * m * L / over, c * m * L / over, d * m * L / over, e * m * L / over, f * m * L / over
+    )
 
 
 @kernel

@@ -24,8 +24,13 @@ from ..core.variables import Causality, input_, output, parameter
 from .model import DOFS
 from .ports import STIFFNESS, Bearing
 
-LOADS = tuple(f"bearing_{end}.{scalar.name}" for end in "ab" for v in Bearing.variables for scalar in v.scalars
-              if v.causality is Causality.INPUT)
+LOADS = tuple(
+    f"bearing_{end}.{scalar.name}"
+    for end in "ab"
+    for v in Bearing.variables
+    for scalar in v.scalars
+    if v.causality is Causality.INPUT
+)
 
 
 class FrameRotation(Effect):

@@ -9,17 +9,7 @@ from ..core.kernels import DONE, OWN, kernel
 from .elements import circular_section
 from .frame import add_frame_load, turn_frame
 from .integration import NODES, SPEED, STEP, WATCHED, add_imbalance
-from .model import (
-    DOFS,
-    HALF,
-    add_band,
-    add_disk,
-    add_disk_gyroscopic,
-    assemble_shaft,
-    nearest_node,
-    place_nodes,
-    turn,
-)
+from .model import DOFS, HALF, add_band, add_disk, add_disk_gyroscopic, assemble_shaft, nearest_node, place_nodes, turn
 from .spin import TURN, acceleration_at, speed_at
 from .statics import equilibrium
 
@@ -162,12 +152,18 @@ def set_matrices(s, p, e):
             s.supports[k, 4], s.supports[k, 5] = held.damping_x[k], held.damping_y[k]
     port = 0
     if e.bearing_a is not None:
-        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (nearest_node(nodes, e.bearing_a.position), e.bearing_a.u,
-                                                                e.bearing_a.y)
+        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (
+            nearest_node(nodes, e.bearing_a.position),
+            e.bearing_a.u,
+            e.bearing_a.y,
+        )
         port += 1
     if e.bearing_b is not None:
-        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (nearest_node(nodes, e.bearing_b.position), e.bearing_b.u,
-                                                                e.bearing_b.y)
+        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (
+            nearest_node(nodes, e.bearing_b.position),
+            e.bearing_b.u,
+            e.bearing_b.y,
+        )
 
 
 @kernel

@@ -163,8 +163,9 @@ def jeffcott_outputs(t, s, p, e):
     return DONE
 
 
-_ode = smooth_kernels(__name__, start=jeffcott_start, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs,
-                      stable=jeffcott_stable)
+_ode = smooth_kernels(
+    __name__, start=jeffcott_start, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs, stable=jeffcott_stable
+)
 _advance = _ode.step
 
 

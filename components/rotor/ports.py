@@ -103,8 +103,7 @@ def add_tangents(ports, tangents, stiffness_share, damping_share, band):
         j = 4 * ports[i, 0]
         for row in range(4):
             for k in range(4):
-                band[j + row, half + k - row] += (stiffness_share * tangents[i, 0, row, k]
-                                                  + damping_share * tangents[i, 1, row, k])
+                band[j + row, half + k - row] += stiffness_share * tangents[i, 0, row, k] + damping_share * tangents[i, 1, row, k]
 
 
 @kernel

@@ -28,11 +28,16 @@ HORIZONTAL_HEIGHT = -0.00387  # m, above the origin
 VERTICAL_RADIUS = 0.225  # m
 NO_DIRECTION, NO_FURTHER_DIRECTION = OWN + 5, OWN + 6  # statuses
 REFUSALS = {
-    NO_DIRECTION: Refusal("thruster {refused[0]} with the direction (0, 0, 0)", "a direction",
-                          "Set thruster_direction_x[{refused[0]}], _y[{refused[0]}], _z[{refused[0]}]."),
+    NO_DIRECTION: Refusal(
+        "thruster {refused[0]} with the direction (0, 0, 0)",
+        "a direction",
+        "Set thruster_direction_x[{refused[0]}], _y[{refused[0]}], _z[{refused[0]}].",
+    ),
     NO_FURTHER_DIRECTION: Refusal(
-        "thruster {refused[0]} with the direction (0, 0, 0)", "a direction",
-        "Set further_thrusters.thruster_direction_x[{refused[1]}], _y[{refused[1]}], _z[{refused[1]}]."),
+        "thruster {refused[0]} with the direction (0, 0, 0)",
+        "a direction",
+        "Set further_thrusters.thruster_direction_x[{refused[1]}], _y[{refused[1]}], _z[{refused[1]}].",
+    ),
 }
 EIGHT = "BlueROV2 Heavy, eight thrusters"  # name of the preset of hull and controller
 
@@ -65,8 +70,11 @@ def eight_places() -> dict[str, float]:
     """The arrangement of eight as parameters of a hull or a controller with the effect `further_thrusters`."""
     names = [f"thruster_{a}" for a in "xyz"] + [f"thruster_direction_{a}" for a in "xyz"]
     values = np.hstack(eight_arrangement())
-    return {f"{n}[{i + 1}]" if i < 6 else f"further_thrusters.{n}[{i - 5}]": float(values[i, j])
-            for j, n in enumerate(names) for i in range(8)}
+    return {
+        f"{n}[{i + 1}]" if i < 6 else f"further_thrusters.{n}[{i - 5}]": float(values[i, j])
+        for j, n in enumerate(names)
+        for i in range(8)
+    }
 
 
 def columns(table: np.ndarray) -> tuple[tuple[float, ...], ...]:

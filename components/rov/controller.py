@@ -95,8 +95,22 @@ class RovController(SampledComponent):
     default_step = 0.02
     default_stop = 10.0
     start_inputs = (  # sampled at the start
-        "position_north", "position_east", "depth", "quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z", "surge",
-        "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate", "available", "further_thrusters.available")
+        "position_north",
+        "position_east",
+        "depth",
+        "quaternion_w",
+        "quaternion_x",
+        "quaternion_y",
+        "quaternion_z",
+        "surge",
+        "sway",
+        "heave",
+        "roll_rate",
+        "pitch_rate",
+        "yaw_rate",
+        "available",
+        "further_thrusters.available",
+    )
 
     inverse_curve = InverseCurve
     manoeuvre = Manoeuvre
@@ -109,20 +123,29 @@ class RovController(SampledComponent):
     set_roll = parameter(0.0, "rad", "set point of the roll")
     set_pitch = parameter(0.0, "rad", "set point of the pitch")
     set_yaw = parameter(0.0, "rad", "set point of the heading")
-    position_gain = parameter((24.0, 34.0, 37.0), "N/m", "force per error, along surge, sway, heave", size=3, low=0.0,
-                              nominal=10.0)
+    position_gain = parameter(
+        (24.0, 34.0, 37.0), "N/m", "force per error, along surge, sway, heave", size=3, low=0.0, nominal=10.0
+    )
     velocity_gain = parameter((35.0, 50.0, 55.0), "N.s/m", "force per error of the velocity", size=3, low=0.0, nominal=10.0)
-    position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3,
-                                       low=0.0)
+    position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3, low=0.0)
     attitude_gain = parameter(4.0, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
     rate_gain = parameter(1.8, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
     attitude_integral_gain = parameter(1.5, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
-    reach = parameter(1.0, "m", "longest error of the position that is answered in full; a longer one counts as this long and is "
-                      "not integrated, so that a long way or a place out of reach leaves thrust for depth and heading", low=1e-3)
+    reach = parameter(
+        1.0,
+        "m",
+        "longest error of the position that is answered in full; a longer one counts as this long and is "
+        "not integrated, so that a long way or a place out of reach leaves thrust for depth and heading",
+        low=1e-3,
+    )
     unwinding_time = parameter(1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3)
-    priority = parameter((1.0, 1.0, 100.0, 1.0, 1.0, 500.0), "1",
-                         "weight of an axis's error where not all can be had; surge, sway, heave per N, roll, pitch, yaw per N.m",
-                         size=6, low=1e-6)
+    priority = parameter(
+        (1.0, 1.0, 100.0, 1.0, 1.0, 500.0),
+        "1",
+        "weight of an axis's error where not all can be had; surge, sway, heave per N, roll, pitch, yaw per N.m",
+        size=6,
+        low=1e-6,
+    )
     forward_limit = parameter(51.44, "N", "largest thrust ahead that is asked of a thruster", low=1e-6, nominal=10.0)
     reverse_limit = parameter(39.90, "N", "largest thrust astern", low=1e-6, nominal=10.0)
     thruster_x = parameter(POSITIONS[0], "m", "place of a thruster, ahead", size=THRUSTERS)
@@ -157,14 +180,24 @@ class RovController(SampledComponent):
     scale = output("1", "share of the wanted wrench that the limits of the thrusters allow")
 
     presets = {
-        EIGHT: Preset(eight_places(), "the arrangement of the hull's preset of that name; gains are the component's own",
-                      "recalled", ("further_thrusters",)),
+        EIGHT: Preset(
+            eight_places(),
+            "the arrangement of the hull's preset of that name; gains are the component's own",
+            "recalled",
+            ("further_thrusters",),
+        )
     }
 
-    refusals = REFUSALS | curve_refusals("inverse_curve") | {
-        TIME_FALLS: Refusal("manoeuvre: time[{refused[0]}] = {refused[1]} s, then {refused[2]} s",
-                            "times that do not decrease, and zeros behind the last row"),
-    }
+    refusals = (
+        REFUSALS
+        | curve_refusals("inverse_curve")
+        | {
+            TIME_FALLS: Refusal(
+                "manoeuvre: time[{refused[0]}] = {refused[1]} s, then {refused[2]} s",
+                "times that do not decrease, and zeros behind the last row",
+            )
+        }
+    )
 
     def states(self) -> int:
         """See the top of the file."""
@@ -178,8 +211,13 @@ class RovController(SampledComponent):
         """
         n = THRUSTERS + (2 if "further_thrusters" in self.on else 0)
         return super().shapes() | {
-            "matrix": (6, n), "table": (n, 6), "choice": np.zeros(1, dtype=np.int64), "allocation": (6, n + 6), "refused": 4,
-            "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None}
+            "matrix": (6, n),
+            "table": (n, 6),
+            "choice": np.zeros(1, dtype=np.int64),
+            "allocation": (6, n + 6),
+            "refused": 4,
+            "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None,
+        }
 
 
 NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
@@ -198,9 +236,15 @@ def control_start(t, s, p, e):
         m = e.manoeuvre
         rows = rows_in_use(m.time)
         s.rows[0] = rows
-        if not (is_zero_behind(m.time, rows) and is_zero_behind(m.north, rows) and is_zero_behind(m.east, rows)
-                and is_zero_behind(m.depth, rows) and is_zero_behind(m.roll, rows) and is_zero_behind(m.pitch, rows)
-                and is_zero_behind(m.yaw, rows)):
+        if not (
+            is_zero_behind(m.time, rows)
+            and is_zero_behind(m.north, rows)
+            and is_zero_behind(m.east, rows)
+            and is_zero_behind(m.depth, rows)
+            and is_zero_behind(m.roll, rows)
+            and is_zero_behind(m.pitch, rows)
+            and is_zero_behind(m.yaw, rows)
+        ):
             s.refused[0], s.refused[1], s.refused[2] = rows, m.time[rows - 1], m.time[rows]
             return TIME_FALLS
     s.choice[0] = -1  # no table yet
@@ -305,9 +349,15 @@ def control_sample(t, u, s, p, e):
 
     for j in range(6):
         given[j] = (given[j] - wrench[j]) / p.unwinding_time
-    gained = to_world(qw, qx, qy, qz, near * p.position_integral_gain[0] * error[0] + given[0],
-                      near * p.position_integral_gain[1] * error[1] + given[1],
-                      near * p.position_integral_gain[2] * error[2] + given[2])
+    gained = to_world(
+        qw,
+        qx,
+        qy,
+        qz,
+        near * p.position_integral_gain[0] * error[0] + given[0],
+        near * p.position_integral_gain[1] * error[1] + given[1],
+        near * p.position_integral_gain[2] * error[2] + given[2],
+    )
     for j in range(3):
         x[INTEGRALS + j] += p.period * gained[j]
         x[INTEGRALS + 3 + j] += p.period * (p.attitude_integral_gain[j] * x[ERRORS + 3 + j] + given[3 + j])

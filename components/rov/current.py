@@ -115,13 +115,21 @@ def water(t, s, p, e):
     y[3], y[4], y[5] = rate * north, rate * east, rate * p.downwelling
     if e.tide is not None:
         w = TURN / e.tide.period
-        add(y, e.tide.direction, e.tide.amplitude * math.sin(w * t + e.tide.phase),
-            w * e.tide.amplitude * math.cos(w * t + e.tide.phase))
+        add(
+            y,
+            e.tide.direction,
+            e.tide.amplitude * math.sin(w * t + e.tide.phase),
+            w * e.tide.amplitude * math.cos(w * t + e.tide.phase),
+        )
     if e.gust is not None:
         r = min(max((t - e.gust.start_time) / e.gust.duration, 0.0), 1.0)
         w = TURN / e.gust.duration
-        add(y, e.gust.direction, 0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * r)),
-            0.5 * w * e.gust.amplitude * math.sin(TURN * r))
+        add(
+            y,
+            e.gust.direction,
+            0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * r)),
+            0.5 * w * e.gust.amplitude * math.sin(TURN * r),
+        )
     if e.waves is not None:
         add_waves(t, s.u[0], y, s.sea, s.taken, e.waves)
     return DONE

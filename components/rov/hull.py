@@ -118,8 +118,12 @@ class FurtherThrusters(Effect):
 
     thrust = input_(0.0, "N", "thrust of thruster 7, 8 on the hull along its direction", nominal=10.0, size=2)
 
-    axial_speed = output("m/s", "speed of the hull at thruster 7, 8, along its direction, through the water", size=2,
-                         feedthrough=tuple(f"current.velocity_{way}" for way in ("north", "east", "down")))
+    axial_speed = output(
+        "m/s",
+        "speed of the hull at thruster 7, 8, along its direction, through the water",
+        size=2,
+        feedthrough=tuple(f"current.velocity_{way}" for way in ("north", "east", "down")),
+    )
 
 
 class TetherLoad(Effect):
@@ -142,10 +146,15 @@ class TetherLoad(Effect):
 
 
 FLOW = tuple(f"current.velocity_{way}" for way in ("north", "east", "down"))
-LOADS = (*(f"thrust[{i}]" for i in range(1, 7)), "further_thrusters.thrust[1]", "further_thrusters.thrust[2]", *FLOW,
-         *(f"current.acceleration_{way}" for way in ("north", "east", "down")),
-         *(f"tether.force_{way}" for way in ("north", "east", "down")),
-         *(f".{what}_{axis}" for what in ("force", "moment") for axis in "xyz"))
+LOADS = (
+    *(f"thrust[{i}]" for i in range(1, 7)),
+    "further_thrusters.thrust[1]",
+    "further_thrusters.thrust[2]",
+    *FLOW,
+    *(f"current.acceleration_{way}" for way in ("north", "east", "down")),
+    *(f"tether.force_{way}" for way in ("north", "east", "down")),
+    *(f".{what}_{axis}" for what in ("force", "moment") for axis in "xyz"),
+)
 
 
 class External(Effect):
@@ -255,46 +264,75 @@ class RovHull(OdeComponent):
     pitch = output("rad", "pitch, positive bow up, in [-pi/2, pi/2]")
     yaw = output("rad", "yaw, in (-pi, pi]")
     attitude_valid = output("1", "1 where roll and yaw are determinate, 0 within 0.1 degrees of the vertical")
-    axial_speed = output("m/s", "speed of the hull at the thruster, along its direction, through the water", size=6,
-                         feedthrough=FLOW)
+    axial_speed = output(
+        "m/s", "speed of the hull at the thruster, along its direction, through the water", size=6, feedthrough=FLOW
+    )
 
     presets = {
         "Wu 2018, BlueROV2 Heavy": Preset(
-            {"mass": 11.5, "inertia_x": 0.16, "inertia_y": 0.16, "inertia_z": 0.16, "centre_of_gravity_z": 0.02,
-             **coefficients("added_mass", 5.5, 12.7, 14.57, 0.12, 0.12, 0.12),
-             **coefficients("linear_drag", 4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
-             **coefficients("quadratic_drag", 18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
-             "restoring.weight": 112.8, "restoring.buoyancy": 114.8},
+            {
+                "mass": 11.5,
+                "inertia_x": 0.16,
+                "inertia_y": 0.16,
+                "inertia_z": 0.16,
+                "centre_of_gravity_z": 0.02,
+                **coefficients("added_mass", 5.5, 12.7, 14.57, 0.12, 0.12, 0.12),
+                **coefficients("linear_drag", 4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
+                **coefficients("quadratic_drag", 18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
+                "restoring.weight": 112.8,
+                "restoring.buoyancy": 114.8,
+            },
             "Wu (2018), as copied in the repositories OsloMet-OceanLab/BlueROV2 and CentraleNantesROV/bluerov2; thrusters in the "
-            "Y-arrangement, which is not that vehicle's", "verbatim", WATER),
+            "Y-arrangement, which is not that vehicle's",
+            "verbatim",
+            WATER,
+        ),
         "von Benzon 2022, BlueROV2 Heavy": Preset(
-            {"mass": 13.5, "inertia_x": 0.26, "inertia_y": 0.23, "inertia_z": 0.37, "centre_of_gravity_z": 0.0,
-             **coefficients("added_mass", 6.36, 7.12, 18.68, 0.189, 0.135, 0.222),
-             **coefficients("linear_drag", 13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
-             **coefficients("quadratic_drag", 141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
-             "restoring.weight": 13.5 * 9.82, "restoring.buoyancy": 1000.0 * 0.0134 * 9.82,
-             "restoring.centre_of_buoyancy_z": -0.01},
+            {
+                "mass": 13.5,
+                "inertia_x": 0.26,
+                "inertia_y": 0.23,
+                "inertia_z": 0.37,
+                "centre_of_gravity_z": 0.0,
+                **coefficients("added_mass", 6.36, 7.12, 18.68, 0.189, 0.135, 0.222),
+                **coefficients("linear_drag", 13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
+                **coefficients("quadratic_drag", 141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
+                "restoring.weight": 13.5 * 9.82,
+                "restoring.buoyancy": 1000.0 * 0.0134 * 9.82,
+                "restoring.centre_of_buoyancy_z": -0.01,
+            },
             "von Benzon et al. (2022), as copied in the repository ViktorNfa/bluerov2_dynamics, whose comments note missing "
             "minus signs of added mass and damping, the angle of thruster 3 and one sign of the Coriolis matrix in print; here "
             "the matrix follows from the masses. Another copy has 6.3567, 7.1206, 18.6863, 0.1858, 0.1348, 0.2215 as added mass. "
-            "Thrusters in the Y-arrangement, which is not that vehicle's", "verbatim", WATER),
+            "Thrusters in the Y-arrangement, which is not that vehicle's",
+            "verbatim",
+            WATER,
+        ),
         "Li 2020, BlueROV2": Preset(
-            {**coefficients("linear_drag", 1.31, 9.14, 2.015, 0.0, 0.0, 0.0),
-             **coefficients("quadratic_drag", 38.17, 129.6, 243.2, 0.0, 0.0, 4.86)},
+            {
+                **coefficients("linear_drag", 1.31, 9.14, 2.015, 0.0, 0.0, 0.0),
+                **coefficients("quadratic_drag", 38.17, 129.6, 243.2, 0.0, 0.0, 4.86),
+            },
             "drag of Li et al. (2020), as copied in the repository CentraleNantesROV/bluerov2, which notes that the paper has no "
-            "added mass; drag about x and y is missing too and 0 here. Mass and inertia are those of Wu (2018)", "verbatim",
-            ("coriolis", "linear_drag", "quadratic_drag")),
+            "added mass; drag about x and y is missing too and 0 here. Mass and inertia are those of Wu (2018)",
+            "verbatim",
+            ("coriolis", "linear_drag", "quadratic_drag"),
+        ),
         EIGHT: Preset(
             eight_places(),
             "four horizontal thrusters of a public allocation script for this vehicle, four vertical ones of von Benzon et al. "
-            "(2022), recalled; masses and drag are the component's own, those of Wu (2018)", "recalled",
-            (*WATER, "further_thrusters")),
+            "(2022), recalled; masses and drag are the component's own, those of Wu (2018)",
+            "recalled",
+            (*WATER, "further_thrusters"),
+        ),
     }
 
     refusals = REFUSALS | {
-        NO_BODY: Refusal("moments of inertia that leave {refused[0]} kg.m2 about the centre of gravity", "positive ones",
-                         "The inertia is about the origin: that about the centre of gravity plus mass times the square of the "
-                         "distance."),
+        NO_BODY: Refusal(
+            "moments of inertia that leave {refused[0]} kg.m2 about the centre of gravity",
+            "positive ones",
+            "The inertia is about the origin: that about the centre of gravity plus mass times the square of the distance.",
+        )
     }
 
     def states(self) -> int:
@@ -309,8 +347,15 @@ class RovHull(OdeComponent):
         workspace.  `refused`: (4,) numbers of a refusal.
         """
         n = 8 if "further_thrusters" in self.on else 6
-        return super().shapes() | {"rigid": (6, 6), "added": 6, "inverse": (6, 6), "thrusters": (6, n), "righting": 3,
-                                   "matrix": (2, 12, 12), "refused": 4}
+        return super().shapes() | {
+            "rigid": (6, 6),
+            "added": 6,
+            "inverse": (6, 6),
+            "thrusters": (6, n),
+            "righting": 3,
+            "matrix": (2, 12, 12),
+            "refused": 4,
+        }
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
         """Rigid body's and added mass matrix about the origin, (6, 6) each, of the present parameters."""
@@ -389,5 +434,6 @@ def hull_stable(t, s, p, e):
 
 
 # the quaternion comes back to its length at the end of a step, not where outputs are looked at
-RovHull.kernels = ode_kernels(__name__, start=hull_start, derivatives=hull_derivatives, outputs=steady_outputs,
-                              stable=hull_stable)._replace(outputs=hull_outputs)
+RovHull.kernels = ode_kernels(
+    __name__, start=hull_start, derivatives=hull_derivatives, outputs=steady_outputs, stable=hull_stable
+)._replace(outputs=hull_outputs)

@@ -128,13 +128,24 @@ def hull_outputs(t, s, p, e):
     cx, cy, cz = water_velocity(x, u, e.current)
     T = s.thrusters
     for n in range(6):
-        y[17 + n] = (T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
-                     + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
+        y[17 + n] = (
+            T[0, n] * (x[7] - cx)
+            + T[1, n] * (x[8] - cy)
+            + T[2, n] * (x[9] - cz)
+            + T[3, n] * x[10]
+            + T[4, n] * x[11]
+            + T[5, n] * x[12]
+        )
     if e.further_thrusters is not None:
         for n in range(6, 8):
             y[e.further_thrusters.y + n - 6] = (
-                T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
-                + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
+                T[0, n] * (x[7] - cx)
+                + T[1, n] * (x[8] - cy)
+                + T[2, n] * (x[9] - cz)
+                + T[3, n] * x[10]
+                + T[4, n] * x[11]
+                + T[5, n] * x[12]
+            )
     if e.tether is not None:
         w, i, j, k = x[3], x[4], x[5], x[6]
         n = e.tether.y

@@ -43,8 +43,10 @@ class TetherCurrent(Effect):
     velocity_down = input_(0.0, "m/s", "velocity of the water downwards")
 
 
-LOADS = (*(f"{what}_{way}" for what in ("position", "velocity") for way in ("north", "east", "down")),
-         *(f"current.velocity_{way}" for way in ("north", "east", "down")))
+LOADS = (
+    *(f"{what}_{way}" for what in ("position", "velocity") for way in ("north", "east", "down")),
+    *(f"current.velocity_{way}" for way in ("north", "east", "down")),
+)
 
 
 class Tether(OdeComponent):
@@ -97,15 +99,25 @@ class Tether(OdeComponent):
 
     presets = {
         "von Benzon 2022": Preset(
-            {"length": 35.0, "diameter": 7.5e-3, "youngs_modulus": 6.437e7, "mass_per_length": 0.043,
-             "internal_damping.coefficient": 100.0, "drag.normal_coefficient": 1.2, "drag.tangential_coefficient": 0.01},
-            "von Benzon et al. (2022), as copied in the repository ViktorNfa/bluerov2_dynamics", "verbatim",
-            ("internal_damping", "drag")),
+            {
+                "length": 35.0,
+                "diameter": 7.5e-3,
+                "youngs_modulus": 6.437e7,
+                "mass_per_length": 0.043,
+                "internal_damping.coefficient": 100.0,
+                "drag.normal_coefficient": 1.2,
+                "drag.tangential_coefficient": 0.01,
+            },
+            "von Benzon et al. (2022), as copied in the repository ViktorNfa/bluerov2_dynamics",
+            "verbatim",
+            ("internal_damping", "drag"),
+        )
     }
 
     refusals = {
-        NO_SHAPE: Refusal("no shape at rest was found between the ends", "ends between which a tether can hang",
-                          "Move an end of the tether."),
+        NO_SHAPE: Refusal(
+            "no shape at rest was found between the ends", "ends between which a tether can hang", "Move an end of the tether."
+        )
     }
 
     def states(self) -> int:
@@ -272,5 +284,6 @@ def tether_outputs(t, s, p, e):
     return DONE
 
 
-Tether.kernels = ode_kernels(__name__, start=tether_start, derivatives=tether_derivatives, outputs=tether_outputs,
-                             stable=tether_stable)
+Tether.kernels = ode_kernels(
+    __name__, start=tether_start, derivatives=tether_derivatives, outputs=tether_outputs, stable=tether_stable
+)

@@ -33,12 +33,20 @@ T200_THRUST = _filled([force * GRAVITY for force in T200_FORCES])  # N
 def curve_refusals(effect: str) -> dict[int, Refusal]:
     """What `check_curve` refuses of the effect of a component that has the table in this effect."""
     return {
-        COMMANDS_FALL: Refusal(f"{effect}: command[{{refused[0]}}] = {{refused[1]}}, command[{{refused[2]}}] = {{refused[3]}}",
-                               "values that do not decrease", "Repeat the last row where the table ends."),
-        THRUSTS_FALL: Refusal(f"{effect}: thrust[{{refused[0]}}] = {{refused[1]}}, thrust[{{refused[2]}}] = {{refused[3]}}",
-                              "values that do not decrease", "Repeat the last row where the table ends."),
-        ONE_SIDED: Refusal(f"{effect}: thrust from {{{effect}.thrust[1]}} to {{{effect}.thrust[{ROWS}]}} N",
-                           "a table from reverse to forward thrust"),
+        COMMANDS_FALL: Refusal(
+            f"{effect}: command[{{refused[0]}}] = {{refused[1]}}, command[{{refused[2]}}] = {{refused[3]}}",
+            "values that do not decrease",
+            "Repeat the last row where the table ends.",
+        ),
+        THRUSTS_FALL: Refusal(
+            f"{effect}: thrust[{{refused[0]}}] = {{refused[1]}}, thrust[{{refused[2]}}] = {{refused[3]}}",
+            "values that do not decrease",
+            "Repeat the last row where the table ends.",
+        ),
+        ONE_SIDED: Refusal(
+            f"{effect}: thrust from {{{effect}.thrust[1]}} to {{{effect}.thrust[{ROWS}]}} N",
+            "a table from reverse to forward thrust",
+        ),
     }
 
 

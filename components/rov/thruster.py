@@ -92,8 +92,9 @@ class Propeller(Effect):
     advance_speed = input_(0.0, "m/s", "speed of the thruster through the water along its thrust")
 
     speed = output("rad/s", "speed of rotation", nominal=100.0)
-    torque = output("N.m", "torque of the water on the propeller, against its rotation", nominal=0.1,
-                    feedthrough=(".advance_speed",))
+    torque = output(
+        "N.m", "torque of the water on the propeller, against its rotation", nominal=0.1, feedthrough=(".advance_speed",)
+    )
     current = output("A", "current through the motor", nominal=10.0, feedthrough=("command",))
     electrical_power = output("W", "power taken from the supply", nominal=100.0, feedthrough=("command",))
 
@@ -150,21 +151,36 @@ class Thruster(OdeComponent):
     thrust = output("N", "thrust along the axis", nominal=10.0, feedthrough=("command", "propeller.advance_speed"))
 
     presets = {
-        "T200": Preset({}, "maker's public sheet of September 2019 at 16 V, read in CentraleNantesROV/bluerov2", "verbatim",
-                       ("static_curve",)),
+        "T200": Preset(
+            {},
+            "maker's public sheet of September 2019 at 16 V, read in CentraleNantesROV/bluerov2",
+            "verbatim",
+            ("static_curve",),
+        ),
         "von Benzon 2022": Preset(
-            {"polynomial_curve.coefficient[1]": 8.9, "polynomial_curve.coefficient[2]": 176.0,
-             "polynomial_curve.coefficient[3]": -404.1, "polynomial_curve.coefficient[4]": 389.9,
-             "polynomial_curve.coefficient[5]": -140.3, "motor_lag.a2": 89.0, "motor_lag.a1": 9258.0, "motor_lag.b0": 108700.0,
-             "motor_lag.b1": 6136.0},
-            "von Benzon et al., J. Mar. Sci. Eng. 10 (2022) 1898, as quoted in ViktorNfa/bluerov2_dynamics", "verbatim",
-            ("polynomial_curve", "motor_lag")),
+            {
+                "polynomial_curve.coefficient[1]": 8.9,
+                "polynomial_curve.coefficient[2]": 176.0,
+                "polynomial_curve.coefficient[3]": -404.1,
+                "polynomial_curve.coefficient[4]": 389.9,
+                "polynomial_curve.coefficient[5]": -140.3,
+                "motor_lag.a2": 89.0,
+                "motor_lag.a1": 9258.0,
+                "motor_lag.b0": 108700.0,
+                "motor_lag.b1": 6136.0,
+            },
+            "von Benzon et al., J. Mar. Sci. Eng. 10 (2022) 1898, as quoted in ViktorNfa/bluerov2_dynamics",
+            "verbatim",
+            ("polynomial_curve", "motor_lag"),
+        ),
     }
 
     refusals = curve_refusals("static_curve") | {
-        SOURCE_OF_POWER: Refusal("propeller: more thrust power than shaft power near the advance ratio {refused[0]}",
-                                 "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|",
-                                 "Raise torque_bollard, or lower thrust_bollard."),
+        SOURCE_OF_POWER: Refusal(
+            "propeller: more thrust power than shaft power near the advance ratio {refused[0]}",
+            "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|",
+            "Raise torque_bollard, or lower thrust_bollard.",
+        )
     }
 
     def states(self) -> int:
@@ -329,8 +345,12 @@ def thruster_derivatives(t, x, u, dx, s, p, e):
         dx[0] = (static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) - x[0]) / e.lag.time_constant
     if e.motor_lag is not None:
         dx[0], dx[1] = x[1], x[2]
-        dx[2] = static_thrust(u[COMMAND], p, e.static_curve,
-                              e.polynomial_curve) - e.motor_lag.b0 * x[0] - e.motor_lag.a1 * x[1] - e.motor_lag.a2 * x[2]
+        dx[2] = (
+            static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+            - e.motor_lag.b0 * x[0]
+            - e.motor_lag.a1 * x[1]
+            - e.motor_lag.a2 * x[2]
+        )
     if e.propeller is not None:
         current = motor_current(x, u, e.propeller, e.inductance)
         torque = propeller_torque(x[0], u[e.propeller.u], e.propeller)
@@ -362,5 +382,6 @@ def thruster_outputs(t, s, p, e):
     return DONE
 
 
-Thruster.kernels = ode_kernels(__name__, start=thruster_start, derivatives=thruster_derivatives, outputs=thruster_outputs,
-                               stable=thruster_stable)
+Thruster.kernels = ode_kernels(
+    __name__, start=thruster_start, derivatives=thruster_derivatives, outputs=thruster_outputs, stable=thruster_stable
+)

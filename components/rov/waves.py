@@ -38,12 +38,21 @@ AMPLITUDE, FREQUENCY, INTRINSIC, NUMBER, PHASE = range(5)
 ROWS = 5
 WAVES_BLOCKED, BROKEN, SEA_BLOCKED = OWN + 1, OWN + 2, OWN + 3
 REFUSALS = {
-    WAVES_BLOCKED: Refusal("waves: a period of {waves.period} s against a current of {refused[0]} m/s",
-                           "waves that travel faster than the current", "The current blocks these waves: lengthen the period."),
-    BROKEN: Refusal("waves: a height of {waves.height} m at a period of {waves.period} s", "at most {refused[1]} m",
-                    "Higher waves break at this period and depth: lower the height."),
-    SEA_BLOCKED: Refusal("spectrum: a sea of which a current of {refused[0]} m/s blocks {refused[1]} %",
-                         f"at most {100.0 * BLOCKED:g} % of its energy", "Lengthen the period, or slow the current down."),
+    WAVES_BLOCKED: Refusal(
+        "waves: a period of {waves.period} s against a current of {refused[0]} m/s",
+        "waves that travel faster than the current",
+        "The current blocks these waves: lengthen the period.",
+    ),
+    BROKEN: Refusal(
+        "waves: a height of {waves.height} m at a period of {waves.period} s",
+        "at most {refused[1]} m",
+        "Higher waves break at this period and depth: lower the height.",
+    ),
+    SEA_BLOCKED: Refusal(
+        "spectrum: a sea of which a current of {refused[0]} m/s blocks {refused[1]} %",
+        f"at most {100.0 * BLOCKED:g} % of its energy",
+        "Lengthen the period, or slow the current down.",
+    ),
 }
 PLACE = ("waves.position_north", "waves.position_east", "waves.depth")
 

@@ -13,17 +13,10 @@ from ..core.friction import stick_mode
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
-from .chain_equations import (
-    chain_derivatives,
-    chain_energy,
-    chain_guards,
-    chain_outputs,
-    chain_switch,
-    mass_matrix,
-    static_level,
-)
+from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_outputs, chain_switch, mass_matrix, static_level
 
 WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP = OWN + 1, OWN + 2, OWN + 3  # statuses
+
 
 class Gravity(Effect):
     """Weight, against y: the chain hangs. Without it the plane is horizontal."""
@@ -142,11 +135,15 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
         WITHOUT_INERTIA: Refusal(
             "links without inertia: the mass matrix of the stretched chain is singular",
             "a mass or an inertia at both links that does not vanish",
-            "Give first_inertia, or second_inertia, or a first_mass away from the joint."),
-        STOPS_CROSSED: Refusal("stops.lower = {stops.lower}, stops.upper = {stops.upper} rad",
-                               "a lower stop below the upper one"),
-        START_BEYOND_STOP: Refusal("the second link at {x[1]} rad against the first at the start",
-                                   "an angle between its stops, {stops.lower} and {stops.upper} rad"),
+            "Give first_inertia, or second_inertia, or a first_mass away from the joint.",
+        ),
+        STOPS_CROSSED: Refusal(
+            "stops.lower = {stops.lower}, stops.upper = {stops.upper} rad", "a lower stop below the upper one"
+        ),
+        START_BEYOND_STOP: Refusal(
+            "the second link at {x[1]} rad against the first at the start",
+            "an angle between its stops, {stops.lower} and {stops.upper} rad",
+        ),
     }
 
     gravity = Gravity
@@ -188,7 +185,8 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     tip_velocity_y = output("m/s", "velocity of the tip along y", nominal=3.0)
     angular_momentum = output("N.m.s", "angular momentum about the first joint", nominal=3.0)
     mechanical_energy = output(
-        "J", "kinetic energy, height above the hanging chain, bending of springs, bristles and stops", nominal=10.0)
+        "J", "kinetic energy, height above the hanging chain, bending of springs, bristles and stops", nominal=10.0
+    )
 
     presets = {
         "equal point masses": Preset(
@@ -283,8 +281,9 @@ def chain_stable(t, s, p, e):
     m11, m12, m22, determinant = mass_matrix(0.0, p)
     g = abs(e.gravity.acceleration) if e.gravity is not None else 0.0
     second = p.second_mass * p.second_centre
-    turning = (max(p.start_first_rate * p.start_first_rate, p.start_second_rate * p.start_second_rate)
-               + 4.0 * g / (p.first_length + p.second_length))
+    turning = max(p.start_first_rate * p.start_first_rate, p.start_second_rate * p.start_second_rate) + 4.0 * g / (
+        p.first_length + p.second_length
+    )
     k11, k12 = g * (p.first_mass * p.first_centre + p.second_mass * p.first_length + second), g * second
     k22 = k12 + second * p.first_length * turning
     c1, c2 = 0.0, 0.0
@@ -310,5 +309,11 @@ def chain_stable(t, s, p, e):
 
 
 TwoLinkChain.kernels = high_order.smooth_event_kernels(
-    __name__, start=chain_start, derivatives=chain_derivatives, outputs=chain_outputs, stable=chain_stable, guards=chain_guards,
-    switch=chain_switch)
+    __name__,
+    start=chain_start,
+    derivatives=chain_derivatives,
+    outputs=chain_outputs,
+    stable=chain_stable,
+    guards=chain_guards,
+    switch=chain_switch,
+)

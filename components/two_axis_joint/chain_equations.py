@@ -211,7 +211,9 @@ def chain_outputs(t, s, p, e):
         moment = p.second_inertia * a2 + p.second_centre * (second_x * c2 + second_y * s2)
         y[e.reactions.y], y[e.reactions.y + 1] = first_x, first_y
         y[e.reactions.y + 2] = (
-            moment + p.first_inertia * a1 + p.first_centre * (first_x * c1 + first_y * s1)
+            moment
+            + p.first_inertia * a1
+            + p.first_centre * (first_x * c1 + first_y * s1)
             + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
         )
         y[e.reactions.y + 3], y[e.reactions.y + 4], y[e.reactions.y + 5] = second_x, second_y, moment

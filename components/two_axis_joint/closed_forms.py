@@ -66,8 +66,12 @@ def proportional_dampers(chain: TwoLinkChain, second: float) -> float:
     mu = -second / M[0, 1]
     first = mu * M[0, 0] + (second - mu * M[1, 1]) / K[1, 1] * K[0, 0] - second
     if first < 0.0:
-        raise BadInput("proportional damping", f"a chain that needs a first damper of {first:g} N.m.s/rad", "one of at least 0",
-                       "Give the first link less inertia for its weight.")
+        raise BadInput(
+            "proportional damping",
+            f"a chain that needs a first damper of {first:g} N.m.s/rad",
+            "one of at least 0",
+            "Give the first link less inertia for its weight.",
+        )
     return float(first)
 
 
@@ -81,8 +85,12 @@ def damped_motion(motion: SmallMotion, angles, rates, t) -> tuple[np.ndarray, np
     R, S = root @ D @ root.T, root @ K @ root.T
     r, s = np.linalg.norm(R), np.linalg.norm(S)
     if np.abs(R @ S - S @ R).max() > COMMUTES * r * s:
-        raise BadInput("the exact damped motion", "damping that couples the modes", "D M^-1 K symmetric",
-                       "`proportional_dampers` gives a first damper to match; or leave gravity out.")
+        raise BadInput(
+            "the exact damped motion",
+            "damping that couples the modes",
+            "D M^-1 K symmetric",
+            "`proportional_dampers` gives a first damper to match; or leave gravity out.",
+        )
     spread = [np.ptp(np.linalg.eigvalsh(A)) / n if n > 0.0 else 0.0 for A, n in ((R, r), (S, s))]
     modes = root.T @ np.linalg.eigh(R if spread[0] > spread[1] else S)[1]  # of both; M-orthonormal
     decay, square = (np.einsum("ik,ij,jk->k", modes, A, modes) for A in (0.5 * D, K))
@@ -150,8 +158,11 @@ def friction_turning_points(amplitude: float, friction: float, moment: float) ->
 def governor_speed(moment: float, cross_inertia: float, axial_inertia: float) -> float:
     """Speed of the imposed outer axis above which the hanging body swings out, rad/s; moment: m g l, N.m."""
     if cross_inertia <= axial_inertia:
-        raise BadInput("the governor", f"cross and axial inertia of {cross_inertia:g} and {axial_inertia:g} kg.m2",
-                       "a cross inertia above the axial one")
+        raise BadInput(
+            "the governor",
+            f"cross and axial inertia of {cross_inertia:g} and {axial_inertia:g} kg.m2",
+            "a cross inertia above the axial one",
+        )
     return math.sqrt(moment / (cross_inertia - axial_inertia))
 
 
@@ -170,8 +181,9 @@ def governor(
     return angle, math.sqrt(difference * speed**2 / inner_inertia) * math.sin(angle)
 
 
-def inertial_period(momentum: float, amplitude: float, frame_inertia: float, inner_inertia: float, cross_inertia: float,
-                    axial_inertia: float) -> float:
+def inertial_period(
+    momentum: float, amplitude: float, frame_inertia: float, inner_inertia: float, cross_inertia: float, axial_inertia: float
+) -> float:
     """Period of the inner angle of a gimbal without torques, s; amplitude: rad below pi/2 from the stable position; 0: the limit.
 
     Momentum about the outer axis, p = J(b) a', and energy are constant, which leaves t = int db / sqrt((2 E - p² / J(b)) / A).

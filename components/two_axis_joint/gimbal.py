@@ -131,8 +131,12 @@ class Payload(Effect):
     rate_z = output("rad/s", "angular velocity of the body about its axis", feedthrough=("base_motion.rate",))
 
 
-_TORQUES = ("outer_torque", "inner_torque", *(f"payload.moment_{axis}" for axis in "xyz"),
-            *(f"base_motion.{n}" for n in ("rate", "acceleration", "acceleration_x", "acceleration_y", "acceleration_z")))
+_TORQUES = (
+    "outer_torque",
+    "inner_torque",
+    *(f"payload.moment_{axis}" for axis in "xyz"),
+    *(f"base_motion.{n}" for n in ("rate", "acceleration", "acceleration_x", "acceleration_y", "acceleration_z")),
+)
 
 
 class Reactions(Effect):
@@ -175,14 +179,23 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
     system = "two_axis_joint"
     default_stop = 5.0
     start_inputs = (  # whether an axis sticks follows from what drives it
-        "outer_torque", "inner_torque", "base_motion.rate", "base_motion.acceleration", "base_motion.acceleration_x",
-        "base_motion.acceleration_y", "base_motion.acceleration_z", "payload.moment_x", "payload.moment_y",
-        "payload.moment_z")
+        "outer_torque",
+        "inner_torque",
+        "base_motion.rate",
+        "base_motion.acceleration",
+        "base_motion.acceleration_x",
+        "base_motion.acceleration_y",
+        "base_motion.acceleration_z",
+        "payload.moment_x",
+        "payload.moment_y",
+        "payload.moment_z",
+    )
     refusals = {
         GIMBAL_LOCK: Refusal(
             "an inertia about the outer axis that falls to {inertias[0]} kg.m2",
             "at least {inertias[1]} kg.m2 at every inner angle",
-            "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock)."),
+            "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock).",
+        ),
         OUTER_STOPS: Refusal("stops of the outer axis at {stops.outer_lower} and {stops.outer_upper} rad", "first the lower"),
         INNER_STOPS: Refusal("stops of the inner axis at {stops.inner_lower} and {stops.inner_upper} rad", "first the lower"),
     }
@@ -218,17 +231,30 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
     outer_rate = output("rad/s", "rate of the outer axis")
     inner_rate = output("rad/s", "rate of the inner axis")
     outer_momentum = output("kg.m2/s", "angular momentum about the outer axis", nominal=0.1, feedthrough=("base_motion.rate",))
-    mechanical_energy = output("J", "kinetic energy, height above the hanging body, bending of bristles and stops",
-                               feedthrough=("base_motion.rate",))
+    mechanical_energy = output(
+        "J", "kinetic energy, height above the hanging body, bending of bristles and stops", feedthrough=("base_motion.rate",)
+    )
 
     presets = {
         "inertial motion": Preset(
             {"frame_inertia": 0.02, "inner_inertia": 0.05, "cross_inertia": 0.03, "axial_inertia": 0.06},
-            "numbers of ours: the largest moment about the body's axis, so that it is stable in its turning", "inferred"),
+            "numbers of ours: the largest moment about the body's axis, so that it is stable in its turning",
+            "inferred",
+        ),
         "governor": Preset(
-            {"frame_inertia": 0.02, "inner_inertia": 0.06, "cross_inertia": 0.06, "axial_inertia": 0.02, "gravity.mass": 2.0,
-             "gravity.distance": 0.15, "start_inner_angle": 0.0},
-            "numbers of ours: a slender body that rises when it turns faster than 8.58 rad/s", "inferred", ("gravity",)),
+            {
+                "frame_inertia": 0.02,
+                "inner_inertia": 0.06,
+                "cross_inertia": 0.06,
+                "axial_inertia": 0.02,
+                "gravity.mass": 2.0,
+                "gravity.distance": 0.15,
+                "start_inner_angle": 0.0,
+            },
+            "numbers of ours: a slender body that rises when it turns faster than 8.58 rad/s",
+            "inferred",
+            ("gravity",),
+        ),
     }
 
     @property
@@ -251,8 +277,12 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
-            raise StepFailed(self.name, self.t, "an axis turns by over a radian within a substep, or the state is not finite",
-                             "Reduce substep; where the inertia about the outer axis nearly vanishes, give the frame inertia")
+            raise StepFailed(
+                self.name,
+                self.t,
+                "an axis turns by over a radian within a substep, or the state is not finite",
+                "Reduce substep; where the inertia about the outer axis nearly vanishes, give the frame inertia",
+            )
         super()._check(status)
 
 
@@ -354,5 +384,11 @@ def gimbal_outputs(t, s, p, e):
 
 
 GimbalBody.kernels = high_order.smooth_event_kernels(
-    __name__, start=gimbal_start, derivatives=gimbal_derivatives, outputs=gimbal_outputs, stable=gimbal_stable,
-    guards=gimbal_guards, switch=gimbal_switch)
+    __name__,
+    start=gimbal_start,
+    derivatives=gimbal_derivatives,
+    outputs=gimbal_outputs,
+    stable=gimbal_stable,
+    guards=gimbal_guards,
+    switch=gimbal_switch,
+)

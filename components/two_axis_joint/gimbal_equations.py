@@ -39,8 +39,7 @@ def frame_rates(x, u, p, base):
         return x[OUTER] + rate, 0.0, 0.0, acceleration, 0.0, 0.0
     sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
     about_y, about_z = rate * sine, rate * cosine
-    return (x[OUTER], about_y, about_z, 0.0,
-            acceleration * sine + about_z * x[OUTER], acceleration * cosine - about_y * x[OUTER])
+    return (x[OUTER], about_y, about_z, 0.0, acceleration * sine + about_z * x[OUTER], acceleration * cosine - about_y * x[OUTER])
 
 
 @kernel
@@ -119,8 +118,10 @@ def bristle_rates(x, p, lugre):
     """Rates of the bristles' deflections at both axes, followed no faster than the substep allows."""
     k, ratio, fastest = lugre.stiffness, lugre.static_ratio, 1.0 / p.substep
     outer, inner = lugre.outer_level, lugre.inner_level
-    return (lugre_rate(x[OUTER], x[CONTACT], k, outer, ratio * outer, lugre.stribeck_rate, fastest),
-            lugre_rate(x[INNER], x[CONTACT + 1], k, inner, ratio * inner, lugre.stribeck_rate, fastest))
+    return (
+        lugre_rate(x[OUTER], x[CONTACT], k, outer, ratio * outer, lugre.stribeck_rate, fastest),
+        lugre_rate(x[INNER], x[CONTACT + 1], k, inner, ratio * inner, lugre.stribeck_rate, fastest),
+    )
 
 
 @kernel
@@ -156,8 +157,9 @@ def gimbal_energy(x, u, p, e):
     """Kinetic energy relative to the ground, height above the hanging body, bending of bristles and stops, J."""
     wx, wy, wz = body_rates(x, u, p, e.base_motion)
     turning = frame_rates(x, u, p, e.base_motion)[0]
-    twice = (p.frame_inertia * turning * turning + p.cross_inertia * wx * wx + p.inner_inertia * wy * wy
-             + p.axial_inertia * wz * wz)
+    twice = (
+        p.frame_inertia * turning * turning + p.cross_inertia * wx * wx + p.inner_inertia * wy * wy + p.axial_inertia * wz * wz
+    )
     if e.lugre_friction is not None:
         twice += e.lugre_friction.stiffness * (x[CONTACT] * x[CONTACT] + x[CONTACT + 1] * x[CONTACT + 1])
     if e.stops is not None:
@@ -209,8 +211,7 @@ def reactions_of_base(x, u, alpha_2, beta_2, p, e):
     my += second
     mz += s * turn + c * third
     mx, my, mz = body_to_base(mx, my, mz, x, p)
-    return (m * (ax - gx), m * (ay - gy), m * (az - gz),
-            mx - ry * gz + rz * gy, my - rz * gx + rx * gz, mz - rx * gy + ry * gx)
+    return (m * (ax - gx), m * (ay - gy), m * (az - gz), mx - ry * gz + rz * gy, my - rz * gx + rx * gz, mz - rx * gy + ry * gx)
 
 
 @kernel

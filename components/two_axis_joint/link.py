@@ -47,8 +47,11 @@ class PlanarLink(OdeComponent):
     refusals = {
         PINNED_POINT: Refusal("a link without inertia about its joint", "a positive one", "Give inertia."),
         FREE_POINT: Refusal("a link without inertia about its centre of mass", "a positive one", "Give inertia."),
-        PINNED_MOVES: Refusal("a start velocity of ({start_velocity_x}, {start_velocity_y}) m/s at a pinned base", "none",
-                              "Leave it out, or the effect 'pinned'."),
+        PINNED_MOVES: Refusal(
+            "a start velocity of ({start_velocity_x}, {start_velocity_y}) m/s at a pinned base",
+            "none",
+            "Leave it out, or the effect 'pinned'.",
+        ),
     }
 
     pinned = Pinned
@@ -182,5 +185,6 @@ def link_outputs(t, s, p, e):
     return DONE
 
 
-PlanarLink.kernels = ode_kernels(__name__, start=link_start, derivatives=link_derivatives, outputs=link_outputs,
-                                 stable=link_stable)
+PlanarLink.kernels = ode_kernels(
+    __name__, start=link_start, derivatives=link_derivatives, outputs=link_outputs, stable=link_stable
+)

@@ -54,8 +54,9 @@ class AveragedConverter(Transmission):
     largest_turbine_speed = parameter(50.0, "rad/s", "turbine speed beyond which a run fails; it sets the stable step", low=1e-3)
     substep = parameter(2e-2, "s", "longest internal step", low=1e-9, high=10.0)
 
-    driving_torque = output("N.m", "mean torque of the clutches on the driven shaft", nominal=10.0,
-                            feedthrough=("turbine_speed",))
+    driving_torque = output(
+        "N.m", "mean torque of the clutches on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",)
+    )
     dissipation = output("W", "power lost in bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
 
     def coefficients(self) -> tuple[float, float]:
@@ -146,8 +147,15 @@ def averaged_outputs(t, s, p, e):
     return DONE
 
 
-_events = event_kernels(__name__, start=averaged_start, stable=averaged_stable, derivatives=averaged_derivatives,
-                        guards=averaged_guards, switch=averaged_switch, outputs=averaged_outputs)
+_events = event_kernels(
+    __name__,
+    start=averaged_start,
+    stable=averaged_stable,
+    derivatives=averaged_derivatives,
+    guards=averaged_guards,
+    switch=averaged_switch,
+    outputs=averaged_outputs,
+)
 _step = _events.step
 
 

@@ -41,8 +41,9 @@ class CentrifugalPump(StatelessComponent):
 
     rated_speed = parameter(150.0, "rad/s", "speed w0 of the curve", low=1e-6)
     shutoff_head = parameter(30.0, "m", "head H0 without flow at that speed", low=1e-6)
-    linear_drop = parameter(2e3, "s/m2", "d, drop of the head per flow at that speed: the curve falls where the valve opens",
-                            low=0.0)
+    linear_drop = parameter(
+        2e3, "s/m2", "d, drop of the head per flow at that speed: the curve falls where the valve opens", low=0.0
+    )
     curve_drop = parameter(5.3e6, "s2/m5", "c, drop of the head per flow squared", low=1e-6)
     best_flow = parameter(1.2e-3, "m3/s", "flow Q0 of the best efficiency at that speed", low=1e-9)
     best_efficiency = parameter(0.55, "1", "efficiency there", low=1e-3, high=1.0)
@@ -56,8 +57,13 @@ class CentrifugalPump(StatelessComponent):
     flow = output("m3/s", "flow delivered", nominal=1e-2, feedthrough=("speed", "head"))
     hydraulic_power = output("W", "power given to the water", nominal=100.0, feedthrough=("speed", "head"))
 
-    refusals = {BEYOND_EFFICIENCY: Refusal("a curve that reaches {reach[0]} times best_flow",
-                                           "less than twice, where the efficiency vanishes", "Raise best_flow or curve_drop.")}
+    refusals = {
+        BEYOND_EFFICIENCY: Refusal(
+            "a curve that reaches {reach[0]} times best_flow",
+            "less than twice, where the efficiency vanishes",
+            "Raise best_flow or curve_drop.",
+        )
+    }
 
     def shapes(self) -> dict[str, Any]:
         """`reach`: largest flow at the rated speed over the best one."""

@@ -68,19 +68,24 @@ class Stresses(Effect):
     lever_height = parameter(0.05, "m", "height of that section, in the plane of motion", low=1e-6)
     pin_diameter = parameter(0.02, "m", "diameter of the pins, in single shear", low=1e-6)
 
-    crank_pin_force = output("N", "force of the crank pin across the lever", nominal=100.0,
-                             feedthrough=("turbine_speed", "load_torque"))
-    mass_pin_force = output("N", "force of the lever on the mass", nominal=100.0,
-                            feedthrough=("turbine_speed", "load_torque"))
-    slider_pin_force = output("N", "force of the lever on the slider", nominal=100.0,
-                              feedthrough=("turbine_speed", "load_torque"))
+    crank_pin_force = output(
+        "N", "force of the crank pin across the lever", nominal=100.0, feedthrough=("turbine_speed", "load_torque")
+    )
+    mass_pin_force = output("N", "force of the lever on the mass", nominal=100.0, feedthrough=("turbine_speed", "load_torque"))
+    slider_pin_force = output(
+        "N", "force of the lever on the slider", nominal=100.0, feedthrough=("turbine_speed", "load_torque")
+    )
     shaft_stress = output("Pa", "shear stress of the input shaft's torsion", nominal=1e6, feedthrough=("turbine_speed",))
-    driven_shaft_stress = output("Pa", "shear stress of the driven shaft's torsion by the clutches", nominal=1e6,
-                                 feedthrough=("turbine_speed", "load_torque"))
-    lever_stress = output("Pa", "bending stress of the lever at the crank pin", nominal=1e6,
-                          feedthrough=("turbine_speed", "load_torque"))
-    pin_stress = output("Pa", "mean shear stress of the crank pin", nominal=1e6,
-                        feedthrough=("turbine_speed", "load_torque"))
+    driven_shaft_stress = output(
+        "Pa",
+        "shear stress of the driven shaft's torsion by the clutches",
+        nominal=1e6,
+        feedthrough=("turbine_speed", "load_torque"),
+    )
+    lever_stress = output(
+        "Pa", "bending stress of the lever at the crank pin", nominal=1e6, feedthrough=("turbine_speed", "load_torque")
+    )
+    pin_stress = output("Pa", "mean shear stress of the crank pin", nominal=1e6, feedthrough=("turbine_speed", "load_torque"))
     lever_angle = output("rad", "angle of the lever, which the equations take as small", nominal=0.1)
 
 
@@ -127,15 +132,23 @@ class InertialConverter(Transmission):
 
     turbine_torque = output("N.m", "torque that brakes the turbine", nominal=100.0, feedthrough=("turbine_speed",))
     speed = output("rad/s", "speed of the driven shaft", nominal=3.0)
-    driving_torque = output("N.m", "torque of the clutches on the driven shaft", nominal=10.0,
-                            feedthrough=("turbine_speed", "load_torque"))
-    dissipation = output("W", "power lost in the gear, in the input shaft's damping and in slipping clutches", nominal=10.0,
-                         feedthrough=("turbine_speed",))
+    driving_torque = output(
+        "N.m", "torque of the clutches on the driven shaft", nominal=10.0, feedthrough=("turbine_speed", "load_torque")
+    )
+    dissipation = output(
+        "W",
+        "power lost in the gear, in the input shaft's damping and in slipping clutches",
+        nominal=10.0,
+        feedthrough=("turbine_speed",),
+    )
     crank_speed = output("rad/s", "speed of the crank", nominal=20.0)
     crank_angle = output("rad", "angle of the crank since time 0", nominal=10.0)
     slider_velocity = output("m/s", "velocity of the lever's guided end", nominal=0.1)
-    engaged = output("1", "the clutch that drives or, on a standing shaft, pushes: 1, -1, or 0 for none",
-                     feedthrough=("turbine_speed", "load_torque"))
+    engaged = output(
+        "1",
+        "the clutch that drives or, on a standing shaft, pushes: 1, -1, or 0 for none",
+        feedthrough=("turbine_speed", "load_torque"),
+    )
 
     def states(self) -> int:
         """Twist, angle and speed of the crank, place and velocity of the slider, speed of the driven shaft, mode."""
@@ -146,15 +159,22 @@ class InertialConverter(Transmission):
         p = self.arguments[1]
         twist, angle, rate, _, velocity, speed, _ = self.x
         mass_velocity = (1.0 + p.lever_ratio) * p.crank_radius * math.cos(angle) * rate - p.lever_ratio * velocity
-        return 0.5 * float(p.shaft_stiffness * twist**2 + p.crank_inertia * rate**2 + p.lever_mass * mass_velocity**2
-                           + p.slider_mass * velocity**2 + p.driven_inertia * speed**2)
+        return 0.5 * float(
+            p.shaft_stiffness * twist**2
+            + p.crank_inertia * rate**2
+            + p.lever_mass * mass_velocity**2
+            + p.slider_mass * velocity**2
+            + p.driven_inertia * speed**2
+        )
 
     def left_range(self) -> str:
         """The crank's speed and how fast it may turn for the internal step."""
         substep = self.arguments[0].limits[SUBSTEP]
         limit = MOST_TURN / substep
-        return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the crank at {self.x[RATE]:.4g} rad/s, expected "
-                f"within -{limit:.4g} and {limit:.4g} rad/s for internal steps of {substep:g} s")
+        return (
+            f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the crank at {self.x[RATE]:.4g} rad/s, expected "
+            f"within -{limit:.4g} and {limit:.4g} rad/s for internal steps of {substep:g} s"
+        )
 
 
 @kernel
@@ -211,8 +231,7 @@ def converter_stable(t, s, p, e):
     if e.compliant_clutches is not None:
         slider = p.lever_mass * p.lever_ratio**2 + p.slider_mass
         carried = p.lever_mass * (1.0 + p.lever_ratio) * p.crank_radius
-        lightest = slider - (p.lever_ratio * carried) ** 2 / (
-            p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
+        lightest = slider - (p.lever_ratio * carried) ** 2 / (p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
         slip = e.compliant_clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
         fastest += slip  # no less than the largest eigenvalue of both together
     return RK4_STABILITY_RADIUS / fastest
@@ -293,8 +312,15 @@ def converter_outputs(t, s, p, e):
     return DONE
 
 
-_events = event_kernels(__name__, start=converter_start, stable=converter_stable, derivatives=converter_derivatives,
-                        guards=converter_guards, switch=converter_switch, outputs=converter_outputs)
+_events = event_kernels(
+    __name__,
+    start=converter_start,
+    stable=converter_stable,
+    derivatives=converter_derivatives,
+    guards=converter_guards,
+    switch=converter_switch,
+    outputs=converter_outputs,
+)
 _step = _events.step
 
 

@@ -43,14 +43,16 @@ class Transmission(EventComponent):
     turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
     speed = output("rad/s", "speed of the driven shaft")
     driving_torque = output("N.m", "torque of the transmission on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",))
-    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
-                   feedthrough=("turbine_speed",))
+    ratio = output(
+        "1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands", feedthrough=("turbine_speed",)
+    )
     dissipation = output("W", "power lost in shaft, bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
 
 
 TURBINE_SPEED, LOAD = Transmission.input_indices("turbine_speed", "load_torque")
 TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = Transmission.output_indices(
-    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation")
+    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
+)
 
 
 @kernel

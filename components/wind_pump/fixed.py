@@ -112,5 +112,12 @@ def fixed_outputs(t, s, p, e):
     return DONE
 
 
-FixedTransmission.kernels = event_kernels(__name__, start=fixed_start, stable=fixed_stable, derivatives=fixed_derivatives,
-                                          guards=fixed_guards, switch=fixed_switch, outputs=fixed_outputs)
+FixedTransmission.kernels = event_kernels(
+    __name__,
+    start=fixed_start,
+    stable=fixed_stable,
+    derivatives=fixed_derivatives,
+    guards=fixed_guards,
+    switch=fixed_switch,
+    outputs=fixed_outputs,
+)

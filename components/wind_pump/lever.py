@@ -26,8 +26,13 @@ def lever_matrix(angle, rate, torque, p):
     reach = (1.0 + p.lever_ratio) * p.crank_radius
     carried = p.lever_mass * reach * cosine
     rush = p.lever_mass * reach * sine * rate * rate
-    return (p.crank_inertia + carried * reach * cosine, -p.lever_ratio * carried,
-            p.lever_mass * p.lever_ratio**2 + p.slider_mass, torque + rush * reach * cosine, -p.lever_ratio * rush)
+    return (
+        p.crank_inertia + carried * reach * cosine,
+        -p.lever_ratio * carried,
+        p.lever_mass * p.lever_ratio**2 + p.slider_mass,
+        torque + rush * reach * cosine,
+        -p.lever_ratio * rush,
+    )
 
 
 @kernel

@@ -80,8 +80,9 @@ class WaterPipe(EventComponent):
     outflow = output("m3/s", "flow at the end of the pipe", nominal=1e-3, feedthrough=("flow",))
     delivered = output("m3", "volume that has left the pipe since the start")
 
-    refusals = {ABOVE_OVERFLOW: Refusal("tank.start_level = {tank.start_level} m", "at most the height, {tank.height} m",
-                                        "Lower it.")}
+    refusals = {
+        ABOVE_OVERFLOW: Refusal("tank.start_level = {tank.start_level} m", "at most the height, {tank.height} m", "Lower it.")
+    }
 
     def states(self) -> int:
         """Delivered volume; air volume and flow of the column; level, mode, supplied and overflowed volume."""
@@ -213,5 +214,12 @@ def pipe_outputs(t, s, p, e):
     return DONE
 
 
-WaterPipe.kernels = event_kernels(__name__, start=pipe_start, stable=pipe_stable, derivatives=pipe_derivatives,
-                                  guards=pipe_guards, switch=pipe_switch, outputs=pipe_outputs)
+WaterPipe.kernels = event_kernels(
+    __name__,
+    start=pipe_start,
+    stable=pipe_stable,
+    derivatives=pipe_derivatives,
+    guards=pipe_guards,
+    switch=pipe_switch,
+    outputs=pipe_outputs,
+)

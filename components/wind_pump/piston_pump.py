@@ -74,13 +74,19 @@ class PistonPump(OdeComponent):
     hydraulic_power = output("W", "power given to the water that is delivered", nominal=10.0, feedthrough=("speed", "head"))
 
     presets = {
-        "60 x 150 mm": Preset({"diameter": 0.06, "stroke": 0.15},
-                              "size chosen for an example: 0.424 l per stroke, 13.2 N m in the mean at 20 m", "computed"),
+        "60 x 150 mm": Preset(
+            {"diameter": 0.06, "stroke": 0.15},
+            "size chosen for an example: 0.424 l per stroke, 13.2 N m in the mean at 20 m",
+            "computed",
+        )
     }
 
     refusals = {
-        ROD_WITHOUT_USE: Refusal("rod_diameter = {rod_diameter} m with action 'single'", "a double-acting pump",
-                                 "In a single-acting one the rod changes nothing."),
+        ROD_WITHOUT_USE: Refusal(
+            "rod_diameter = {rod_diameter} m with action 'single'",
+            "a double-acting pump",
+            "In a single-acting one the rod changes nothing.",
+        ),
         ROD_TOO_THICK: Refusal("rod_diameter = {rod_diameter} m", "less than the piston's {diameter} m"),
     }
 
@@ -152,5 +158,6 @@ def pump_outputs(t, s, p, e):
     return DONE
 
 
-PistonPump.kernels = ode_kernels(__name__, start=pump_start, stable=pump_stable, derivatives=pump_derivatives,
-                                 outputs=pump_outputs)
+PistonPump.kernels = ode_kernels(
+    __name__, start=pump_start, stable=pump_stable, derivatives=pump_derivatives, outputs=pump_outputs
+)

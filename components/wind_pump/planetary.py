@@ -91,8 +91,11 @@ class PlanetaryTransmission(Transmission):
     third_speed = output("rad/s", "speed of the third shaft")
     third_torque = output("N.m", "torque of the brake against the third shaft", nominal=10.0, feedthrough=("turbine_speed",))
 
-    refusals = {STATIC_BELOW_KINETIC: Refusal("dry_brake.static = {dry_brake.static} N.m",
-                                              "at least the kinetic torque, {dry_brake.kinetic} N.m", "Raise it.")}
+    refusals = {
+        STATIC_BELOW_KINETIC: Refusal(
+            "dry_brake.static = {dry_brake.static} N.m", "at least the kinetic torque, {dry_brake.kinetic} N.m", "Raise it."
+        )
+    }
 
     def states(self) -> int:
         """Twist, speeds of driven and third shaft, mode of the driven one and, with `dry_brake`, direction of its slipping."""
@@ -101,8 +104,12 @@ class PlanetaryTransmission(Transmission):
     def shapes(self) -> dict[str, Any]:
         """`ratios`: those of `Gear`.  `matrix`: of the linear equations, and workspace."""
         if self.parameters["turbine_on"] == self.parameters["pump_on"]:
-            raise BadInput(self.name, f"turbine and pump on the {self.parameters['turbine_on']}",
-                           "two different shafts of the gear set", "Change turbine_on or pump_on.")
+            raise BadInput(
+                self.name,
+                f"turbine and pump on the {self.parameters['turbine_on']}",
+                "two different shafts of the gear set",
+                "Change turbine_on or pump_on.",
+            )
         return super().shapes() | {"ratios": 2, "matrix": (2, 3, 3)}
 
     def energy(self) -> float:
@@ -113,8 +120,10 @@ class PlanetaryTransmission(Transmission):
     def left_range(self) -> str:
         """The third shaft's speed and its limit."""
         limit = self.get("centrifugal_brake.largest_speed")
-        return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the third shaft at {self.x[THIRD]:g} rad/s, "
-                f"expected within -{limit:g} and {limit:g} rad/s (centrifugal_brake.largest_speed)")
+        return (
+            f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the third shaft at {self.x[THIRD]:g} rad/s, "
+            f"expected within -{limit:g} and {limit:g} rad/s (centrifugal_brake.largest_speed)"
+        )
 
 
 @kernel_tuple
@@ -244,14 +253,22 @@ def gear_outputs(t, s, p, e):
         brake += stick_friction(x[SLIP], drive, e.dry_brake.kinetic)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = torque + loss, x[SPEED], gear.torque_ratio * torque
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
-    y[DISSIPATION_OUT] = (p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD]
-                          + loss * u[TURBINE_SPEED])
+    y[DISSIPATION_OUT] = (
+        p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD] + loss * u[TURBINE_SPEED]
+    )
     y[THIRD_OUT], y[BRAKE_OUT] = x[THIRD], brake
     return DONE
 
 
-_events = event_kernels(__name__, start=gear_start, stable=gear_stable, derivatives=gear_derivatives, guards=gear_guards,
-                        switch=gear_switch, outputs=gear_outputs)
+_events = event_kernels(
+    __name__,
+    start=gear_start,
+    stable=gear_stable,
+    derivatives=gear_derivatives,
+    guards=gear_guards,
+    switch=gear_switch,
+    outputs=gear_outputs,
+)
 _step = _events.step
 
 

@@ -93,14 +93,21 @@ class WindTurbine(EventComponent):
         "farm windmill": Preset(
             {"radius": 1.5, "inertia": 15.0, "standstill_coefficient": 0.5, "runaway_ratio": 2.4},
             "straight line of the torque coefficient as textbooks draw it; its numbers recalled, size and inertia chosen",
-            "recalled"),
+            "recalled",
+        )
     }
 
     refusals = {
-        ABOVE_BETZ: Refusal("standstill_coefficient * runaway_ratio / 4 = {largest[0]}, the largest power coefficient",
-                            "at most 16/27, Betz's limit", "Reduce one of them."),
-        STATIC_BELOW_KINETIC: Refusal("bearing_friction.static = {bearing_friction.static} N.m",
-                                      "at least the kinetic friction, {bearing_friction.kinetic} N.m", "Raise it."),
+        ABOVE_BETZ: Refusal(
+            "standstill_coefficient * runaway_ratio / 4 = {largest[0]}, the largest power coefficient",
+            "at most 16/27, Betz's limit",
+            "Reduce one of them.",
+        ),
+        STATIC_BELOW_KINETIC: Refusal(
+            "bearing_friction.static = {bearing_friction.static} N.m",
+            "at least the kinetic friction, {bearing_friction.kinetic} N.m",
+            "Raise it.",
+        ),
     }
 
     def states(self) -> int:
@@ -110,8 +117,12 @@ class WindTurbine(EventComponent):
     def shapes(self) -> dict[str, Any]:
         """`largest`: power coefficient of the farm windmill at its best."""
         if "pitch" in self.on and self.parameters["curve"] == "farm":
-            raise BadInput(self.name, "effect 'pitch' with curve 'farm'", "a curve that knows pitch: heier, simple or variant",
-                           "Choose another curve, or leave the effect off.")
+            raise BadInput(
+                self.name,
+                "effect 'pitch' with curve 'farm'",
+                "a curve that knows pitch: heier, simple or variant",
+                "Choose another curve, or leave the effect off.",
+            )
         return super().shapes() | {"largest": 1}
 
     def energy(self) -> float:
@@ -214,5 +225,12 @@ def turbine_outputs(t, s, p, e):
     return DONE
 
 
-WindTurbine.kernels = event_kernels(__name__, start=turbine_start, stable=turbine_stable, derivatives=turbine_derivatives,
-                                    guards=turbine_guards, switch=turbine_switch, outputs=turbine_outputs)
+WindTurbine.kernels = event_kernels(
+    __name__,
+    start=turbine_start,
+    stable=turbine_stable,
+    derivatives=turbine_derivatives,
+    guards=turbine_guards,
+    switch=turbine_switch,
+    outputs=turbine_outputs,
+)

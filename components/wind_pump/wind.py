@@ -88,12 +88,19 @@ class Wind(KernelComponent):
     speed = output("m/s", "wind speed", nominal=5.0)
 
     refusals = {
-        GUSTS_OVERLAP: Refusal("gusts.period = {gusts.period} s", "at least {gust[0]} s, the duration of a gust",
-                               "Lengthen the period, or shorten rise or stay."),
-        BACK_BEFORE_START: Refusal("ramp.return_time = {ramp.return_time} s", "at least the ramp's start, {ramp.start_time} s",
-                                   "Move one of them."),
-        STILL_AIR: Refusal("effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
-                           "Raise mean_speed, or leave the effect off."),
+        GUSTS_OVERLAP: Refusal(
+            "gusts.period = {gusts.period} s",
+            "at least {gust[0]} s, the duration of a gust",
+            "Lengthen the period, or shorten rise or stay.",
+        ),
+        BACK_BEFORE_START: Refusal(
+            "ramp.return_time = {ramp.return_time} s", "at least the ramp's start, {ramp.start_time} s", "Move one of them."
+        ),
+        STILL_AIR: Refusal(
+            "effect 'turbulence' with mean_speed = 0 m/s",
+            "a mean speed that carries it along",
+            "Raise mean_speed, or leave the effect off.",
+        ),
     }
 
     def shapes(self) -> dict[str, Any]:

@@ -95,16 +95,26 @@ class FourBar(StatelessComponent):
 
     refusals = {
         FREE_PAIR: Refusal(
-            "crank = ground and coupler = rocker", "another linkage",
-            "With the crank along the ground, coupler and rocker would turn about one pin, whatever the crank does."),
+            "crank = ground and coupler = rocker",
+            "another linkage",
+            "With the crank along the ground, coupler and rocker would turn about one pin, whatever the crank does.",
+        ),
         AT_0: Refusal("a linkage with a change point at the crank angle 0", *UNRESOLVED),
         AT_180: Refusal("a linkage with a change point at the crank angle 180 degrees", *UNRESOLVED),
         AT_BOTH: Refusal("a linkage with a change point at the crank angle 0 and 180 degrees", *UNRESOLVED),
-        NO_CHANGE_POINT: Refusal("change_point = '{change_point}'", "a linkage with a change point",
-                                 "It would have no effect: two pairs of links are not equally long together."),
-        **{TOO_LONG + k: Refusal(f"{link} = {{{link}}} m, the others together {{linkage[{REST}]}} m",
-                                 "a longest link shorter than the others together", "Nothing moves otherwise.")
-           for k, link in enumerate(LINKS)},
+        NO_CHANGE_POINT: Refusal(
+            "change_point = '{change_point}'",
+            "a linkage with a change point",
+            "It would have no effect: two pairs of links are not equally long together.",
+        ),
+        **{
+            TOO_LONG + k: Refusal(
+                f"{link} = {{{link}}} m, the others together {{linkage[{REST}]}} m",
+                "a longest link shorter than the others together",
+                "Nothing moves otherwise.",
+            )
+            for k, link in enumerate(LINKS)
+        },
     }
 
     def shapes(self) -> dict[str, Any]:
@@ -127,8 +137,12 @@ class FourBar(StatelessComponent):
     def _check(self, status: int) -> None:
         if status == OUT_OF_RANGE:
             where = self.left_range() or "the crank angle is at or beyond"
-            raise StepFailed(self.name, self.t, f"{where} the toggle, where coupler and rocker are in one line",
-                             "Keep the crank within its range, or change the lengths")
+            raise StepFailed(
+                self.name,
+                self.t,
+                f"{where} the toggle, where coupler and rocker are in one line",
+                "Keep the crank within its range, or change the lengths",
+            )
         super()._check(status)
 
 

@@ -104,8 +104,12 @@ def rotation_about(x, y, z, angle):
 @kernel
 def after(a, b):
     """Quaternion of the rotation b, and after it a: the product a b."""
-    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
+        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
+    )
 
 
 @kernel
@@ -173,8 +177,23 @@ def pose(q1, q2, axes):
     flexion, deviation, roll = angles(turned(hand, (1.0, 0.0, 0.0)), long)
     flexion_1, deviation_1, roll_1 = angle_rates(flexion, deviation, hand_1)
     flexion_2, deviation_2, roll_2 = angle_rates(flexion, deviation, hand_2)
-    return Pose(proximal_1, proximal_2, hand_1, hand_2, turned(row, (0.0, 1.0, 0.0)), long, flexion, deviation, roll,
-                flexion_1, flexion_2, deviation_1, deviation_2, roll_1, roll_2)
+    return Pose(
+        proximal_1,
+        proximal_2,
+        hand_1,
+        hand_2,
+        turned(row, (0.0, 1.0, 0.0)),
+        long,
+        flexion,
+        deviation,
+        roll,
+        flexion_1,
+        flexion_2,
+        deviation_1,
+        deviation_2,
+        roll_1,
+        roll_2,
+    )
 
 
 def forward(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> Vector:
@@ -213,12 +232,16 @@ def axes_status(axes):
 def axes_refusals(proximal_tilt: str, distal_tilt: str, sine: str) -> dict[int, Refusal]:
     """What `axes_status` means, with texts for the two tilts and the sine between the axes."""
     return {
-        TILTED_HALF: Refusal(f"tilts of {proximal_tilt} and {distal_tilt} rad with the coupling model 'opensim_half'",
-                             "tilts with the coupling model 'rules' only",
-                             "Leave them out: the other one turns about the axes of flexion and deviation."),
-        PARALLEL: Refusal(f"tilts of {proximal_tilt} and {distal_tilt} rad: axes that cross at a sine of {sine}",
-                          f"a sine of at least {LEAST_CROSSING:g}, either way",
-                          "Tilt one of the axes: about parallel ones the hand has one motion instead of two."),
+        TILTED_HALF: Refusal(
+            f"tilts of {proximal_tilt} and {distal_tilt} rad with the coupling model 'opensim_half'",
+            "tilts with the coupling model 'rules' only",
+            "Leave them out: the other one turns about the axes of flexion and deviation.",
+        ),
+        PARALLEL: Refusal(
+            f"tilts of {proximal_tilt} and {distal_tilt} rad: axes that cross at a sine of {sine}",
+            f"a sine of at least {LEAST_CROSSING:g}, either way",
+            "Tilt one of the axes: about parallel ones the hand has one motion instead of two.",
+        ),
     }
 
 

@@ -113,8 +113,11 @@ def end_of_hand(q1, q2, axes, point):
     arm = turned(hand_rotation(row, q2, axes), (point[0], point[1] - axes.offset, point[2]))
     row_1, row_2 = row_turning(q1, axes)
     hand_1, hand_2 = hand_turning(row_1, row_2, row, axes)
-    return (combined(1.0, middle, 1.0, arm), combined(1.0, cross(row_1, middle), 1.0, cross(hand_1, arm)),
-            combined(1.0, cross(row_2, middle), 1.0, cross(hand_2, arm)))
+    return (
+        combined(1.0, middle, 1.0, arm),
+        combined(1.0, cross(row_1, middle), 1.0, cross(hand_1, arm)),
+        combined(1.0, cross(row_2, middle), 1.0, cross(hand_2, arm)),
+    )
 
 
 @kernel
@@ -151,8 +154,7 @@ def ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments):
     elastic = stiffness * slack * per_k
     growth = by_1 * rate_1 + by_2 * rate_2
     tension = elastic * max(0.0, 1.0 + ligaments[j, GROWTH] * growth / slack)
-    return (tension, strain, -tension * by_1, -tension * by_2, stiffness * slack * slack * energy,
-            (tension - elastic) * growth)
+    return (tension, strain, -tension * by_1, -tension * by_2, stiffness * slack * slack * energy, (tension - elastic) * growth)
 
 
 @kernel

@@ -8,16 +8,7 @@ from ..core.component import Effect
 from ..core.kernels import DONE, kernel
 from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import choice, input_, integer, output, parameter
-from .kinematics import (
-    COUPLING_MODELS,
-    DISTAL_TILT,
-    PROXIMAL_TILT,
-    ROW_OFFSET,
-    Axes,
-    axes_refusals,
-    axes_status,
-    crossing,
-)
+from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, axes_refusals, axes_status, crossing
 from .ligament_springs import (
     COLUMNS,
     COUNT,
@@ -31,8 +22,24 @@ from .ligament_springs import (
 )
 
 ORDER = ", ".join(f"{i + 1} {name.replace('_', '-')}" for i, name in enumerate(LIGAMENTS))
-TORQUES = ("tau_flexion", "tau_deviation", "proximal_torque", "distal_torque", *(f"load.{n}" for n in (
-    "flexor_radial", "flexor_ulnar", "extensor_radial", "extensor_ulnar", "tip_force_x", "tip_force_y", "tip_force_z")))
+TORQUES = (
+    "tau_flexion",
+    "tau_deviation",
+    "proximal_torque",
+    "distal_torque",
+    *(
+        f"load.{n}"
+        for n in (
+            "flexor_radial",
+            "flexor_ulnar",
+            "extensor_radial",
+            "extensor_ulnar",
+            "tip_force_x",
+            "tip_force_y",
+            "tip_force_z",
+        )
+    ),
+)
 
 
 class Constraint(Effect):
@@ -53,8 +60,12 @@ class Constraint(Effect):
     lunate_extent = parameter(0.7, "1", "angle of the lunate over that of the row", low=0.0, high=1.5)
     triquetrum_extent = parameter(0.85, "1", "angle of the triquetrum over that of the row", low=0.0, high=1.5)
 
-    tension = output("N", "tension of each ligament; of rigid ones 0, for their parts in the reaction are not determined",
-                     nominal=10.0, size=COUNT)
+    tension = output(
+        "N",
+        "tension of each ligament; of rigid ones 0, for their parts in the reaction are not determined",
+        nominal=10.0,
+        size=COUNT,
+    )
     strain = output("1", "strain of each ligament over its slack length, of a cut one, too", nominal=0.01, size=COUNT)
     proximal_reaction = output("N.m", "torque of rigid ligaments on a proximal row that they hold", feedthrough=TORQUES)
     distal_reaction = output("N.m", "torque of rigid ligaments on a distal row that they hold", feedthrough=TORQUES)
@@ -96,8 +107,9 @@ class LigamentBundle(StatelessComponent):
     proximal_torque = output("N.m", "torque on the proximal row's angle", feedthrough=_motion)
     distal_torque = output("N.m", "torque on the distal row's angle", feedthrough=_motion)
     tension = output("N", "tension of each ligament", nominal=10.0, size=COUNT, feedthrough=_motion)
-    strain = output("1", "strain of each ligament over its slack length, of a cut one, too", nominal=0.01, size=COUNT,
-                    feedthrough=_angles)
+    strain = output(
+        "1", "strain of each ligament over its slack length, of a cut one, too", nominal=0.01, size=COUNT, feedthrough=_angles
+    )
     stored_energy = output("J", "energy of the stretched ligaments", nominal=0.1, feedthrough=_angles)
     dissipation = output("W", "power lost in the ligaments", feedthrough=_motion)
 

@@ -77,21 +77,36 @@ def _names(which: int) -> str:
 
 
 def _soft(name: str) -> Refusal:
-    return Refusal(f"{name} = {{{name}}} of rigid ligaments", "springs, or no such number",
-                   "Leave it out: rigid ligaments have none.")
+    return Refusal(
+        f"{name} = {{{name}}} of rigid ligaments", "springs, or no such number", "Leave it out: rigid ligaments have none."
+    )
 
 
 REMEDY = "Set their off_axis to 0 and leave the axes where they are, cut one that holds, or take the springs."
 RIGID_REFUSALS = {
-    COUPLED: Refusal("rigid ligaments with the coupling model 'opensim_half'", "the coupling model 'rules'",
-                     "Take the springs: there every length depends on both angles, and five conditions are too many."),
-    SOFT_TOE: _soft("constraint.toe"), DAMPED: _soft("constraint.damping"),
+    COUPLED: Refusal(
+        "rigid ligaments with the coupling model 'opensim_half'",
+        "the coupling model 'rules'",
+        "Take the springs: there every length depends on both angles, and five conditions are too many.",
+    ),
+    SOFT_TOE: _soft("constraint.toe"),
+    DAMPED: _soft("constraint.damping"),
     **{SPRINGY + j: _soft(f"constraint.stiffness[{j + 1}]") for j in range(COUNT)},
-    **{MOVING + i: Refusal(f"start_{row}_rate = {{start_{row}_rate}} rad/s of a row that rigid ligaments hold", "0", REMEDY)
-       for i, row in enumerate(("proximal", "distal"))},
-    **{APART + j: Refusal(f"a rigid {_names(1 << j)} ligament of {{lengths[0]}} mm whose ends are {{lengths[1]}} mm apart at the "
-                          "start", "ends at its length", "Start at angles of zero with prestrain 0, or cut it.")
-       for j in range(COUNT)},
-    **{BOTH_HELD + which: Refusal(f"rigid ligaments that hold both rows ({_names(which)})", "a row that is free to turn", REMEDY)
-       for which in range(1 << COUNT) if which >> TRAPEZIUM_SCAPHOID & 1 and which != 1 << TRAPEZIUM_SCAPHOID},
+    **{
+        MOVING + i: Refusal(f"start_{row}_rate = {{start_{row}_rate}} rad/s of a row that rigid ligaments hold", "0", REMEDY)
+        for i, row in enumerate(("proximal", "distal"))
+    },
+    **{
+        APART + j: Refusal(
+            f"a rigid {_names(1 << j)} ligament of {{lengths[0]}} mm whose ends are {{lengths[1]}} mm apart at the start",
+            "ends at its length",
+            "Start at angles of zero with prestrain 0, or cut it.",
+        )
+        for j in range(COUNT)
+    },
+    **{
+        BOTH_HELD + which: Refusal(f"rigid ligaments that hold both rows ({_names(which)})", "a row that is free to turn", REMEDY)
+        for which in range(1 << COUNT)
+        if which >> TRAPEZIUM_SCAPHOID & 1 and which != 1 << TRAPEZIUM_SCAPHOID
+    },
 }

@@ -53,8 +53,9 @@ class ForceVelocity(Effect):
     Ten fibre lengths a second as the greatest rate is read in OpenSim's model of the wrist; the shape is recalled.
     """
 
-    greatest_rate = parameter((0.628, 0.509, 0.81, 0.588, 0.622), "m/s", "rate of shortening without force" + ORDER, size=COUNT,
-                              low=1e-3)
+    greatest_rate = parameter(
+        (0.628, 0.509, 0.81, 0.588, 0.622), "m/s", "rate of shortening without force" + ORDER, size=COUNT, low=1e-3
+    )
     curvature = parameter(0.25, "1", "Hill's constant over the largest force; smaller is more curved", low=1e-3)
     lengthened = parameter(1.4, "1", "force of a quickly lengthened fibre over its isometric force", low=1.0 + 1e-6)
 
@@ -93,12 +94,23 @@ class ForearmTendons(OdeComponent):
     force_velocity = ForceVelocity
     varying_arms = VaryingArms
 
-    largest_force = parameter((59.7, 102.6, 110.0, 100.0, 117.0), "N", "force at full activation" + ORDER, size=COUNT, low=0.0,
-                              nominal=100.0)
-    flexion_arm = parameter((0.0177, 0.015, -0.0102, -0.0137, -0.0057), "m", "moment arm of flexion, negative: extends" + ORDER,
-                            size=COUNT, nominal=0.01)
-    radial_arm = parameter((0.008, -0.014, 0.019, 0.013, -0.021), "m", "moment arm of radial deviation, negative: ulnar" + ORDER,
-                           size=COUNT, nominal=0.01)
+    largest_force = parameter(
+        (59.7, 102.6, 110.0, 100.0, 117.0), "N", "force at full activation" + ORDER, size=COUNT, low=0.0, nominal=100.0
+    )
+    flexion_arm = parameter(
+        (0.0177, 0.015, -0.0102, -0.0137, -0.0057),
+        "m",
+        "moment arm of flexion, negative: extends" + ORDER,
+        size=COUNT,
+        nominal=0.01,
+    )
+    radial_arm = parameter(
+        (0.008, -0.014, 0.019, 0.013, -0.021),
+        "m",
+        "moment arm of radial deviation, negative: ulnar" + ORDER,
+        size=COUNT,
+        nominal=0.01,
+    )
     rise_time = parameter(0.015, "s", "time constant of activation", low=1e-4)
     fall_time = parameter(0.05, "s", "time constant of relaxation", low=1e-4)
     substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
@@ -115,8 +127,12 @@ class ForearmTendons(OdeComponent):
     activation = output("1", "activation" + ORDER, size=COUNT)
     force = output("N", "force of the tendon" + ORDER, size=COUNT, nominal=100.0, feedthrough=TURNING)
 
-    refusals = {TIMES_FALL: Refusal("programme.time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
-                                    "times that do not decrease, and zeros behind the last row")}
+    refusals = {
+        TIMES_FALL: Refusal(
+            "programme.time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
+            "times that do not decrease, and zeros behind the last row",
+        )
+    }
 
     def states(self) -> int:
         """The activations."""
@@ -261,8 +277,9 @@ def tendon_outputs(t, s, p, e):
             strain = -pulled / e.fibres.length[i]
             share *= math.exp(-strain * strain / e.fibres.width)
         if e.force_velocity is not None:
-            share *= by_velocity(rate / e.force_velocity.greatest_rate[i], e.force_velocity.curvature,
-                                 e.force_velocity.lengthened)
+            share *= by_velocity(
+                rate / e.force_velocity.greatest_rate[i], e.force_velocity.curvature, e.force_velocity.lengthened
+            )
         if e.fibres is not None and pulled < 0.0:
             passive = min(-pulled / (e.fibres.length[i] * e.fibres.stretch), TORN)
             share += math.expm1(STIFFENING * passive) / math.expm1(STIFFENING)

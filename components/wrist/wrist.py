@@ -12,30 +12,11 @@ from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
-from .kinematics import (
-    COUPLING_MODELS,
-    DISTAL_TILT,
-    PROXIMAL_TILT,
-    ROW_OFFSET,
-    Axes,
-    axes_refusals,
-    axes_status,
-    crossing,
-    pose,
-)
+from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, axes_refusals, axes_status, crossing, pose
 from .ligament_springs import COLUMNS, COUNT, SPRING, make_ligaments
 from .ligaments import Constraint
 from .rigid_ligaments import RIGID_REFUSALS, make_rigid
-from .wrist_equations import (
-    TENDONS,
-    axes_of,
-    hand_of,
-    mass_matrix,
-    wrist_derivatives,
-    wrist_energy,
-    wrist_outputs,
-    wrist_pose,
-)
+from .wrist_equations import TENDONS, axes_of, hand_of, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
 
 GIVES_WAY, FLEXION_LIMITS, DEVIATION_LIMITS, CONTACT_LIMITS, SINGULAR = range(OWN + 3, OWN + 8)  # statuses
 RIGID = 1  # of the choice `constraint.kind`
@@ -75,8 +56,12 @@ class Load(Effect):
     gravity_x = parameter(-9.81, "m/s2", "gravity in the radius along x; by default the forearm is level and the palm faces down")
     gravity_y = parameter(0.0, "m/s2", "gravity in the radius along y, towards the hand")
     gravity_z = parameter(0.0, "m/s2", "gravity in the radius along z, towards the thumb")
-    flexion_arm = parameter((0.015, 0.016, -0.012, -0.006), "m", "arms in flexion: radial flexor, ulnar flexor, radial extensor, "
-                            "ulnar extensor", size=TENDONS)
+    flexion_arm = parameter(
+        (0.015, 0.016, -0.012, -0.006),
+        "m",
+        "arms in flexion: radial flexor, ulnar flexor, radial extensor, ulnar extensor",
+        size=TENDONS,
+    )
     deviation_arm = parameter((0.008, -0.016, 0.015, -0.020), "m", "arms of the same in deviation, radial positive", size=TENDONS)
     tool_distance = parameter(0.1, "m", "distance from the wrist's centre of the point on the long axis that bears the force")
 
@@ -167,20 +152,30 @@ class Wrist(OdeComponent):
         "cadaver": Preset(
             {"flexion_stiffness": 11.466, "deviation_stiffness": 20.048, "coupling_stiffness": 5.736},
             "0.15 N m/deg in ulnar flexion and 0.40 N m/deg in radial flexion, six wrists, PMC3016043; put together by us as a "
-            "matrix with its soft direction 26.6 degrees from flexion", "computed"),
+            "matrix with its soft direction 26.6 degrees from flexion",
+            "computed",
+        )
     }
 
     refusals = {
         **axes_refusals("{morphology.proximal_tilt}", "{morphology.distal_tilt}", f"{{checked[{CROSSING}]}}"),
         **RIGID_REFUSALS,
-        GIVES_WAY: Refusal("coupling_stiffness = {coupling_stiffness} N.m/rad",
-                           f"at most {{checked[{MOST_COUPLING}]}} N.m/rad either way",
-                           "Beyond, the passive wrist gives way by itself."),
-        SINGULAR: Refusal("a hand without inertia in one of its motions: the mass matrix is singular", "inertia in both",
-                          "Give transverse_inertia, or hand_mass and hand_distance."),
-        **{status: Refusal(f"limits of {limit} at {{interaction.{limit}_lower}} and {{interaction.{limit}_upper}} rad",
-                           "first the lower")
-           for status, limit in ((FLEXION_LIMITS, "flexion"), (DEVIATION_LIMITS, "deviation"), (CONTACT_LIMITS, "contact"))},
+        GIVES_WAY: Refusal(
+            "coupling_stiffness = {coupling_stiffness} N.m/rad",
+            f"at most {{checked[{MOST_COUPLING}]}} N.m/rad either way",
+            "Beyond, the passive wrist gives way by itself.",
+        ),
+        SINGULAR: Refusal(
+            "a hand without inertia in one of its motions: the mass matrix is singular",
+            "inertia in both",
+            "Give transverse_inertia, or hand_mass and hand_distance.",
+        ),
+        **{
+            status: Refusal(
+                f"limits of {limit} at {{interaction.{limit}_lower}} and {{interaction.{limit}_upper}} rad", "first the lower"
+            )
+            for status, limit in ((FLEXION_LIMITS, "flexion"), (DEVIATION_LIMITS, "deviation"), (CONTACT_LIMITS, "contact"))
+        },
     }
 
     def states(self) -> int:
@@ -194,8 +189,13 @@ class Wrist(OdeComponent):
         and workspace.
         """
         held = "constraint" in self.on
-        return super().shapes() | {"ligaments": (COUNT, COLUMNS) if held else None, "held": 2 if held else None,
-                                   "lengths": 2 if held else None, "checked": 2, "matrix": (2, 4, 4)}
+        return super().shapes() | {
+            "ligaments": (COUNT, COLUMNS) if held else None,
+            "held": 2 if held else None,
+            "lengths": 2 if held else None,
+            "checked": 2,
+            "matrix": (2, 4, 4),
+        }
 
     def axes(self) -> Axes:
         """Where the axes lie at rest."""
@@ -303,10 +303,14 @@ def wrist_stable(t, s, p, e):
     fastest = fastest_at(0.0, 0.0, own, own + contact, more, s, hand)
     if e.morphology is not None:
         for way in (-0.8, 0.8):
-            fastest = max(fastest, fastest_at(0.0, way, own, own + contact, more, s, hand),
-                          fastest_at(way, 0.0, own, own + contact, more, s, hand))
+            fastest = max(
+                fastest,
+                fastest_at(0.0, way, own, own + contact, more, s, hand),
+                fastest_at(way, 0.0, own, own + contact, more, s, hand),
+            )
     return step_within(RK4_STABILITY_RADIUS, fastest)
 
 
-Wrist.kernels = ode_kernels(__name__, start=wrist_start, derivatives=wrist_derivatives, outputs=wrist_outputs,
-                            stable=wrist_stable)
+Wrist.kernels = ode_kernels(
+    __name__, start=wrist_start, derivatives=wrist_derivatives, outputs=wrist_outputs, stable=wrist_stable
+)

@@ -50,8 +50,20 @@ def axes_of(p, e):
 @kernel
 def hand_of(p, e):
     """The hand with its axes from the parameters."""
-    return Hand(axes_of(p, e), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
-                p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping, p.substep)
+    return Hand(
+        axes_of(p, e),
+        p.hand_mass,
+        p.hand_distance,
+        p.transverse_inertia,
+        p.axial_inertia,
+        p.row_inertia,
+        p.flexion_stiffness,
+        p.deviation_stiffness,
+        p.coupling_stiffness,
+        p.proximal_damping,
+        p.distal_damping,
+        p.substep,
+    )
 
 
 @kernel
@@ -60,9 +72,23 @@ def wrist_pose(x, c, morphology):
     if morphology is not None:
         return pose(x[Q1], x[Q2], c.axes)
     at = pose(0.0, 0.0, c.axes)
-    return Pose(at.proximal_1, at.proximal_2, at.hand_1, at.hand_2, at.row, at.hand,
-                at.flexion_1 * x[Q1] + at.flexion_2 * x[Q2], at.deviation_1 * x[Q1] + at.deviation_2 * x[Q2], 0.0,
-                at.flexion_1, at.flexion_2, at.deviation_1, at.deviation_2, 0.0, 0.0)
+    return Pose(
+        at.proximal_1,
+        at.proximal_2,
+        at.hand_1,
+        at.hand_2,
+        at.row,
+        at.hand,
+        at.flexion_1 * x[Q1] + at.flexion_2 * x[Q2],
+        at.deviation_1 * x[Q1] + at.deviation_2 * x[Q2],
+        0.0,
+        at.flexion_1,
+        at.flexion_2,
+        at.deviation_1,
+        at.deviation_2,
+        0.0,
+        0.0,
+    )
 
 
 @kernel
@@ -70,8 +96,10 @@ def point_turning(at, distance, c):
     """Derivatives by q1 and q2 of the place of the point on the hand's long axis at a distance from the wrist's centre, m/rad."""
     offset = c.axes.offset
     lever = distance - offset
-    return (combined(offset, cross(at.proximal_1, at.row), lever, cross(at.hand_1, at.hand)),
-            combined(offset, cross(at.proximal_2, at.row), lever, cross(at.hand_2, at.hand)))
+    return (
+        combined(offset, cross(at.proximal_1, at.row), lever, cross(at.hand_1, at.hand)),
+        combined(offset, cross(at.proximal_2, at.row), lever, cross(at.hand_2, at.hand)),
+    )
 
 
 @kernel
@@ -85,9 +113,11 @@ def mass_matrix(at, c):
     """(m11, m12, m22), kg.m2."""
     v1, v2 = point_turning(at, c.distance, c)
     spun_2 = spun(at.hand_2, at, c)
-    return (c.mass * dot(v1, v1) + dot(at.hand_1, spun(at.hand_1, at, c)) + c.row * dot(at.proximal_1, at.proximal_1),
-            c.mass * dot(v1, v2) + dot(at.hand_1, spun_2) + c.row * dot(at.proximal_1, at.proximal_2),
-            c.mass * dot(v2, v2) + dot(at.hand_2, spun_2) + c.row * dot(at.proximal_2, at.proximal_2))
+    return (
+        c.mass * dot(v1, v1) + dot(at.hand_1, spun(at.hand_1, at, c)) + c.row * dot(at.proximal_1, at.proximal_1),
+        c.mass * dot(v1, v2) + dot(at.hand_1, spun_2) + c.row * dot(at.proximal_1, at.proximal_2),
+        c.mass * dot(v2, v2) + dot(at.hand_2, spun_2) + c.row * dot(at.proximal_2, at.proximal_2),
+    )
 
 
 @kernel
@@ -101,21 +131,29 @@ def gyroscopic(at, rate_1, rate_2, c):
     hand_2 = combined(1.0, cross(row, hand), both, combined(1.0, of_row, 1.0, of_rest))
     offset = c.axes.offset
     lever = c.distance - offset
-    centre_2 = combined(offset, combined(1.0, cross(row_2, at.row), 1.0, cross(row, cross(row, at.row))),
-                        lever, combined(1.0, cross(hand_2, at.hand), 1.0, cross(hand, cross(hand, at.hand))))
+    centre_2 = combined(
+        offset,
+        combined(1.0, cross(row_2, at.row), 1.0, cross(row, cross(row, at.row))),
+        lever,
+        combined(1.0, cross(hand_2, at.hand), 1.0, cross(hand, cross(hand, at.hand))),
+    )
     moment = combined(1.0, spun(hand_2, at, c), 1.0, cross(hand, spun(hand, at, c)))
     v1, v2 = point_turning(at, c.distance, c)
-    return (c.mass * dot(v1, centre_2) + dot(at.hand_1, moment) + c.row * dot(at.proximal_1, row_2),
-            c.mass * dot(v2, centre_2) + dot(at.hand_2, moment) + c.row * dot(at.proximal_2, row_2))
+    return (
+        c.mass * dot(v1, centre_2) + dot(at.hand_1, moment) + c.row * dot(at.proximal_1, row_2),
+        c.mass * dot(v2, centre_2) + dot(at.hand_2, moment) + c.row * dot(at.proximal_2, row_2),
+    )
 
 
 @kernel
 def limit_torques(at, x, flexion_rate, deviation_rate, interaction):
     """Torques of the limits on flexion, on deviation, and of the contact of the rows on the distal coordinate, N.m."""
     k, d = interaction.stiffness, interaction.dissipation
-    return (stop_torque(at.flexion, flexion_rate, interaction.flexion_lower, interaction.flexion_upper, k, d),
-            stop_torque(at.deviation, deviation_rate, interaction.deviation_lower, interaction.deviation_upper, k, d),
-            stop_torque(x[Q2], x[RATE_2], interaction.contact_lower, interaction.contact_upper, interaction.contact_stiffness, d))
+    return (
+        stop_torque(at.flexion, flexion_rate, interaction.flexion_lower, interaction.flexion_upper, k, d),
+        stop_torque(at.deviation, deviation_rate, interaction.deviation_lower, interaction.deviation_upper, k, d),
+        stop_torque(x[Q2], x[RATE_2], interaction.contact_lower, interaction.contact_upper, interaction.contact_stiffness, d),
+    )
 
 
 @kernel
@@ -152,8 +190,10 @@ def torques(at, x, u, c, ligaments, interaction, load):
         of_first, of_second, _, _ = bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, ligaments)
         first += of_first
         second += of_second
-    return (first + at.flexion_1 * flexing + at.deviation_1 * deviating,
-            second + at.flexion_2 * flexing + at.deviation_2 * deviating)
+    return (
+        first + at.flexion_1 * flexing + at.deviation_1 * deviating,
+        second + at.flexion_2 * flexing + at.deviation_2 * deviating,
+    )
 
 
 @kernel

@@ -36,8 +36,14 @@ def text() -> str:
 def _section(name: str, table: Table) -> str:
     """One paper: its claims as a table."""
     page = name.removeprefix("paper-")
-    lines = [f"## [{cases()[name].title}]({page}.md)", "", f"`cosimo validate {name}`", "",
-             "| | the abstract announces | kind | verdict |", "|---|---|---|---|"]
+    lines = [
+        f"## [{cases()[name].title}]({page}.md)",
+        "",
+        f"`cosimo validate {name}`",
+        "",
+        "| | the abstract announces | kind | verdict |",
+        "|---|---|---|---|",
+    ]
     lines += [f"| {c.number} | {c.announced} | {c.kind} | {c.verdict} |" for c in table.claims]
     return "\n".join([*lines, ""])
 

@@ -26,9 +26,23 @@ def photograph(page: Path, picture: Path, height: int) -> None:
     if browser is None:
         raise SystemExit("make.py: no Chromium found; expected chromium, chromium-browser or google-chrome on the path")
     with tempfile.TemporaryDirectory() as profile:
-        subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
-                        f"--user-data-dir={profile}", f"--screenshot={picture}", f"--window-size=1300,{height}",
-                        "--virtual-time-budget=10000", page.as_uri()], check=True, stderr=subprocess.DEVNULL)
+        subprocess.run(
+            [
+                browser,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--no-first-run",
+                "--hide-scrollbars",
+                f"--user-data-dir={profile}",
+                f"--screenshot={picture}",
+                f"--window-size=1300,{height}",
+                "--virtual-time-budget=10000",
+                page.as_uri(),
+            ],
+            check=True,
+            stderr=subprocess.DEVNULL,
+        )
 
 
 def main(names: list[str]) -> None:

@@ -1,6 +1,6 @@
 """railway-contact.svg from railway-contact.csv, and the error of the present numerics, measured anew.
 
-    python docs/pictures/railway_contact.py [measure SPEED_KMH ELEMENT_M SUBSTEP_S]
+python docs/pictures/railway_contact.py [measure SPEED_KMH ELEMENT_M SUBSTEP_S]
 """
 
 import csv
@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
-COLOURS = {"static kink (before)": "#c44e52", "four nodes, mass between lumped and consistent": "#dd8452",
-           "four nodes, fourth order": "#4c72b0"}
+COLOURS = {
+    "static kink (before)": "#c44e52",
+    "four nodes, mass between lumped and consistent": "#dd8452",
+    "four nodes, fourth order": "#4c72b0",
+}
 MARKS = {"strings": "circle", "beams": "square", "other line": "triangle"}
 LEFT, RIGHT, TOP, BOTTOM, WIDTH, HEIGHT = 70, 20, 60, 50, 760, 420
 
@@ -24,8 +27,11 @@ def measure(speed: float, element: float, substep: float) -> float:
     from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
     from cosimo.orchestrator.systems.railway.runs import at_speed
 
-    scene = at_speed(load_scene("en50318-2002"), speed, {"units.catenary.parameters.element": element,
-                                                         "units.catenary.parameters.substep": substep})
+    scene = at_speed(
+        load_scene("en50318-2002"),
+        speed,
+        {"units.catenary.parameters.element": element, "units.catenary.parameters.substep": substep},
+    )
     result = run(scene, in_process=True)
     reference = passage(Line(), Head(), speed / 3.6, 30.0, scene.stop_time, 6000, 5e-4)
     grid = np.linspace(240.0, 360.0, 2401)
@@ -42,16 +48,22 @@ def picture(rows: list[dict[str, str]]) -> str:
         x = LEFT + (math.log10(work) - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT)
         return x, TOP + (y1 - math.log10(error)) / (y1 - y0) * (HEIGHT - TOP - BOTTOM)
 
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
-           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
+    out = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
+        f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
+    ]
     for error in (0.1, 0.2, 0.5, 1, 2, 5, 10):
         _, y = place(2000, error)
-        out.append(f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="{"#333" if error == 1 else "#ddd"}"/>'
-                   f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{error:g} %</text>')
+        out.append(
+            f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="{"#333" if error == 1 else "#ddd"}"/>'
+            f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{error:g} %</text>'
+        )
     for work in (2000, 5000, 10_000, 20_000, 50_000):
         x, _ = place(work, 1)
-        out.append(f'<path d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}" stroke="#ddd"/>'
-                   f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 18}" text-anchor="middle">{work}</text>')
+        out.append(
+            f'<path d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}" stroke="#ddd"/>'
+            f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 18}" text-anchor="middle">{work}</text>'
+        )
     out.append(f'<text x="{WIDTH / 2}" y="{HEIGHT - 8}" text-anchor="middle">work: node steps per millisecond</text>')
     lines: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for row in rows:
@@ -63,9 +75,13 @@ def picture(rows: list[dict[str, str]]) -> str:
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}"{dash}/>')
         for x, y in points:
             mark = MARKS[case.rsplit(" ", 2)[0]]
-            out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>' if mark == "circle" else
-                       f'<rect x="{x - 4:.1f}" y="{y - 4:.1f}" width="8" height="8" fill="{colour}"/>' if mark == "square" else
-                       f'<path d="M{x:.1f} {y - 5:.1f}l5 9h-10z" fill="{colour}"/>')
+            out.append(
+                f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>'
+                if mark == "circle"
+                else f'<rect x="{x - 4:.1f}" y="{y - 4:.1f}" width="8" height="8" fill="{colour}"/>'
+                if mark == "square"
+                else f'<path d="M{x:.1f} {y - 5:.1f}l5 9h-10z" fill="{colour}"/>'
+            )
     for i, (scheme, colour) in enumerate(COLOURS.items()):
         x = LEFT + (0, 170, 500)[i]
         out.append(f'<rect x="{x}" y="12" width="10" height="10" fill="{colour}"/><text x="{x + 15}" y="21">{scheme}</text>')

@@ -43,7 +43,8 @@ def main(names: list[str]) -> None:
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         page = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page(
-            viewport={"width": 760, "height": 900}, color_scheme="light")
+            viewport={"width": 760, "height": 900}, color_scheme="light"
+        )
         for name in names or scene_files():
             report = write_report(run(load_scene(name), in_process=True), Path(folder) / name)
             fitted(first_figure(page, report)).save(FOLDER / f"{name}.png", optimize=True)

@@ -42,12 +42,16 @@ def _index(made: Sequence[ComponentPage]) -> str:
     for name, title in [("", "Used by several systems"), *((s.name, s.title) for s in SYSTEMS.values())]:
         of_system = [p for p in made if (p.system == name if name else p.system not in SYSTEMS)]
         head = f"## [{title}](../../systems/{name}.md)" if name else f"## {title}"
-        listed = [(f"[`{p.name}`]({p.name}.md)", plain(p.title), "" if p.states is None else p.states, len(p.effects))
-                  for p in of_system]
+        listed = [
+            (f"[`{p.name}`]({p.name}.md)", plain(p.title), "" if p.states is None else p.states, len(p.effects))
+            for p in of_system
+        ]
         rows += [head, table(("component", "what it is", "states without effects", "effects"), listed)] if of_system else []
     toctree = "\n".join(["```{toctree}", ":hidden:", "", *sorted(CATALOGUE), "```"])
-    text = (f"{len(made)} components, each an FMU, a class in Python and a unit of a scene. Their pages are written from the "
-            "declarations in the source, like `cosimo show NAME`.")
+    text = (
+        f"{len(made)} components, each an FMU, a class in Python and a unit of a scene. Their pages are written from the "
+        "declarations in the source, like `cosimo show NAME`."
+    )
     return joined("# Components", text, *rows, toctree)
 
 
@@ -59,16 +63,32 @@ def _page(page: ComponentPage) -> str:
     units = {v.name: v.unit for v in page.variables}
     drawing = sketch(page.name, [(p.name, p.inputs, p.outputs) for p in page.ports], units)
     return joined(
-        f"# {page.name}: {page.title}", f"`{place}`, {used}", f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
+        f"# {page.name}: {page.title}",
+        f"`{place}`, {used}",
+        f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
         "Inputs on the left, outputs on the right, with their units; those below a name in italics are that effect's or port's.",
-        "## Equations", *map(_passage, page.text), _background(cls),
-        "## Parameters", _variables(page, "parameter"),
-        _section("## Inputs", _variables(page, "input")), _section("## Outputs", _variables(page, "output")),
-        _section("## Effects", _effects(page)), _section("## Published sets and their provenance", _presets(page)),
-        "## Accuracy", _accuracy(page, cls), _section("## Hard cases", _hard_cases(page)),
-        _section("## Scenes that use it", table(("scene", "what it shows"), [
-            (f"[`{name}`](../scenes/{name}.md)", plain(title)) for name, title in page.scenes.items()])),
-        "## Use it", _use(page))
+        "## Equations",
+        *map(_passage, page.text),
+        _background(cls),
+        "## Parameters",
+        _variables(page, "parameter"),
+        _section("## Inputs", _variables(page, "input")),
+        _section("## Outputs", _variables(page, "output")),
+        _section("## Effects", _effects(page)),
+        _section("## Published sets and their provenance", _presets(page)),
+        "## Accuracy",
+        _accuracy(page, cls),
+        _section("## Hard cases", _hard_cases(page)),
+        _section(
+            "## Scenes that use it",
+            table(
+                ("scene", "what it shows"),
+                [(f"[`{name}`](../scenes/{name}.md)", plain(title)) for name, title in page.scenes.items()],
+            ),
+        ),
+        "## Use it",
+        _use(page),
+    )
 
 
 def _section(heading: str, body: str) -> str:
@@ -115,25 +135,42 @@ def _number(value: Any) -> str:
 
 def _effects(page: ComponentPage) -> str:
     """What each adds. An effect that is off is absent."""
-    rows = [(code(e.name), plain(e.text), "" if e.states is None else e.states, len(e.variables),
-             ", ".join(map(code, e.needs)), ", ".join(map(code, e.excludes)), "yes" if e.explicit_only else "")
-            for e in page.effects]
+    rows = [
+        (
+            code(e.name),
+            plain(e.text),
+            "" if e.states is None else e.states,
+            len(e.variables),
+            ", ".join(map(code, e.needs)),
+            ", ".join(map(code, e.excludes)),
+            "yes" if e.explicit_only else "",
+        )
+        for e in page.effects
+    ]
     return table(("effect", "what it is", "states", "variables", "needs", "excludes", "only by name"), rows)
 
 
 def _presets(page: ComponentPage) -> str:
-    return table(("preset", "provenance", "source", "effects"), [
-        (code(p.name), p.provenance, plain(p.source), ", ".join(map(code, p.effects))) for p in page.presets])
+    return table(
+        ("preset", "provenance", "source", "effects"),
+        [(code(p.name), p.provenance, plain(p.source), ", ".join(map(code, p.effects))) for p in page.presets],
+    )
 
 
 def _accuracy(page: ComponentPage, cls: type[Component]) -> str:
     method = next(text for base, text in METHODS if issubclass(cls, base))
-    rows = [(code(v.name), _default(v), code(v.unit), plain(v.text)) for v in page.variables
-            if v.causality == "parameter" and v.name.rpartition(".")[2] in NUMERICAL]
+    rows = [
+        (code(v.name), _default(v), code(v.unit), plain(v.text))
+        for v in page.variables
+        if v.causality == "parameter" and v.name.rpartition(".")[2] in NUMERICAL
+    ]
     work = f"It counts {', '.join(name.replace('_', ' ') for name in page.counters)}." if page.counters else ""
-    measure = ("" if issubclass(cls, StatelessComponent | SampledComponent) else
-               f"`cosimo accuracy {page.name} -o out` measures its error over its internal step, beside SciPy's methods where "
-               "these can solve the same equations.")
+    measure = (
+        ""
+        if issubclass(cls, StatelessComponent | SampledComponent)
+        else f"`cosimo accuracy {page.name} -o out` measures its error over its internal step, beside SciPy's methods where "
+        "these can solve the same equations."
+    )
     return joined(method, table(("parameter", "default", "unit", "meaning"), rows), _stable_step(cls), work, measure).rstrip()
 
 

@@ -13,8 +13,13 @@ SCRIPT = "../_static/plotly.min.js"  # from a page in a folder
 def _show(figure: Any) -> None:
     from IPython.display import HTML, display
 
-    html = figure.to_html(full_html=False, include_plotlyjs=SCRIPT, include_mathjax=False, config={"displaylogo": False},
-                          default_height=figure.layout.height or 420)
+    html = figure.to_html(
+        full_html=False,
+        include_plotlyjs=SCRIPT,
+        include_mathjax=False,
+        config={"displaylogo": False},
+        default_height=figure.layout.height or 420,
+    )
     display(HTML(f'<div class="plot">{html}</div>'))
 
 

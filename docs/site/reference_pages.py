@@ -15,8 +15,18 @@ from cosimo.orchestrator.systems import SYSTEMS
 from prose import code, docstring, joined, plain, table, verbatim
 
 GROUPS = {
-    "Scenes and runs": ("load_scene", "read_scene", "write_scene", "Scene", "run", "Result", "read_result", "summary",
-                         "write_report", "sweep"),
+    "Scenes and runs": (
+        "load_scene",
+        "read_scene",
+        "write_scene",
+        "Scene",
+        "run",
+        "Result",
+        "read_result",
+        "summary",
+        "write_report",
+        "sweep",
+    ),
     "Judging": ("validate", "accuracy", "stability", "effects"),
     "FMUs": ("build", "check"),
     "Errors": ("BadInput", "StepFailed"),
@@ -41,14 +51,18 @@ def _scene_keys() -> str:
             for inner in _models(field.annotation):
                 if inner not in done and not issubclass(inner, AnalysisKeys) and inner not in [m for _, m in waiting]:
                     waiting.append((f"{name}.{key}" if name else key, inner))
-    text = ("Every key that a scene file may have. The page [Scenes](../../scenes.md) shows how they are used; `cosimo schema` "
-            "prints the same as a JSON schema, with the parameters of all components.")
+    text = (
+        "Every key that a scene file may have. The page [Scenes](../../scenes.md) shows how they are used; `cosimo schema` "
+        "prints the same as a JSON schema, with the parameters of all components."
+    )
     return joined("# Keys of a scene", text, *tables)
 
 
 def _analysis_keys() -> str:
-    text = ("`[analysis]` says what the figures and numbers of a run refer to. Its keys belong to the system that `system` "
-            "names; a key that the system does not have is refused.")
+    text = (
+        "`[analysis]` says what the figures and numbers of a run refer to. Its keys belong to the system that `system` "
+        "names; a key that the system does not have is refused."
+    )
     parts = ["# Keys of `[analysis]`", text, "## In every system", _fields(AnalysisKeys)]
     for system in SYSTEMS.values():
         own = {k: f for k, f in system.keys.model_fields.items() if k not in AnalysisKeys.model_fields}
@@ -100,8 +114,10 @@ def _type(annotation: Any) -> str:
 def _commands() -> str:
     group = typer.main.get_command(app)
     context = click.Context(group, info_name="cosimo")
-    parts = ["# Command line",
-             "What `cosimo COMMAND --help` prints, by command. The page [Commands](../../commands.md) shows them in use."]
+    parts = [
+        "# Command line",
+        "What `cosimo COMMAND --help` prints, by command. The page [Commands](../../commands.md) shows them in use.",
+    ]
     for name in sorted(group.list_commands(context)):
         command = group.get_command(context, name)
         inner = click.Context(command, info_name=f"cosimo {name}", max_content_width=110)
@@ -125,8 +141,10 @@ def _record(parameter: Any, context: Any) -> tuple[str, str] | None:
 def _python() -> str:
     listed = {name for names in GROUPS.values() for name in names}
     groups = GROUPS | {OTHERS: tuple(n for n in cosimo.__all__ if n not in listed)}
-    text = ("`import cosimo` gives the names of this page; what they need is imported when they are used first. Everything "
-            "else in the package may change from version to version.")
+    text = (
+        "`import cosimo` gives the names of this page; what they need is imported when they are used first. Everything "
+        "else in the package may change from version to version."
+    )
     parts = ["# Python interface", text]
     for title, names in groups.items():
         parts.append(f"## {title}")

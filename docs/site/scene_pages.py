@@ -47,9 +47,17 @@ def _page(name: str, path: Path) -> str:
     run = verbatim(f"cosimo run {name} --in-process -o out\ncosimo show {name}")
     title = plain(data.get("title", "")) + f". System: [{SYSTEMS[system].title}](../../systems/{system}.md)."
     return joined(
-        f"# {name}", title, picture, run,
-        "## Units", units, "## Connections" if links else "", verbatim("\n".join(links)) if links else "",
-        "## The file", f"```toml\n{path.read_text(encoding='utf-8').rstrip()}\n```")
+        f"# {name}",
+        title,
+        picture,
+        run,
+        "## Units",
+        units,
+        "## Connections" if links else "",
+        verbatim("\n".join(links)) if links else "",
+        "## The file",
+        f"```toml\n{path.read_text(encoding='utf-8').rstrip()}\n```",
+    )
 
 
 def _unit(unit: str, given: dict[str, Any]) -> tuple[str, str, str]:

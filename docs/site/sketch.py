@@ -16,13 +16,19 @@ def sketch(title: str, ports: Sequence[tuple[str, Sequence[str], Sequence[str]]]
     widths = [max((_width(row) for row in rows), default=40.0) for rows in (left, right)]
     body = max(widths[0] + widths[1] + 40.0, len(title) * 9.0 + 20.0)
     width, height = body + 2 * ARROW, TOP + LINE * max(len(left), len(right), 1) + 10
-    parts = [f'<rect x="{ARROW}" y="1" width="{body:.0f}" height="{height - 2:.0f}" rx="4"/>',
-             f'<text class="title" x="{width / 2:.0f}" y="24" text-anchor="middle">{escape(title)}</text>']
+    parts = [
+        f'<rect x="{ARROW}" y="1" width="{body:.0f}" height="{height - 2:.0f}" rx="4"/>',
+        f'<text class="title" x="{width / 2:.0f}" y="24" text-anchor="middle">{escape(title)}</text>',
+    ]
     parts += _side(left, ARROW + 8, "start", (2, ARROW - 2)) + _side(right, width - ARROW - 8, "end", (width - ARROW, width - 4))
-    head = ('<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-            '<path d="M0 0L8 4L0 8z" fill="currentColor"/></marker></defs>')
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="signals of {escape(title)}" width="{width:.0f}" '
-            f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}">{head}{"".join(parts)}</svg>')
+    head = (
+        '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
+        '<path d="M0 0L8 4L0 8z" fill="currentColor"/></marker></defs>'
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="signals of {escape(title)}" width="{width:.0f}" '
+        f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}">{head}{"".join(parts)}</svg>'
+    )
 
 
 def _rows(port: str, signals: Sequence[str], units: dict[str, str]) -> list[tuple[str, str]]:

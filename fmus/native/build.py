@@ -62,8 +62,12 @@ def compiler(target: str) -> list[str]:
     compiler = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
     if target == own_target() and compiler:
         return [compiler, "-Wl,--build-id=none"]
-    raise BadInput("build --native", f"no C compiler for {target}", "zig, which compiles for all targets" +
-                   (", or cc" if target == own_target() else ""), "Install it: pip install 'cosimo[native]'.")
+    raise BadInput(
+        "build --native",
+        f"no C compiler for {target}",
+        "zig, which compiles for all targets" + (", or cc" if target == own_target() else ""),
+        "Install it: pip install 'cosimo[native]'.",
+    )
 
 
 def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Library:
@@ -73,8 +77,9 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
     text, places = compile_entries(component), Places(component)
     variables = native_variables(component, places)
     objects = {target: object_code(text, target) for target in {*compilers, "linux64"}}
-    digest = store.digest_of(objects["linux64"], tables(component, places, variables, ""), *_runtime(),
-                          description2(name, component, variables, ""))
+    digest = store.digest_of(
+        objects["linux64"], tables(component, places, variables, ""), *_runtime(), description2(name, component, variables, "")
+    )
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(component, places, variables, token)
     binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
@@ -84,8 +89,12 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
 def initialized(component: Component) -> KernelComponent:
     """The component with its start values initialized, which refuses what cannot be built; `BadInput` for one in plain Python."""
     if not isinstance(component, KernelComponent):
-        raise BadInput(type(component).__name__, "a component in plain Python", NATIVE,
-                       "Derive it from KernelComponent or one of its kinds: docs/extending.md.")
+        raise BadInput(
+            type(component).__name__,
+            "a component in plain Python",
+            NATIVE,
+            "Derive it from KernelComponent or one of its kinds: docs/extending.md.",
+        )
     component.initialize(0.0)
     return component
 
@@ -112,8 +121,11 @@ def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
     Raises `BadInput` as `build_native`.
     """
     targets, component = list(targets), make()
-    return store.kept(Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu", is_sound,
-                lambda path: pack(library(name, make, targets), path.parent, 2))
+    return store.kept(
+        Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu",
+        is_sound,
+        lambda path: pack(library(name, make, targets), path.parent, 2),
+    )
 
 
 def _contents(component: Any, targets: list[str]) -> str:
@@ -122,11 +134,18 @@ def _contents(component: Any, targets: list[str]) -> str:
 
     cls = type(component)
     versions = [f"{name} {version(name)}" for name in ("cosimo", "numpy", "scipy", "numba", "llvmlite")]
-    configuration = (cls.__qualname__, targets, component.on, sorted(component.parameters.items()), component.inputs,
-                     component.u[0].tolist())
+    configuration = (
+        cls.__qualname__,
+        targets,
+        component.on,
+        sorted(component.parameters.items()),
+        component.inputs,
+        component.u[0].tolist(),
+    )
     compilers = [_compiler_version(target) for target in targets]
-    return store.digest_of(sources_digest(inspect.getfile(cls), __file__), *_runtime(), repr(configuration), sys.version,
-                           *versions, *compilers)
+    return store.digest_of(
+        sources_digest(inspect.getfile(cls), __file__), *_runtime(), repr(configuration), sys.version, *versions, *compilers
+    )
 
 
 def _compiler_version(target: str) -> str:
@@ -142,17 +161,31 @@ def _linked(name: str, target: str, command: list[str], model: str, code: bytes)
         write_sources(Path(folder), model, code)
         result = name + TARGETS[target].suffix
         dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later
-        done = subprocess.run([*command, *FLAGS, *dense, *SOURCES, "model.c", "entries.o", "-o", result, "-lm"], cwd=folder,
-                              capture_output=True, text=True)
+        done = subprocess.run(
+            [*command, *FLAGS, *dense, *SOURCES, "model.c", "entries.o", "-o", result, "-lm"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+        )
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["no message"]
-            raise BadInput("build --native", f"{command[0]} for {target} failed: {lines[0][:300]}", "a C compiler that links",
-                           "Check its installation.")
+            raise BadInput(
+                "build --native",
+                f"{command[0]} for {target} failed: {lines[0][:300]}",
+                "a C compiler that links",
+                "Check its installation.",
+            )
         return Path(folder, result).read_bytes()
 
 
-def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str],
-                 standards: Iterable[int] = (2,), derivatives: bool = False) -> list[Path]:
+def build_native(
+    name: str,
+    make: Callable[[], Any],
+    directory: Path,
+    targets: Iterable[str],
+    standards: Iterable[int] = (2,),
+    derivatives: bool = False,
+) -> list[Path]:
     """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.

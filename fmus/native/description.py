@@ -23,8 +23,10 @@ from ..description import (
 from .variables import NativeVariable
 
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
-HOST = ("This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
-        "the others can be set before the run.")
+HOST = (
+    "This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
+    "the others can be set before the run."
+)
 
 
 def _finished(root: ET.Element) -> bytes:
@@ -40,12 +42,22 @@ def listed(variables: Iterable[NativeVariable], derivatives: bool) -> list[tuple
 def description2(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
     """For FMI 2.0."""
     root = ET.Element("fmiModelDescription", {"fmiVersion": "2.0", **identity(name, component, "", guid=token)})
-    ET.SubElement(root, "CoSimulation", {
-        "modelIdentifier": name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "true", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
-        "providesDirectionalDerivative": "true",
-    })
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": name,
+            "needsExecutionTool": "false",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": "true",
+            "maxOutputDerivativeOrder": "0",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canNotUseMemoryManagementFunctions": "true",
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+            "providesDirectionalDerivative": "true",
+        },
+    )
     present = [(k, v.scalar) for k, v in listed(variables, derivatives)]
     add_head(root, component, [s for _, s in present])
     parent = ET.SubElement(root, "ModelVariables")
@@ -58,16 +70,35 @@ def description2(name: str, component: Any, variables: tuple[NativeVariable, ...
 def description3(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
     """For FMI 3.0: elements that follow one another are arrays."""
     root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", **identity(name, component, "", instantiationToken=token)})
-    ET.SubElement(root, "CoSimulation", {
-        "modelIdentifier": name, "needsExecutionTool": "false", "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true",
-        "canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "0",
-    })
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        {
+            "modelIdentifier": name,
+            "needsExecutionTool": "false",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canGetAndSetFMUState": "true",
+            "canSerializeFMUState": "true",
+            "providesDirectionalDerivatives": "true",
+            "canHandleVariableCommunicationStepSize": "true",
+            "maxOutputDerivativeOrder": "0",
+        },
+    )
     present = [(k, v) for k, v in listed(variables, derivatives) if v.size]
     add_head(root, component, [v.scalar for _, v in present], 3)
     parent = ET.SubElement(root, "ModelVariables")
-    ET.SubElement(parent, "Float64", {"name": "time", "valueReference": str(len(variables)), "description": "simulated time",
-                                      "causality": "independent", "variability": "continuous", "unit": "s"})
+    ET.SubElement(
+        parent,
+        "Float64",
+        {
+            "name": "time",
+            "valueReference": str(len(variables)),
+            "description": "simulated time",
+            "causality": "independent",
+            "variability": "continuous",
+            "unit": "s",
+        },
+    )
     for reference, variable in present:
         _add_variable3(parent, reference, variable, variables[reference : reference + variable.size])
     structure = ET.SubElement(root, "ModelStructure")
@@ -83,8 +114,11 @@ def description3(name: str, component: Any, variables: tuple[NativeVariable, ...
     # the time is a variable, and a start may follow from it
     always = {len(variables), *(k for k, v in present if v.role == "PARAMETER"), *fed(component.start_inputs or ())}
     for reference, dependencies in known.items():
-        ET.SubElement(structure, "InitialUnknown", {
-            "valueReference": str(reference), **initial_dependencies(component, always, dependencies)})
+        ET.SubElement(
+            structure,
+            "InitialUnknown",
+            {"valueReference": str(reference), **initial_dependencies(component, always, dependencies)},
+        )
     return _finished(root)
 
 

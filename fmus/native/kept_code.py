@@ -24,8 +24,9 @@ class _Unknown(Exception):
     """Something enclosed in a kernel of which there is no digest."""
 
 
-def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any]], kernels: Iterable[Any],
-              component: type) -> str | None:
+def digest_of(
+    identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any]], kernels: Iterable[Any], component: type
+) -> str | None:
     """Digest of what machine code follows from; None where part of it is known to this process only.
 
     identity: texts and kernels. reached: the kernels that a function names. kernels: all functions that become part of the code.

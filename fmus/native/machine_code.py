@@ -23,10 +23,50 @@ from .kept_code import digest_of, load, save
 
 NATIVE = "kernels that allocate nothing and call only functions of libm"
 ALLOWED = {
-    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc",
-    "exp", "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p",
-    "log2", "memcpy", "memmove", "memset", "nearbyint", "pow", "rint", "round", "sin", "sincos", "sinh", "sqrt", "tan",
-    "tanh", "tgamma", "trunc",
+    "acos",
+    "acosh",
+    "asin",
+    "asinh",
+    "atan",
+    "atan2",
+    "atanh",
+    "cbrt",
+    "ceil",
+    "copysign",
+    "cos",
+    "cosh",
+    "erf",
+    "erfc",
+    "exp",
+    "exp2",
+    "expm1",
+    "fabs",
+    "floor",
+    "fma",
+    "fmod",
+    "frexp",
+    "hypot",
+    "ldexp",
+    "lgamma",
+    "log",
+    "log10",
+    "log1p",
+    "log2",
+    "memcpy",
+    "memmove",
+    "memset",
+    "nearbyint",
+    "pow",
+    "rint",
+    "round",
+    "sin",
+    "sincos",
+    "sinh",
+    "sqrt",
+    "tan",
+    "tanh",
+    "tgamma",
+    "trunc",
 }
 
 
@@ -47,8 +87,9 @@ TARGETS = {
     "linux64": Target("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so"),
     "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll"),
     # FMI 2.0 names no folder for it and refers, since 2.0.5, to those of FMI 3.0
-    "linux-arm64": Target("aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "generic", "aarch64-linux", "aarch64-linux",
-                          ".so", "linux64"),
+    "linux-arm64": Target(
+        "aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "generic", "aarch64-linux", "aarch64-linux", ".so", "linux64"
+    ),
 }
 
 
@@ -141,12 +182,15 @@ def _compile(component: KernelComponent, counted: bool) -> str:
             overload = kernel.overloads[signature]
             check_result(kernel, overload)
             body = block.body(name, kinds_of(overload, len(ENTRIES[name])), overload.fndesc.llvm_func_name)
-            texts[name] = overload.library.get_llvm_str() + f"""
-define i32 @model_{name}({', '.join(ENTRIES[name])}, i64 %address) {{
+            texts[name] = (
+                overload.library.get_llvm_str()
+                + f"""
+define i32 @model_{name}({", ".join(ENTRIES[name])}, i64 %address) {{
 %block = inttoptr i64 %address to ptr
 {body}
 }}
 """
+            )
         text = _linked(component, texts, [k.__name__ for k in reached])
         if digest:
             save(digest, text)
@@ -190,8 +234,9 @@ def _machine(target: Target) -> Any:
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    return llvm.Target.from_triple(target.triple).create_target_machine(cpu=target.cpu, features="", opt=3, reloc="pic",
-                                                                        codemodel="default")
+    return llvm.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.cpu, features="", opt=3, reloc="pic", codemodel="default"
+    )
 
 
 def _optimize(module: Any, target: Target) -> Any:
@@ -227,8 +272,12 @@ def refusal(component: Any, error: Exception) -> BadInput:
     ignored = ("During:", "File", "This error", "Failed in", "Overload", "<source", "-", "^")
     causes = [line for line in lines if not line.startswith(ignored)]
     cause = next((c for c in reversed(causes) if len(c) > 12), type(error).__name__)
-    return BadInput(type(component).__name__, f"what has no native form{_place(text)}: {cause[:200]}",
-                    NATIVE, "Move it into a kernel with workspace.")
+    return BadInput(
+        type(component).__name__,
+        f"what has no native form{_place(text)}: {cause[:200]}",
+        NATIVE,
+        "Move it into a kernel with workspace.",
+    )
 
 
 def _plain(error: Exception) -> str:

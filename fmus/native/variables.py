@@ -82,18 +82,38 @@ def tables(component: KernelComponent, at: Places, variables: tuple[NativeVariab
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
     rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
-    reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}"
-               for status, text, cells in reasons_of(component)]
+    reasons = [
+        f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}" for status, text, cells in reasons_of(component)
+    ]
     cells = [f"{value:#x}u" for value in image_of(component).view("uint64").tolist()]
-    numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": at.cells, "saved": at.saved, "u": at.u,
-               "u_size": component.u.size, "parameters": at.first_parameter, "parameters_size": at.saved - at.first_parameter}
-    return "\n".join([
-        "#include \"native.h\"", "#include <math.h>",
-        "const Variable model_variables[] = {", ",\n".join(rows), "};",
-        "const Reason model_reasons[] = {", ",\n".join(reasons), "};",
-        "const uint64_t model_image[] = {", *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)), "};",
-        f"const char model_token[] = {quoted(token)};",
-        "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";", ""])
+    numbers = {
+        "variable_count": len(variables),
+        "reason_count": len(reasons),
+        "cells": at.cells,
+        "saved": at.saved,
+        "u": at.u,
+        "u_size": component.u.size,
+        "parameters": at.first_parameter,
+        "parameters_size": at.saved - at.first_parameter,
+    }
+    return "\n".join(
+        [
+            '#include "native.h"',
+            "#include <math.h>",
+            "const Variable model_variables[] = {",
+            ",\n".join(rows),
+            "};",
+            "const Reason model_reasons[] = {",
+            ",\n".join(reasons),
+            "};",
+            "const uint64_t model_image[] = {",
+            *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)),
+            "};",
+            f"const char model_token[] = {quoted(token)};",
+            "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
+            "",
+        ]
+    )
 
 
 def _row(name: str, kind: str, variable: NativeVariable) -> str:
@@ -101,8 +121,10 @@ def _row(name: str, kind: str, variable: NativeVariable) -> str:
     text = quoted(str(scalar.start)) if role == "CONSTANT" and kind == "STRING" else "0"
     value = number(float(scalar.start)) if role in ("CONSTANT", "INPUT", "DERIVATIVE") and kind != "STRING" else "0.0"
     name = quoted(name) if role != "ABSENT" else "0"
-    return (f"{{{name}, {kind}, {role}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
-            f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}}}")
+    return (
+        f"{{{name}, {kind}, {role}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
+        f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}}}"
+    )
 
 
 def number(value: float) -> str:

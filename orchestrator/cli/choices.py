@@ -32,8 +32,9 @@ class ChosenEffects(NamedTuple):
     messages: tuple[str, ...]
 
 
-def setting_within(scene: Scene, tolerance: float, on_message: Callable[[str], None],
-                   announce: Callable[[str], None]) -> ChosenSetting:
+def setting_within(
+    scene: Scene, tolerance: float, on_message: Callable[[str], None], announce: Callable[[str], None]
+) -> ChosenSetting:
     """The scene at the quickest setting known to keep the tolerance; measured first, announced, where nothing valid is known."""
     from ..harness.studies.accuracy import accuracy as measure
     from ..harness.studies.fronts import choose, keep, known, why
@@ -48,9 +49,12 @@ def setting_within(scene: Scene, tolerance: float, on_message: Callable[[str], N
         assert front is not None
     point = choose(scene, front.measured, tolerance)
     reasons = why(point, front, tolerance)
-    messages = (f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)} "
-                f"(rms where the signals move; {percent(point.largest)} at its largest); "
-                f"{reasons['reason']}", f"  from: {front.origin}")
+    messages = (
+        f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)} "
+        f"(rms where the signals move; {percent(point.largest)} at its largest); "
+        f"{reasons['reason']}",
+        f"  from: {front.origin}",
+    )
     return ChosenSetting(scene.with_changes(point.changes) if point.changes else scene, reasons, messages)
 
 
@@ -61,8 +65,10 @@ def effects_within(scene: Scene, tolerance: float, on_message: Callable[[str], N
 
     choice = choose(scene, tolerance, on_message)
     names = [f"{unit}.{e}" for unit, on in choice.on.items() for e in on]
-    messages = (f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}",
-                f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}")
+    messages = (
+        f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}",
+        f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}",
+    )
     return ChosenEffects(choice.applied(scene), choice, messages)
 
 

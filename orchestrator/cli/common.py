@@ -38,23 +38,44 @@ def _print_version(wanted: bool) -> None:
 
 
 @app.callback()
-def options(version: Annotated[bool, typer.Option("--version", is_eager=True, callback=_print_version, help=(
-        "Print the version and end."))] = False) -> None:
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help=("Print the version and end."))
+    ] = False,
+) -> None:
     """Mechanical components as FMUs, coupled simulations of them, and validation against published tables."""
 
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
-InProcess = Annotated[bool, typer.Option("--in-process", help=(
-    "Run components in this process, not as FMUs: bit-identical results, faster."))]
-Native = Annotated[bool, typer.Option("--native", help=(
-    "Components as native FMUs, which need no Python; built for the scene, and kept."))]
+InProcess = Annotated[
+    bool, typer.Option("--in-process", help=("Run components in this process, not as FMUs: bit-identical results, faster."))
+]
+Native = Annotated[
+    bool, typer.Option("--native", help=("Components as native FMUs, which need no Python; built for the scene, and kept."))
+]
 NoVerify = Annotated[bool, typer.Option("--no-verify", help="Repeat nothing: numbers have no error.")]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
-Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", autocompletion=parameters, help=(
-    "Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated."))]
-Presets = Annotated[list[str] | None, typer.Option("--preset", metavar="[UNIT=]NAME", autocompletion=presets, help=(
-    "Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated."))]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="UNIT.PARAMETER=VALUE",
+        autocompletion=parameters,
+        help=("Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated."),
+    ),
+]
+Presets = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--preset",
+        metavar="[UNIT=]NAME",
+        autocompletion=presets,
+        help=(
+            "Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated."
+        ),
+    ),
+]
 
 
 def wish_of(verify: str | None, no_verify: bool, choices: Sequence[str]) -> Wish:
@@ -106,8 +127,11 @@ def study(output: Path, resume: bool) -> Iterator[None]:
         with kept_study(output, resume=resume):
             yield
     except Stopped as stopped:
-        print(f"cosimo: stopped by {stopped.signal.name}; {stopped.kept} of its runs, solutions or limits are kept, and the same "
-              "command with --resume goes on with them", file=sys.stderr)
+        print(
+            f"cosimo: stopped by {stopped.signal.name}; {stopped.kept} of its runs, solutions or limits are kept, and the same "
+            "command with --resume goes on with them",
+            file=sys.stderr,
+        )
         raise SystemExit(STOPPED + stopped.signal) from None
 
 
@@ -207,8 +231,9 @@ def loaded_scene(name: str) -> Scene:
     return scene
 
 
-def scene_of(name: str, values: Sequence[str] | None, presets: Sequence[str] | None,
-             more: Mapping[str, Any] | None = None) -> Scene:
+def scene_of(
+    name: str, values: Sequence[str] | None, presets: Sequence[str] | None, more: Mapping[str, Any] | None = None
+) -> Scene:
     """A scene with the changes of the command line; more: those of other options."""
     loaded = loaded_scene(name)
     return changed(loaded, {**changes_of(loaded, values, presets), **(more or {})})
@@ -221,8 +246,11 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """
     if not changes:
         return scene
-    named = [_named(place, value) for place, value in changes.items()
-             if place.startswith("units.") and not place.endswith(".isolation")]
+    named = [
+        _named(place, value)
+        for place, value in changes.items()
+        if place.startswith("units.") and not place.endswith(".isolation")
+    ]
     rest = f" and {len(named) - NAMED} more changes" if len(named) > NAMED else ""
     title = {"title": f"{scene.name}, changed: {', '.join(named[:NAMED])}{rest}"} if named else {}
     return scene.with_changes({**changes, **title})
@@ -249,8 +277,12 @@ def share(option: str, text: str) -> float:
     except ValueError:
         value = nan
     if not percent and 1.0 <= value <= 100.0:
-        raise BadInput(option, repr(text), "a share with its percent sign, or below 1",
-                       f"{value:g} percent is written {value:g}% or {value / 100.0:g}.")
+        raise BadInput(
+            option,
+            repr(text),
+            "a share with its percent sign, or below 1",
+            f"{value:g} percent is written {value:g}% or {value / 100.0:g}.",
+        )
     value /= 100.0 if percent else 1.0
     if rest or not 0.0 < value <= 1.0:
         raise BadInput(option, repr(text), "a share above 0 % and at most 100 %", "As in 1% or 0.01.")
@@ -267,7 +299,8 @@ def parameters_of(texts: Sequence[str]) -> dict[str, Any]:
         given = value_of(value)
         elements = enumerate(given, 1) if isinstance(given, list) else ()
         values |= {f"{parameter.strip()}[{k}]": v for k, v in elements} or {
-            parameter.strip(): float(given) if isinstance(given, int) and not isinstance(given, bool) else given}
+            parameter.strip(): float(given) if isinstance(given, int) and not isinstance(given, bool) else given
+        }
     return values
 
 

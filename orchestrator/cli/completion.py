@@ -85,21 +85,31 @@ def parameters(ctx: Context) -> list[str]:
     from ...components.core.variables import Causality
 
     classes = {unit: component_class(component) for unit, component in _units(ctx).items()}
-    return sorted(f"{unit}.{name}=" if unit else f"{name}=" for unit, cls in classes.items()
-                  for name, variable in cls.variables.items() if variable.causality is not Causality.OUTPUT)
+    return sorted(
+        f"{unit}.{name}=" if unit else f"{name}="
+        for unit, cls in classes.items()
+        for name, variable in cls.variables.items()
+        if variable.causality is not Causality.OUTPUT
+    )
 
 
 def effects(ctx: Context) -> list[str]:
     """unit.effect of --effects."""
     from ...components.catalogue import component_class
 
-    return sorted(f"{unit}.{effect}" if unit else effect for unit, component in _units(ctx).items()
-                  for effect in component_class(component).effects)
+    return sorted(
+        f"{unit}.{effect}" if unit else effect
+        for unit, component in _units(ctx).items()
+        for effect in component_class(component).effects
+    )
 
 
 def presets(ctx: Context) -> list[str]:
     """unit=preset of --preset."""
     from ...components.catalogue import component_class
 
-    return sorted(f"{unit}={preset}" if unit else preset for unit, component in _units(ctx).items()
-                  for preset in component_class(component).presets)
+    return sorted(
+        f"{unit}={preset}" if unit else preset
+        for unit, component in _units(ctx).items()
+        for preset in component_class(component).presets
+    )

@@ -24,7 +24,8 @@ def _group() -> None:
 @dataset.command("bearing-faults")
 def bearing_faults(
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the records, labels.csv and the runs.")] = Path(
-        "bearing-faults"),
+        "bearing-faults"
+    ),
     individuals: Annotated[int, typer.Option("--individuals", help="Bearings of each class; each is in one part only.")] = 5,
     duration: Annotated[float, typer.Option("--duration", help="Length of a record, s; 0.25 or more.")] = 1.0,
     conditions: Annotated[int, typer.Option("--conditions", help="Of the four speeds and loads, how many.")] = 4,
@@ -34,7 +35,8 @@ def bearing_faults(
     run_up: Annotated[bool, typer.Option("--run-up", help="A run-up beside every steady record.")] = False,
     layout: Annotated[str, typer.Option("--layout", help="cwru or paderborn.")] = "cwru",
     seed: Annotated[int, typer.Option("--seed")] = 1,
-    jobs: Jobs = None, scheduler: Scheduler = "",
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
 ) -> None:
     """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
     from ..output import locked
@@ -43,9 +45,19 @@ def bearing_faults(
 
     sensor = Sensor(rate=rate, resonance=resonance, snr=snr)
     with locked(output):
-        records, runs = fault_data(output, individuals=individuals, duration=duration, seed=seed, run_up=run_up,
-                                   conditions=conditions, sensor=sensor, layout=layout, jobs=jobs, scheduler=scheduler,
-                                   progress=True)
+        records, runs = fault_data(
+            output,
+            individuals=individuals,
+            duration=duration,
+            seed=seed,
+            run_up=run_up,
+            conditions=conditions,
+            sensor=sensor,
+            layout=layout,
+            jobs=jobs,
+            scheduler=scheduler,
+            progress=True,
+        )
     stopped_early(runs, runs.outcomes.count("not run"))
     parts = {part: sum(r.part == part for r in records) for part in ("train", "validation", "test")}
     print(f"{len(records)} records ({', '.join(f'{n} {p}' for p, n in parts.items())}); wrote {output / 'labels.csv'}")
@@ -53,8 +65,10 @@ def bearing_faults(
         result = check(output, sensor)
         names = list(next(iter(result.by_label.values())))
         print_table("Medians", ["label", *names], [(label, *row.values()) for label, row in result.by_label.items()])
-        print(f"a random forest labels {100.0 * result.accuracy:.0f} % of {result.records} test records right "
-              f"(by chance {100.0 * result.chance:.0f} %)")
+        print(
+            f"a random forest labels {100.0 * result.accuracy:.0f} % of {result.records} test records right "
+            f"(by chance {100.0 * result.chance:.0f} %)"
+        )
     if failed := [o for o in runs.outcomes if o != "done"]:
         print(f"cosimo: {len(failed)} runs failed: {failed[0]}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)

@@ -21,13 +21,25 @@ if TYPE_CHECKING:
 @app.command()
 def effects(
     scene: Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")],
-    tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help=(
-        "Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."))] = TOLERANCE,
+    tolerance: Annotated[
+        str,
+        typer.Option(
+            "--tolerance",
+            metavar="SHARE",
+            help=("Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."),
+        ),
+    ] = TOLERANCE,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for effects.csv and the report.")] = Path("effects"),
-    write: Annotated[Path | None, typer.Option("--write", metavar="FILE", help=(
-        "Write the scene with the smallest set of effects; a .toml file."))] = None,
-    more: Annotated[list[str] | None, typer.Option("--with", metavar="UNIT.EFFECT[,...]", help=(
-        "Parts, defects, loads and the like to take into the full model, too."))] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option("--write", metavar="FILE", help=("Write the scene with the smallest set of effects; a .toml file.")),
+    ] = None,
+    more: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with", metavar="UNIT.EFFECT[,...]", help=("Parts, defects, loads and the like to take into the full model, too.")
+        ),
+    ] = None,
     stop: Annotated[float | None, typer.Option("--stop", help="End of the runs, s.")] = None,
     values: Changes = None,
     presets: Presets = None,
@@ -63,10 +75,15 @@ def remarks(study: Effects) -> list[str]:
     from ..harness.studies.chosen import reason
     from ..harness.studies.quantities import percent
 
-    lines = [f"Of the scene {study.scene.name}: the effects whose absence shows by more than {percent(study.tolerance)};",
-             f"error of this scene {percent(study.least.error)} against all effects."]
-    return lines + [f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(reason(f, study.tolerance).split())}"
-                    for f in study.findings if f.chosen or f.given]
+    lines = [
+        f"Of the scene {study.scene.name}: the effects whose absence shows by more than {percent(study.tolerance)};",
+        f"error of this scene {percent(study.least.error)} against all effects.",
+    ]
+    return lines + [
+        f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(reason(f, study.tolerance).split())}"
+        for f in study.findings
+        if f.chosen or f.given
+    ]
 
 
 def summary(study: Effects) -> dict[str, Any]:
@@ -79,8 +96,13 @@ def summary(study: Effects) -> dict[str, Any]:
         return {k: v if not isinstance(v, float) or isfinite(v) else None for k, v in data.items()}
 
     return {
-        "scene": study.scene.name, "tolerance": study.tolerance, "quantities": list(study.quantities), "runs": study.runs,
-        "full": plain(asdict(study.full)), "given": plain(asdict(study.given)), "chosen": plain(asdict(study.least)),
+        "scene": study.scene.name,
+        "tolerance": study.tolerance,
+        "quantities": list(study.quantities),
+        "runs": study.runs,
+        "full": plain(asdict(study.full)),
+        "given": plain(asdict(study.given)),
+        "chosen": plain(asdict(study.least)),
         "effects": [plain(asdict(f)) | {"why": reason(f, study.tolerance)} for f in study.findings],
     }
 
@@ -91,10 +113,23 @@ def print_effects(study: Effects) -> None:
     from ..harness.studies.quantities import percent
 
     order = sorted((f for f in study.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
-    print_table(f"{study.scene.title or study.scene.name}: effects within {percent(study.tolerance)}",
-                ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
-                [(f.name, "yes" if f.given else "no", percent(f.predicted), percent(f.actual), f.states, f.calls,
-                  "yes" if f.chosen else "no", reason(f, study.tolerance)) for f in order])
+    print_table(
+        f"{study.scene.title or study.scene.name}: effects within {percent(study.tolerance)}",
+        ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
+        [
+            (
+                f.name,
+                "yes" if f.given else "no",
+                percent(f.predicted),
+                percent(f.actual),
+                f.states,
+                f.calls,
+                "yes" if f.chosen else "no",
+                reason(f, study.tolerance),
+            )
+            for f in order
+        ],
+    )
     if left := [f.name for f in study.findings if f.standing == "left out"]:
         print(f"not in the full model: {', '.join(left)}")
     for name, cost in (("all effects", study.full), ("the scene's own effects", study.given), ("smallest set", study.least)):

@@ -15,13 +15,22 @@ from .completion import scenes
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
 
-Plan_ = Annotated[Path | None, typer.Option("--plan", help=(
-    "TOML file: what varies, how points are chosen, what is kept of each run."))]
-Jobs = Annotated[int | None, typer.Option("--jobs", help=(
-    "Processes; default: one for each core, where the points need longer than those to start."))]
+Plan_ = Annotated[
+    Path | None, typer.Option("--plan", help=("TOML file: what varies, how points are chosen, what is kept of each run."))
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", help=("Processes; default: one for each core, where the points need longer than those to start.")),
+]
 Scheduler = Annotated[str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
-Limits = Annotated[str, typer.Option("--limits", metavar="TABLE", help=(
-    "A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows."))]
+Limits = Annotated[
+    str,
+    typer.Option(
+        "--limits",
+        metavar="TABLE",
+        help=("A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows."),
+    ),
+]
 Conditions = Annotated[list[str] | None, typer.Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
 SceneName = Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
 
@@ -30,17 +39,31 @@ SceneName = Annotated[str, typer.Argument(autocompletion=scenes, help="name of a
 def sweep(
     scene: SceneName,
     plan: Plan_ = None,
-    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
-        "Values of a parameter, instead of the scene's [sweep]; several make a grid."))] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help=(
-        "Directory for sweep.csv, the data set and the report; points that are there are not run again."))] = Path("sweep"),
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--over",
+            metavar="UNIT.PARAMETER=FROM:TO:POINTS",
+            help=("Values of a parameter, instead of the scene's [sweep]; several make a grid."),
+        ),
+    ] = None,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            help=("Directory for sweep.csv, the data set and the report; points that are there are not run again."),
+        ),
+    ] = Path("sweep"),
     values: Changes = None,
     presets: Presets = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
     retry: Annotated[bool, typer.Option("--retry", help="Run points that have failed again.")] = False,
-    limits: Limits = "", condition: Conditions = None, no_verify: NoVerify = False,
+    limits: Limits = "",
+    condition: Conditions = None,
+    no_verify: NoVerify = False,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from ..harness import report
@@ -52,8 +75,19 @@ def sweep(
         raise BadInput("sweep", "--plan and --over", "one of them")
     loaded = scene_of(scene, values, presets, {"sweep": dict(map(range_of, over))} if over else {})
     with locked(output):  # now, not after a long sweep
-        results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True,
-                             limits=limits, conditions=condition or (), verify=not no_verify)
+        results = many.sweep(
+            loaded,
+            plan,
+            output,
+            jobs=jobs,
+            scheduler=scheduler,
+            add=add,
+            retry=retry,
+            progress=True,
+            limits=limits,
+            conditions=condition or (),
+            verify=not no_verify,
+        )
         written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
     warn(results.remarks)
     failed = [o for o in results.outcomes if o not in ("done", NOT_RUN)]
@@ -77,6 +111,7 @@ def verified(results: Sweep) -> str:
 def stopped_early(results: Sweep, left: int) -> None:
     """End with the signal's exit code where one has ended the sweep."""
     if results.stopped is not None:
-        print(f"cosimo: stopped by {results.stopped.name}, {left} points were not run; the same command runs them",
-              file=sys.stderr)
+        print(
+            f"cosimo: stopped by {results.stopped.name}, {left} points were not run; the same command runs them", file=sys.stderr
+        )
         raise SystemExit(STOPPED + results.stopped)

@@ -15,8 +15,17 @@ from ...fmus.native.machine_code import TARGETS
 from .common import listed, parameters_of, preset_of, scene_of
 
 
-def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str, effects: str, values: Sequence[str],
-                      presets: Sequence[str] | None, scene: str, derivatives: bool) -> None:
+def build_native_fmus(
+    names: Sequence[str],
+    output: Path,
+    target: str,
+    fmi: str,
+    effects: str,
+    values: Sequence[str],
+    presets: Sequence[str] | None,
+    scene: str,
+    derivatives: bool,
+) -> None:
     """Build native FMUs and print their paths; arguments as of the command `build`."""
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
@@ -27,9 +36,14 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
     if scene and (effects or values):
         raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
     on = listed("--effects", [effects]) if effects else []
-    units = scene_units(scene, presets, names) if scene else {
-        name.rpartition(":")[2]: partial(_component, name, on, parameters_of(values), preset_of(presets))
-        for name in names or CATALOGUE}
+    units = (
+        scene_units(scene, presets, names)
+        if scene
+        else {
+            name.rpartition(":")[2]: partial(_component, name, on, parameters_of(values), preset_of(presets))
+            for name in names or CATALOGUE
+        }
+    )
     refused: list[BadInput] = []
     for name, maker in units.items():
         try:
@@ -41,8 +55,12 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
             refused.append(error)
             print(f"refused: {error}")
     if refused:
-        raise BadInput("build --native", f"{len(refused)} of {len(units)} components that have no native form",
-                       "components whose steps are kernels", "The lines above name what prevents it.")
+        raise BadInput(
+            "build --native",
+            f"{len(refused)} of {len(units)} components that have no native form",
+            "components whose steps are kernels",
+            "The lines above name what prevents it.",
+        )
 
 
 def _component(name: str, effects: Sequence[str], values: dict[str, Any], preset: str) -> Component:

@@ -184,7 +184,7 @@ def test_the_fmu_passes_its_checks(tmp_path):
     findings = cosimo.check(cosimo.build($name, tmp_path))
     assert [f"{f.name}: {f.detail}" for f in findings if not f.ok] == []
 '''
-SCENE = '''#:schema scene.schema.json
+SCENE = """#:schema scene.schema.json
 title = "$title, let go"
 stop_time = 5.0                                   # s
 
@@ -196,8 +196,8 @@ parameters = { damping = 0.5 }                    # SI units
 [master]
 algorithm = "gauss-seidel"
 step = 1e-2                                       # s
-'''
-README = '''# $title
+"""
+README = """# $title
 
 `$name` in `$module.py` is a component of cosimo: `m x'' = F - k x - c x' - k3 x³`. Change it, and `test_$module.py` with it.
 
@@ -211,7 +211,7 @@ The folder of `$module.py` must be on `PYTHONPATH`:
     cosimo check $name.fmu
     cosimo stability component:$module:$name
     cosimo schema $module.toml                   # with it, editors complete and check the scene
-'''
+"""
 
 
 @new.command()
@@ -225,18 +225,27 @@ def component(
     from ..scene.build import snake_case
 
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name) or keyword.iskeyword(name):
-        raise BadInput("new component", repr(name), "a class name of letters and digits that starts with a capital letter",
-                       "As in MassOnSpring.")
+        raise BadInput(
+            "new component",
+            repr(name),
+            "a class name of letters and digits that starts with a capital letter",
+            "As in MassOnSpring.",
+        )
     if name in CATALOGUE:
-        raise BadInput("new component", repr(name), "a name that no component of the catalogue has",
-                       "Its FMU would have the same name.")
+        raise BadInput(
+            "new component", repr(name), "a name that no component of the catalogue has", "Its FMU would have the same name."
+        )
     module = snake_case(name)
     title = module.replace("_", " ").capitalize()
     files = {f"{module}.py": COMPONENT, f"test_{module}.py": TEST, f"{module}.toml": SCENE, "README.md": README}
     directory = ensure_directory(output)
     if there := [file for file in files if (directory / file).exists()]:
-        raise BadInput("new component", f"{directory / there[0]}, which is there already", "files that do not exist yet",
-                       "Give another directory by -o, or another name.")
+        raise BadInput(
+            "new component",
+            f"{directory / there[0]}, which is there already",
+            "files that do not exist yet",
+            "Give another directory by -o, or another name.",
+        )
     for file, text in files.items():
         filled = Template(text).substitute(name=name, module=module, unit=module, title=title)
         (directory / file).write_text(filled, encoding="utf-8")

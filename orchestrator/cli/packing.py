@@ -23,9 +23,16 @@ def ssp(
     values: Changes = None,
     presets: Presets = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,
-    tolerance: Annotated[str, typer.Option("--tolerance", help=(
-        "How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation of a "
-        "low-pass-filtered one."))] = "5%",
+    tolerance: Annotated[
+        str,
+        typer.Option(
+            "--tolerance",
+            help=(
+                "How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation of a "
+                "low-pass-filtered one."
+            ),
+        ),
+    ] = "5%",
     native: Native = False,
     force: Annotated[bool, typer.Option("--force", help="Write the package however far other masters will be.")] = False,
 ) -> None:
@@ -44,8 +51,11 @@ def ssp(
     limit = share("--tolerance", tolerance)
     check(packed, path)
     if not _close_enough(loaded, step, limit) and not force:
-        print(f"cosimo: {path} is not written: other masters would be farther than {100.0 * limit:g} % from the scene. "
-              "--force writes it all the same", file=sys.stderr)
+        print(
+            f"cosimo: {path} is not written: other masters would be farther than {100.0 * limit:g} % from the scene. "
+            "--force writes it all the same",
+            file=sys.stderr,
+        )
         raise SystemExit(FAILED_CHECK)
     starts = initial_inputs(packed) if packed.connections else None
     if native:
@@ -81,8 +91,10 @@ def _close_enough(scene: Scene, step: float | None, limit: float) -> bool:
 
 
 def _print(comparison: Comparison) -> None:
-    print_table(f"held inputs, exchanged once per step of {comparison.step:g} s", (
-        "quantity", "unit", "this scene", "other masters", "difference / scale"), [
-        (row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in comparison.rows])
+    print_table(
+        f"held inputs, exchanged once per step of {comparison.step:g} s",
+        ("quantity", "unit", "this scene", "other masters", "difference / scale"),
+        [(row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in comparison.rows],
+    )
     if comparison.failure:
         print(f"cosimo: warning: other masters will not reach the end: {comparison.failure}", file=sys.stderr)

@@ -21,16 +21,23 @@ app.add_typer(railway, name="railway")
 @railway.command()
 def lumped(
     scene: Annotated[str, typer.Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
-    speeds: Annotated[str, typer.Option("--speeds", metavar="KM/H[,...]", help="Speeds at which both are run.")] =
-        "20,50,100,150,200,250,300",
-    force: Annotated[float | None, typer.Option("--force", help=(
-        "Force at which the static elasticity is taken, N; without it the mean force at the lowest speed."))] = None,
-    span: Annotated[int | None, typer.Option("--span", help=(
-        "Span that is fitted, counted from 1; without it the middle one."))] = None,
+    speeds: Annotated[
+        str, typer.Option("--speeds", metavar="KM/H[,...]", help="Speeds at which both are run.")
+    ] = "20,50,100,150,200,250,300",
+    force: Annotated[
+        float | None,
+        typer.Option(
+            "--force", help=("Force at which the static elasticity is taken, N; without it the mean force at the lowest speed.")
+        ),
+    ] = None,
+    span: Annotated[
+        int | None, typer.Option("--span", help=("Span that is fitted, counted from 1; without it the middle one."))
+    ] = None,
     inerter: Annotated[bool, typer.Option("--inerter", help="An inerter in the place of the mass.")] = False,
     tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help="Error that is still allowed.")] = "10%",
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the scene, lumped.csv and the report.")] =
-        Path("lumped"),
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the scene, lumped.csv and the report.")] = Path(
+        "lumped"
+    ),
 ) -> None:
     """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
     from ..output import ensure_directory
@@ -46,25 +53,46 @@ def lumped(
         on_message("running the line and its lumped catenary")
         domain = lumped_domain(loaded, values, force, span, inerter)
     written = [*domain.save(output), report(domain, allowed, output)]
-    print_table(f"Errors of the lumped catenary of {domain.name}",
-                ("quantity", *(f"{v:g} km/h" for v in domain.speeds), f"within {tolerance} up to"),
-                [(text, *(f"{100.0 * e:+.3g} %" for e in domain.errors[name]), domain_text(domain, name, allowed))
-                 for name, text in ERRORS.items()])
+    print_table(
+        f"Errors of the lumped catenary of {domain.name}",
+        ("quantity", *(f"{v:g} km/h" for v in domain.speeds), f"within {tolerance} up to"),
+        [
+            (text, *(f"{100.0 * e:+.3g} %" for e in domain.errors[name]), domain_text(domain, name, allowed))
+            for name, text in ERRORS.items()
+        ],
+    )
     print(f"wrote {', '.join(map(str, written))}")
 
 
 @railway.command("line")
 def line_(
     table: Annotated[Path | None, typer.Argument(help="the line's table, a TOML file")] = None,
-    values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
-        "Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."))] = None,
-    droppers: Annotated[Path | None, typer.Option("--droppers", help=(
-        "CSV file of droppers in the place of the table's, such as a droppers.csv of this command."))] = None,
-    temperature: Annotated[float | None, typer.Option("--temperature", metavar="K", help=(
-        "Change of temperature against that of the table: tensions and heights of wires with fixed = true."))] = None,
+    values: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="PARAMETER=VALUE",
+            help=("Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."),
+        ),
+    ] = None,
+    droppers: Annotated[
+        Path | None,
+        typer.Option(
+            "--droppers", help=("CSV file of droppers in the place of the table's, such as a droppers.csv of this command.")
+        ),
+    ] = None,
+    temperature: Annotated[
+        float | None,
+        typer.Option(
+            "--temperature",
+            metavar="K",
+            help=("Change of temperature against that of the table: tensions and heights of wires with fixed = true."),
+        ),
+    ] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help=(
-        "Directory for droppers.csv, supports.csv and line.svg."))] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help=("Directory for droppers.csv, supports.csv and line.svg."))
+    ] = None,
 ) -> None:
     """Find the form of a line: dropper lengths, preloads, reactions. Example: cosimo railway line my-line.toml -o out"""
     from ...components.railway.line.table import schema as line_schema
@@ -92,14 +120,27 @@ def show_line(form: Form, title: str) -> None:
 
 @railway.command("fit-pantograph")
 def fit_pantograph(
-    response: Annotated[Path, typer.Argument(help=(
-        "CSV file with a header that names columns and units: frequency [Hz], then real [m/N] and imaginary [m/N], or "
-        "magnitude [m/N] and phase [deg]."))],
+    response: Annotated[
+        Path,
+        typer.Argument(
+            help=(
+                "CSV file with a header that names columns and units: frequency [Hz], then real [m/N] and imaginary [m/N], or "
+                "magnitude [m/N] and phase [deg]."
+            )
+        ),
+    ],
     masses: Annotated[int, typer.Option("--masses", help="2 or 3.")] = 3,
-    fixed: Annotated[list[str] | None, typer.Option("--fix", metavar="PARAMETER=VALUE", help=(
-        "A parameter that is known, such as lower_frame_stiffness=160; may be repeated."))] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for pantograph.toml, fit.csv and the report.")] =
-        Path("pantograph"),
+    fixed: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fix",
+            metavar="PARAMETER=VALUE",
+            help=("A parameter that is known, such as lower_frame_stiffness=160; may be repeated."),
+        ),
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for pantograph.toml, fit.csv and the report.")] = Path(
+        "pantograph"
+    ),
 ) -> None:
     """Lumped parameters of a pantograph from its frequency response. Example: cosimo railway fit-pantograph head.csv -o out
 
@@ -115,11 +156,25 @@ def fit_pantograph(
             raise BadInput(f"--fix {name}", repr(value), "a number")
     result = fit(read_response(response), masses, known)
     deviations = dict(zip(result.fit.names, result.fit.deviations, strict=True))
-    print_table(f"Pantograph of {masses} masses fitted to {response.name}", ("parameter", "value", "standard deviation"), [
-        (name, value, "given" if name in result.fixed else
-         f"{100.0 * deviations[name]:.2g} %" if name in result.identified else "not identified")
-        for name, value in result.values.items()])
+    print_table(
+        f"Pantograph of {masses} masses fitted to {response.name}",
+        ("parameter", "value", "standard deviation"),
+        [
+            (
+                name,
+                value,
+                "given"
+                if name in result.fixed
+                else f"{100.0 * deviations[name]:.2g} %"
+                if name in result.identified
+                else "not identified",
+            )
+            for name, value in result.values.items()
+        ],
+    )
     written = save(result, output)
-    print(f"misfit {100.0 * result.magnitude:.3g} % of the magnitude, {result.phase:.3g} rad of the phase (rms); "
-          f"wrote {', '.join(map(str, written))}")
+    print(
+        f"misfit {100.0 * result.magnitude:.3g} % of the magnitude, {result.phase:.3g} rad of the phase (rms); "
+        f"wrote {', '.join(map(str, written))}"
+    )
     warn(result.messages)

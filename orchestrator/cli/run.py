@@ -54,34 +54,89 @@ def run(
     output: Output = None,
     values: Changes = None,
     presets: Presets = None,
-    effects: Annotated[list[str] | None, typer.Option(
-        "--effects", metavar="UNIT.EFFECT[,...]", autocompletion=effect_names, help=(
-        "Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for."))] = None,
-    tolerance: Annotated[str | None, typer.Option("--tolerance", metavar="SHARE", help=(
-        "With --effects auto: largest error against all effects, as in 1% or 0.01; default 1%."))] = None,
-    algorithm: Annotated[str | None, typer.Option("--algorithm", help=(
-        "jacobi, gauss-seidel, iterative or interface-model"))] = None,
+    effects: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effects",
+            metavar="UNIT.EFFECT[,...]",
+            autocompletion=effect_names,
+            help=("Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for."),
+        ),
+    ] = None,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(
+            "--tolerance",
+            metavar="SHARE",
+            help=("With --effects auto: largest error against all effects, as in 1% or 0.01; default 1%."),
+        ),
+    ] = None,
+    algorithm: Annotated[
+        str | None, typer.Option("--algorithm", help=("jacobi, gauss-seidel, iterative or interface-model"))
+    ] = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
     stop: Annotated[float | None, typer.Option("--stop", help="End of the run, s.")] = None,
-    record: Annotated[list[str] | None, typer.Option("--record", metavar="UNIT.OUTPUT[,...]", help=(
-        "Outputs to keep instead of those of the scene; may be repeated."))] = None,
-    checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
-        f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--record", metavar="UNIT.OUTPUT[,...]", help=("Outputs to keep instead of those of the scene; may be repeated.")
+        ),
+    ] = None,
+    checkpoint_every: Annotated[
+        float | None,
+        typer.Option(
+            "--checkpoint-every",
+            metavar="SECONDS",
+            help=(f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."),
+        ),
+    ] = None,
     resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
-    isolate: Annotated[bool, typer.Option("--isolate", help=(
-        "Foreign code, FMUs and module:Class, in walled worker processes: limits of time and memory, no network, files read only."
-    ))] = False,
-    accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="SHARE", help=(
-        "The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."))] = None,
-    verify: Annotated[str | None, typer.Option("--verify", metavar="whole|full", help=(
-        "Find errors by repeating the whole run with half the macro step, whatever it costs; full: and with finer internal "
-        "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it."))] = None,
+    isolate: Annotated[
+        bool,
+        typer.Option(
+            "--isolate",
+            help=(
+                "Foreign code, FMUs and module:Class, in walled worker processes: limits of time and memory, no network, files read only."
+            ),
+        ),
+    ] = False,
+    accuracy: Annotated[
+        str | None,
+        typer.Option(
+            "--accuracy",
+            metavar="SHARE",
+            help=("The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."),
+        ),
+    ] = None,
+    verify: Annotated[
+        str | None,
+        typer.Option(
+            "--verify",
+            metavar="whole|full",
+            help=(
+                "Find errors by repeating the whole run with half the macro step, whatever it costs; full: and with finer internal "
+                "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it."
+            ),
+        ),
+    ] = None,
     no_verify: NoVerify = False,
-    real_time: Annotated[bool, typer.Option("--real-time", help=(
-        "No macro step ends before its time on the clock; how late steps were is in the report and in summary.json."))] = False,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help=(
-        "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs; "
-        "with -o a drawing, too."))] = False,
+    real_time: Annotated[
+        bool,
+        typer.Option(
+            "--real-time",
+            help=("No macro step ends before its time on the clock; how late steps were is in the report and in summary.json."),
+        ),
+    ] = False,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run",
+            help=(
+                "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs; "
+                "with -o a drawing, too."
+            ),
+        ),
+    ] = False,
 ) -> None:
     """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
 
@@ -94,8 +149,12 @@ def run(
     from ..output import ensure_directory, locked
 
     loaded = loaded_scene(scene)
-    given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
-             "record.signals": listed("--record", record) if record else None}
+    given = {
+        "master.step": step,
+        "stop_time": stop,
+        "master.algorithm": algorithm,
+        "record.signals": listed("--record", record) if record else None,
+    }
     changes = {place: value for place, value in given.items() if value is not None}
     within = tolerance_of_effects(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
@@ -120,8 +179,14 @@ def run(
         if wanted and all(unit.fmu for unit in loaded.units.values()):
             raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
-        for option, value in (("--checkpoint-every", checkpoint_every), ("--resume", resume), ("--native", native or None),
-                              ("--real-time", real_time or None), ("--verify", verify), ("--no-verify", no_verify or None)):
+        for option, value in (
+            ("--checkpoint-every", checkpoint_every),
+            ("--resume", resume),
+            ("--native", native or None),
+            ("--real-time", real_time or None),
+            ("--verify", verify),
+            ("--no-verify", no_verify or None),
+        ):
             if value is not None:
                 raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
         _dry_run(loaded, in_process)
@@ -133,9 +198,18 @@ def run(
     with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
         checkpoint = None if output is None or checkpoint_every is None else output / CHECKPOINT
         # at the pace of the clock nothing is written or drawn between the steps
-        result = run_scene(loaded, verify=wish, in_process=in_process, native=native, progress=not real_time,
-                           checkpoint_every=checkpoint_every, checkpoint_to=checkpoint, resume=resume,
-                           output=None if real_time else output, real_time=real_time)
+        result = run_scene(
+            loaded,
+            verify=wish,
+            in_process=in_process,
+            native=native,
+            progress=not real_time,
+            checkpoint_every=checkpoint_every,
+            checkpoint_to=checkpoint,
+            resume=resume,
+            output=None if real_time else output,
+            real_time=real_time,
+        )
         unchanged = None if real_time else result
         if reason is not None:
             result = replace(result, info={**result.info, "accuracy": reason})
@@ -145,17 +219,26 @@ def run(
         if output is not None:
             if result is not unchanged:
                 result.save(output)
-            print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
-                                                                       *_numbers(numbers, output), *_report(result, output))))
+            print(
+                "wrote "
+                + ", ".join(
+                    str(output / name)
+                    for name in ("result.parquet", "result.csv", "run.json", *_numbers(numbers, output), *_report(result, output))
+                )
+            )
     verification = result.info["verification"]
     errors = {name: percent(error["rms"]) for name, error in verification.get("signals", {}).items()}
-    print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end", "error"), [
-        (name, result.measures[name], *result.extremes(name), errors.get(name, "not known" if errors else ""))
-        for name in result.columns if result.rows
-    ])
+    print_table(
+        f"{loaded.title or loaded.name}: {result.outcome}",
+        ("signal", "unit", "min", "max", "end", "error"),
+        [
+            (name, result.measures[name], *result.extremes(name), errors.get(name, "not known" if errors else ""))
+            for name in result.columns
+            if result.rows
+        ],
+    )
     if numbers:
-        print_table("In numbers", ("quantity", "unit", "value", ""),
-                    [(r.name, r.unit, r.shown, r.text) for r in numbers])
+        print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.shown, r.text) for r in numbers])
     print(verification_text(verification))
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
@@ -220,8 +303,12 @@ def _walled(scene: Scene) -> dict[str, str]:
     """Changes that put all foreign code of a scene behind walls; `BadInput` where there is none."""
     foreign = [name for name, unit in scene.units.items() if unit.fmu or ":" in unit.component]
     if not foreign:
-        raise BadInput("--isolate", f"{scene.name}, all of whose units are components of the catalogue",
-                       "a scene with foreign code", "Leave it out.")
+        raise BadInput(
+            "--isolate",
+            f"{scene.name}, all of whose units are components of the catalogue",
+            "a scene with foreign code",
+            "Leave it out.",
+        )
     return {f"units.{name}.isolation": "restricted" for name in foreign}
 
 
@@ -241,11 +328,17 @@ def _verified(scene: Scene, tolerance: float) -> bool:
     from ..harness.studies.quantities import percent
 
     differences = verify(scene)
-    print_table("against half the macro step and half the internal steps", ("quantity", "difference"),
-                [(name, percent(value)) for name, value in differences.items()])
+    print_table(
+        "against half the macro step and half the internal steps",
+        ("quantity", "difference"),
+        [(name, percent(value)) for name, value in differences.items()],
+    )
     worst = max(differences.values())
-    print(f"verified: {percent(worst)} is within {percent(tolerance)}" if worst <= tolerance else
-          f"NOT verified: {percent(worst)} is more than {percent(tolerance)}")
+    print(
+        f"verified: {percent(worst)} is within {percent(tolerance)}"
+        if worst <= tolerance
+        else f"NOT verified: {percent(worst)} is more than {percent(tolerance)}"
+    )
     return worst <= tolerance
 
 

@@ -16,9 +16,17 @@ from .schema_file import place_of
 
 @app.command()
 def schema(
-    files: Annotated[list[Path] | None, typer.Argument(metavar="SCENE.toml...", autocompletion=scene_files, help=(
-        "Scene files that are to be completed: the schema goes where their first line names it; without such a line beside them, "
-        "and the line is added."))] = None,
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="SCENE.toml...",
+            autocompletion=scene_files,
+            help=(
+                "Scene files that are to be completed: the schema goes where their first line names it; without such a line beside them, "
+                "and the line is added."
+            ),
+        ),
+    ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write instead of printing it.")] = None,
 ) -> None:
     """The JSON schema of scene files, with which editors complete and check them. Example: cosimo schema my-scene.toml

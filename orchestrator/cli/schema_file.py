@@ -28,8 +28,10 @@ def stale(name: str, components: Iterable[str]) -> list[str]:
 
             content = json.loads(place.read_bytes())
             if isinstance(content, dict) and "UnitSettings" in content.get("$defs", {}) and is_stale(content, components):
-                return [f"{place} is of another version of cosimo, or of other components, and editors check the scene by it. "
-                        f"Write it anew: cosimo schema {shlex.quote(name)}"]
+                return [
+                    f"{place} is of another version of cosimo, or of other components, and editors check the scene by it. "
+                    f"Write it anew: cosimo schema {shlex.quote(name)}"
+                ]
     return []
 
 

@@ -40,14 +40,32 @@ STEPPED = "compiled loop, units called by address"
 
 @app.command()
 def show(
-    name: Annotated[str, typer.Argument(autocompletion=anything, help=(
-        "a component, module:Class, a shipped scene or case by its name, a scene file, or the table of an overhead line"))],
-    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
-        "Effects that are on; of a scene unit.effect, beside its own. May be repeated."))] = None,
+    name: Annotated[
+        str,
+        typer.Argument(
+            autocompletion=anything,
+            help=(
+                "a component, module:Class, a shipped scene or case by its name, a scene file, or the table of an overhead line"
+            ),
+        ),
+    ],
+    effects: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effects",
+            metavar="EFFECT[,...]",
+            help=("Effects that are on; of a scene unit.effect, beside its own. May be repeated."),
+        ),
+    ] = None,
     values: Changes = None,
     presets: Presets = None,
-    timed: Annotated[bool, typer.Option("--time", help=(
-        "Of a component: measure what each effect adds to a step; compiles each of them, which takes seconds."))] = False,
+    timed: Annotated[
+        bool,
+        typer.Option(
+            "--time",
+            help=("Of a component: measure what each effect adds to a step; compiles each of them, which takes seconds."),
+        ),
+    ] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory for a drawing as SVG.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -83,8 +101,9 @@ def show(
         elif name in cases():
             shown = {"title": f"{name}: {cases()[name].title}", "text": cases()[name].text, "reference": _reference(name)}
         else:
-            raise BadInput("show", repr(name), "a component, a scene or a case",
-                           nearest(name, [*CATALOGUE, *scene_files(), *cases()]))
+            raise BadInput(
+                "show", repr(name), "a component, a scene or a case", nearest(name, [*CATALOGUE, *scene_files(), *cases()])
+            )
     if output is not None:
         if drawing is None:
             raise BadInput("show", "-o with a case", "a component or a scene, which have a drawing")
@@ -101,8 +120,9 @@ def show(
         print(f"wrote {path}")
 
 
-def _component(name: str, effects: list[str], preset: str, parameters: Mapping[str, Any], timed: bool
-               ) -> tuple[dict[str, Any], Drawing]:
+def _component(
+    name: str, effects: list[str], preset: str, parameters: Mapping[str, Any], timed: bool
+) -> tuple[dict[str, Any], Drawing]:
     from ...components.catalogue import component_class
     from ...components.core.contract import KernelComponent
     from ..harness.component_page import component_page
@@ -114,16 +134,37 @@ def _component(name: str, effects: list[str], preset: str, parameters: Mapping[s
     costs = _costs(cls, parameters, preset) if timed else {}
     own = {row.name: row for row in page.variables}
     return {
-        "title": f"{name}: {page.title}", "text": inspect.getdoc(cls) or "",
-        "variables": [{"name": row.name + (f"[1..{row.size}]" if row.size else ""), "is": row.causality, "unit": row.unit,
-                       "default": list(row.default) if isinstance(row.default, tuple) else row.default, "limits": row.limits,
-                       "text": row.text, "as in": list(row.sources)} for row in page.variables],
-        "effects": [{"name": e.name, "on": e.name in component.on, "needs": list(e.needs), "excludes": list(e.excludes),
-                     "adds": [f"{own[v].causality} {v.removeprefix(e.name + '.')}" for v in e.variables], "states": e.states,
-                     **({"step": costs[e.name]} if timed else {}), "what": e.text.partition("\n\n")[0].replace("\n", " ")}
-                    for e in page.effects],
-        "ports": [{"name": port.name or "own signals", "inputs": list(port.inputs), "outputs": list(port.outputs)}
-                  for port in page.ports],
+        "title": f"{name}: {page.title}",
+        "text": inspect.getdoc(cls) or "",
+        "variables": [
+            {
+                "name": row.name + (f"[1..{row.size}]" if row.size else ""),
+                "is": row.causality,
+                "unit": row.unit,
+                "default": list(row.default) if isinstance(row.default, tuple) else row.default,
+                "limits": row.limits,
+                "text": row.text,
+                "as in": list(row.sources),
+            }
+            for row in page.variables
+        ],
+        "effects": [
+            {
+                "name": e.name,
+                "on": e.name in component.on,
+                "needs": list(e.needs),
+                "excludes": list(e.excludes),
+                "adds": [f"{own[v].causality} {v.removeprefix(e.name + '.')}" for v in e.variables],
+                "states": e.states,
+                **({"step": costs[e.name]} if timed else {}),
+                "what": e.text.partition("\n\n")[0].replace("\n", " "),
+            }
+            for e in page.effects
+        ],
+        "ports": [
+            {"name": port.name or "own signals", "inputs": list(port.inputs), "outputs": list(port.outputs)}
+            for port in page.ports
+        ],
         "presets": [{"name": p.name, "source": p.source, "provenance": p.provenance} for p in page.presets],
         "hard_cases": [{"name": c.name, "what": c.text, "holds": "; ".join(c.holds)} for c in page.hard_cases],
         "scenes": [{"name": scene, "title": title} for scene, title in page.scenes.items()],
@@ -175,12 +216,22 @@ def _reference(name: str) -> list[dict[str, Any]]:
     from ..harness.validation.reference import load_table, table_files
 
     names = [t for t in table_files() if t == name]
-    return [{"quantity": r.quantity, "condition": r.condition, "unit": r.unit, "low": r.low, "high": r.high,
-             "provenance": r.standing, "source": r.source} for t in names for r in load_table(t).rows]
+    return [
+        {
+            "quantity": r.quantity,
+            "condition": r.condition,
+            "unit": r.unit,
+            "low": r.low,
+            "high": r.high,
+            "provenance": r.standing,
+            "source": r.source,
+        }
+        for t in names
+        for r in load_table(t).rows
+    ]
 
 
-def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None
-           ) -> tuple[dict[str, Any], Drawing]:
+def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None) -> tuple[dict[str, Any], Drawing]:
     from ..judgement.stepping_path import stepping_path
 
     scene = loaded_scene(name)
@@ -195,12 +246,20 @@ def _scene(name: str, effects: list[str], values: list[str] | None, presets: lis
     master = given.model_dump(include={"algorithm", "step", "extrapolation"}) | given.model_dump(exclude_defaults=True)
     return {
         "title": f"{scene.name}: {scene.title or 'no title'}",
-        "units": [{"name": unit, "what": settings.component or settings.fmu, "title": interfaces[unit].title,
-                   "effects": [e for e, why in interfaces[unit].effects.items() if why],
-                   "steps": "Python" if unit in path.python else ""}
-                  for unit, settings in scene.units.items()],
-        "connections": [{"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
-                        for link in scene.coupling.links],
+        "units": [
+            {
+                "name": unit,
+                "what": settings.component or settings.fmu,
+                "title": interfaces[unit].title,
+                "effects": [e for e, why in interfaces[unit].effects.items() if why],
+                "steps": "Python" if unit in path.python else "",
+            }
+            for unit, settings in scene.units.items()
+        ],
+        "connections": [
+            {"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
+            for link in scene.coupling.links
+        ],
         "texts": [{"from": ".".join(link.source), "to": ".".join(link.target)} for link in scene.coupling.texts],
         "master": [{"setting": key, "value": value} for key, value in master.items()],
         "general_path_because_of": list(path.obstacles),

@@ -33,24 +33,53 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
 
 
-
 @app.command()
 def stability(
-    names: Annotated[list[str] | None, typer.Argument(metavar="SCENE|component:NAME|COMPONENT...", autocompletion=anything, help=(
-        "name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components"))] = None,
-    hard: Annotated[bool, typer.Option("--hard-cases", help=(
-        "Run the hard cases that components declare, of those named or of all, and say how far each claim is from its limit. "
-        "In plain Python: the compiler would take minutes over runs of moments."))] = False,
-    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
-        "Values of a parameter, instead of the scene's [study]; two make a map."))] = None,
-    algorithm: Annotated[list[str] | None, typer.Option("--algorithm", metavar="NAME[,...]", help=(
-        "Only these algorithms; default: all that the scene can have."))] = None,
-    extrapolation: Annotated[list[int] | None, typer.Option("--extrapolation", min=0, max=2, help=(
-        "Only this degree; may be repeated."))] = None,
-    steps: Annotated[int | None, typer.Option("--steps", help=(
-        "Steps of each run; more of them show slower growth. Default 1000, 600 for a component."))] = None,
-    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
-        "Effects of a component that is measured alone; default: none, and each with what it needs."))] = None,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="SCENE|component:NAME|COMPONENT...",
+            autocompletion=anything,
+            help=("name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components"),
+        ),
+    ] = None,
+    hard: Annotated[
+        bool,
+        typer.Option(
+            "--hard-cases",
+            help=(
+                "Run the hard cases that components declare, of those named or of all, and say how far each claim is from its limit. "
+                "In plain Python: the compiler would take minutes over runs of moments."
+            ),
+        ),
+    ] = False,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--over",
+            metavar="UNIT.PARAMETER=FROM:TO:POINTS",
+            help=("Values of a parameter, instead of the scene's [study]; two make a map."),
+        ),
+    ] = None,
+    algorithm: Annotated[
+        list[str] | None,
+        typer.Option("--algorithm", metavar="NAME[,...]", help=("Only these algorithms; default: all that the scene can have.")),
+    ] = None,
+    extrapolation: Annotated[
+        list[int] | None, typer.Option("--extrapolation", min=0, max=2, help=("Only this degree; may be repeated."))
+    ] = None,
+    steps: Annotated[
+        int | None,
+        typer.Option("--steps", help=("Steps of each run; more of them show slower growth. Default 1000, 600 for a component.")),
+    ] = None,
+    effects: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effects",
+            metavar="EFFECT[,...]",
+            help=("Effects of a component that is measured alone; default: none, and each with what it needs."),
+        ),
+    ] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the table and the report.")] = Path("stability"),
     values: Changes = None,
     presets: Presets = None,
@@ -62,15 +91,26 @@ def stability(
     Hard cases of all components: cosimo stability --hard-cases -o out; exit code 1 where one does not hold.
     """
     if hard:
-        for option, given in {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation, "--steps": steps,
-                              "--effects": effects, "--preset": presets, "--set": values}.items():
+        for option, given in {
+            "--over": over,
+            "--algorithm": algorithm,
+            "--extrapolation": extrapolation,
+            "--steps": steps,
+            "--effects": effects,
+            "--preset": presets,
+            "--set": values,
+        }.items():
             if given:
                 raise BadInput(option, "a value", "none for hard cases, which have their own", "Remove it.")
         _hard_cases(names or [], output, resume)
         return
     if not names or len(names) > 1:
-        raise BadInput("cosimo stability", " ".join(names or []) or "nothing", "one scene, or one component:NAME",
-                       "Several components: with --hard-cases.")
+        raise BadInput(
+            "cosimo stability",
+            " ".join(names or []) or "nothing",
+            "one scene, or one component:NAME",
+            "Several components: with --hard-cases.",
+        )
     what = names[0]
     if what.startswith(COMPONENT):
         for option, given in (("--over", over), ("--algorithm", algorithm), ("--extrapolation", extrapolation)):
@@ -83,9 +123,17 @@ def stability(
     _macro_steps(what, over, values, presets, algorithm, extrapolation, steps, output, resume)
 
 
-def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, presets: list[str] | None,
-                 algorithm: list[str] | None, extrapolation: list[int] | None, steps: int | None, output: Path,
-                 resume: bool) -> None:
+def _macro_steps(
+    what: str,
+    over: list[str] | None,
+    values: list[str] | None,
+    presets: list[str] | None,
+    algorithm: list[str] | None,
+    extrapolation: list[int] | None,
+    steps: int | None,
+    output: Path,
+    resume: bool,
+) -> None:
     from ..harness.report.studies.stability import for_stability
     from ..harness.studies.stability import STEPS
     from ..harness.studies.stability import stability as measure
@@ -96,10 +144,21 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, pr
         measured = measure(scene, schemes, steps=steps or STEPS, progress=True)
         written = [measured.save(output), for_stability(measured, output)]
     names = list(measured.varied)
-    print_table(f"{scene.title or scene.name}: longest stable macro step", (*names, "algorithm", "degree", "s", "closed form, s",
-                                                                             "what the next longer step did"), [
-        (*limit.point.values(), limit.algorithm, limit.extrapolation, _shown(limit.longest, limit.tried),
-         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in measured.limits])
+    print_table(
+        f"{scene.title or scene.name}: longest stable macro step",
+        (*names, "algorithm", "degree", "s", "closed form, s", "what the next longer step did"),
+        [
+            (
+                *limit.point.values(),
+                limit.algorithm,
+                limit.extrapolation,
+                _shown(limit.longest, limit.tried),
+                "" if isnan(limit.closed) else limit.closed,
+                limit.seen,
+            )
+            for limit in measured.limits
+        ],
+    )
     for remark in measured.remarks:
         print(remark)
     print("wrote " + ", ".join(map(str, written)))
@@ -116,8 +175,9 @@ def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int]
     return schemes_of(scene, names, extrapolation or [])
 
 
-def _internal_steps(name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path,
-                    resume: bool) -> None:
+def _internal_steps(
+    name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path, resume: bool
+) -> None:
     from ..harness.report.studies.stability import for_internal_steps
     from ..harness.studies.internal_steps import STEPS, internal_steps
 
@@ -126,10 +186,20 @@ def _internal_steps(name: str, effects: list[str] | None, values: list[str] | No
     with study(output, resume):
         measured = internal_steps(name, effects=chosen, parameters=parameters, preset=preset, steps=steps or STEPS, progress=True)
         written = [measured.save(output), for_internal_steps(measured, output)]
-    print_table(f"{measured.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
-                                                                  "what the next longer step did"), [
-        (", ".join(s.effects) or "none", _shown(s.longest, s.tried), "none" if s.own == inf else s.own,
-         "" if isnan(s.margin) else s.margin, s.seen) for s in measured.steps])
+    print_table(
+        f"{measured.title}: longest stable internal step",
+        ("effects", "s", "own limit, s", "margin", "what the next longer step did"),
+        [
+            (
+                ", ".join(s.effects) or "none",
+                _shown(s.longest, s.tried),
+                "none" if s.own == inf else s.own,
+                "" if isnan(s.margin) else s.margin,
+                s.seen,
+            )
+            for s in measured.steps
+        ],
+    )
     print("wrote " + ", ".join(map(str, written)))
 
 
@@ -142,9 +212,22 @@ def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
     with study(output, resume):
         judged = hard_cases(names, progress=True)
         written = [judged.save(output), for_hard_cases(judged, output)]
-    print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), [
-        (v.component, v.case.name, v.claim, "" if isnan(v.reached) else v.reached, "" if isnan(v.limit) else v.limit,
-         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in judged.verdicts])
+    print_table(
+        "Hard cases",
+        ("component", "case", "what holds", "reached", "limit", "margin", ""),
+        [
+            (
+                v.component,
+                v.case.name,
+                v.claim,
+                "" if isnan(v.reached) else v.reached,
+                "" if isnan(v.limit) else v.limit,
+                margin_text(v),
+                "" if v.holds else "DOES NOT HOLD",
+            )
+            for v in judged.verdicts
+        ],
+    )
     for verdict in judged.failed:
         print(f"{verdict.component}, {verdict.case.name}: {verdict.message or 'beyond its limit'}")
     print(judged.summary)

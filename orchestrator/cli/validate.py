@@ -13,16 +13,36 @@ from .completion import cases
 
 @app.command()
 def validate(
-    cases: Annotated[list[str] | None, typer.Argument(autocompletion=cases, help=(
-        "names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
-        "announces; all without it"))] = None,
+    cases: Annotated[
+        list[str] | None,
+        typer.Argument(
+            autocompletion=cases,
+            help=(
+                "names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
+                "announces; all without it"
+            ),
+        ),
+    ] = None,
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
-    strict: Annotated[bool, typer.Option("--strict", help=(
-        "Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning."))] = False,
-    verify: Annotated[str | None, typer.Option("--verify", metavar="whole", help=(
-        "Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: cases "
-        "whose repetition takes at most 5 s of CPU time."))] = None,
+    strict: Annotated[
+        bool,
+        typer.Option(
+            "--strict",
+            help=("Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning."),
+        ),
+    ] = False,
+    verify: Annotated[
+        str | None,
+        typer.Option(
+            "--verify",
+            metavar="whole",
+            help=(
+                "Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: cases "
+                "whose repetition takes at most 5 s of CPU time."
+            ),
+        ),
+    ] = None,
     no_verify: NoVerify = False,
     as_json: AsJson = False,
 ) -> None:
@@ -42,14 +62,30 @@ def validate(
     else:
         for result in results:
             columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
-            print_table(result.case.title, columns, [
-                (r["quantity"], r["condition"], r["unit"], measured_text(row), _range(r["low"], r["high"]),
-                 row.margin, r["standing"], row.answer)
-                for row in result.findings.rows for r in [row.to_json()]
-            ])
+            print_table(
+                result.case.title,
+                columns,
+                [
+                    (
+                        r["quantity"],
+                        r["condition"],
+                        r["unit"],
+                        measured_text(row),
+                        _range(r["low"], r["high"]),
+                        row.margin,
+                        r["standing"],
+                        row.answer,
+                    )
+                    for row in result.findings.rows
+                    for r in [row.to_json()]
+                ],
+            )
             if claims := result.findings.claims:
-                print_table("", ("claim", "announced", "measured", "verdict"), [
-                    (c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims])
+                print_table(
+                    "",
+                    ("claim", "announced", "measured", "verdict"),
+                    [(c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims],
+                )
             if why := result.findings.unverified:
                 print(f"errors of these numbers: not known, {why}")
             print(f"{result.case.name}: {result.verdict}")

@@ -131,8 +131,10 @@ class ComponentPage:
 
     def sketch(self) -> Drawing:
         """A box with the signals that are always there, as SVG."""
-        inputs, outputs = ([v.name for v in self.variables if v.causality == c.value and "." not in v.name]
-                           for c in (Causality.INPUT, Causality.OUTPUT))
+        inputs, outputs = (
+            [v.name for v in self.variables if v.causality == c.value and "." not in v.name]
+            for c in (Causality.INPUT, Causality.OUTPUT)
+        )
         return sketch(self.title, self.name.rpartition(":")[2], inputs, outputs)
 
     def to_json(self) -> dict[str, Any]:
@@ -159,28 +161,55 @@ def _page(name: str, cls: type[Component], states: Mapping[str, int | None]) -> 
     variables = [(v, v.name) for v in cls.own_variables]
     variables += [(v, f"{e}.{v.name}") for e, effect in cls.effects.items() for v in effect.variables]
     return ComponentPage(
-        name, cls.title, cls.system, tuple(passages(inspect.getdoc(cls) or "")),
+        name,
+        cls.title,
+        cls.system,
+        tuple(passages(inspect.getdoc(cls) or "")),
         tuple(_variable(v, full, cls) for v, full in variables),
         tuple(_effect(e, effect, states.get(e)) for e, effect in cls.effects.items()),
         tuple(PresetRow(n, p.source, p.standing, p.effects, p.parameters) for n, p in cls.presets.items()),
         tuple(_ports({full: v.causality for v, full in variables}, cls)),
         tuple(HardCaseRow(c.name, c.text, _claims(c.holds)) for c in declared().get(name, ())),
         {scene: title for scene, (title, used) in _scenes().items() if name in used},
-        states.get(""), cls.counters, cls.default_step, cls.default_stop)
+        states.get(""),
+        cls.counters,
+        cls.default_step,
+        cls.default_stop,
+    )
 
 
 def _variable(variable: Variable, name: str, cls: type[Component]) -> VariableRow:
     output = variable.causality is Causality.OUTPUT
-    sources = [f"{preset} ({p.standing})" for preset, p in cls.presets.items() if name in p.parameters
-               and not variable.size and p.parameters[name] == variable.start]
+    sources = [
+        f"{preset} ({p.standing})"
+        for preset, p in cls.presets.items()
+        if name in p.parameters and not variable.size and p.parameters[name] == variable.start
+    ]
     low, high = (value if isfinite(value) else None for value in (variable.low, variable.high))
-    return VariableRow(name, variable.causality.value, variable.unit, None if output else variable.start, low, high,
-                       variable.choices, variable.size, variable.text, tuple(sources))
+    return VariableRow(
+        name,
+        variable.causality.value,
+        variable.unit,
+        None if output else variable.start,
+        low,
+        high,
+        variable.choices,
+        variable.size,
+        variable.text,
+        tuple(sources),
+    )
 
 
 def _effect(name: str, effect: type[Effect], states: int | None) -> EffectRow:
-    return EffectRow(name, inspect.getdoc(effect) or "", effect.requires, effect.excludes, effect.explicit_only,
-                     tuple(f"{name}.{v.name}" for v in effect.variables), states)
+    return EffectRow(
+        name,
+        inspect.getdoc(effect) or "",
+        effect.requires,
+        effect.excludes,
+        effect.explicit_only,
+        tuple(f"{name}.{v.name}" for v in effect.variables),
+        states,
+    )
 
 
 def _ports(signals: Mapping[str, Causality], cls: type[Component]) -> Iterator[Port]:
@@ -228,8 +257,14 @@ def states_of(names: Sequence[str]) -> dict[str, dict[str, int | None]]:
     """
     command = [sys.executable, "-c", f"from {__name__} import count_states; count_states()"]
     parent = os.pathsep.join(path or os.curdir for path in sys.path)
-    done = subprocess.run(command, input=json.dumps(list(names)), capture_output=True, text=True, check=False,
-                          env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": parent})
+    done = subprocess.run(
+        command,
+        input=json.dumps(list(names)),
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": parent},
+    )
     if done.returncode:
         reason = done.stderr.strip().rpartition("\n")[2]
         raise BadInput("component", ", ".join(names), "components that can be initialized", reason)

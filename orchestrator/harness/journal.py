@@ -62,8 +62,9 @@ class Journal:
         with suppress(OSError):  # where there are pieces, they stay
             self._folder.rmdir()
 
-    def piece(self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T],
-              plain: Callable[[T], Any]) -> T:
+    def piece(
+        self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[T], Any]
+    ) -> T:
         """See `once`."""
         key = [version("cosimo"), kind, *map(self._key, of)]
         path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
@@ -87,8 +88,9 @@ class Journal:
 _journal: ContextVar[Journal | None] = ContextVar("journal", default=None)  # of the study that is under way
 
 
-def once(kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T],
-         plain: Callable[[T], Any] = asdict) -> T:  # type: ignore[assignment]
+def once(
+    kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[T], Any] = asdict
+) -> T:  # type: ignore[assignment]
     """A piece of a study: the kept one where the study has a journal with it, else `compute()`, which is kept.
 
     of: what it depends on, scenes, components of the catalogue and plain data. plain: of a piece, numbers, texts, arrays, and
@@ -122,6 +124,7 @@ def kept_study(directory: str | Path, *, resume: bool = False) -> Iterator[Path]
 @contextmanager
 def _stoppable() -> Iterator[None]:
     """Let signals that end a process raise `Stopped`; a SIGHUP that is ignored stays ignored, as nohup wants it."""
+
     def stop(number: int, frame: object) -> None:
         raise Stopped(signal.Signals(number))
 

@@ -31,8 +31,12 @@ class SummaryRow:
 
     def to_json(self) -> dict[str, Any]:
         """The row of summary.json; a number that is not finite is null."""
-        return {"value": self.value if isfinite(self.value) else None, "error": self.error if isfinite(self.error) else None,
-                "unit": self.unit, "text": self.text}
+        return {
+            "value": self.value if isfinite(self.value) else None,
+            "error": self.error if isfinite(self.error) else None,
+            "unit": self.unit,
+            "text": self.text,
+        }
 
 
 def with_error(value: float, error: float) -> str:
@@ -73,12 +77,15 @@ class SummaryTable(Summary):
 
     def __repr__(self) -> str:
         width = max((len(row.name) for row in self), default=0)
-        return "\n".join(f"{row.name:{width}}  {with_error(row.value, row.error)} {row.unit if row.unit != '1' else ''}".rstrip()
-                         for row in self)
+        return "\n".join(
+            f"{row.name:{width}}  {with_error(row.value, row.error)} {row.unit if row.unit != '1' else ''}".rstrip()
+            for row in self
+        )
 
     def _repr_html_(self) -> str:
-        cells = "".join(f"<tr><td>{escape(r.name)}<td>{with_error(r.value, r.error)}<td>{escape(r.unit)}<td>{escape(r.text)}"
-                        for r in self)
+        cells = "".join(
+            f"<tr><td>{escape(r.name)}<td>{with_error(r.value, r.error)}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self
+        )
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 
@@ -101,8 +108,14 @@ def pacing_rows(info: Mapping[str, Any]) -> Summary:
     counts = {"steps": "macro steps at the pace of the clock", "late": "of these ended behind the clock"}
     of_steps = [SummaryRow(f"real_time.{name}", float(of[name]), "1", text) for name, text in counts.items()]
     ends = (("50 %", "median", "median"), ("99 %", "p99", "99 % are below"), ("100 %", "max", "longest"))
-    return (*of_steps, *(SummaryRow(f"real_time.{name}_{end}", 1e3 * of[name][p], "ms", f"{text}: {what}")
-                         for name, text in PACING.items() for p, end, what in ends))
+    return (
+        *of_steps,
+        *(
+            SummaryRow(f"real_time.{name}_{end}", 1e3 * of[name][p], "ms", f"{text}: {what}")
+            for name, text in PACING.items()
+            for p, end, what in ends
+        ),
+    )
 
 
 def to_json(summary: Summary) -> dict[str, Any]:
@@ -118,11 +131,17 @@ def verification_text(verification: Mapping[str, Any]) -> str:
     if windows := verification.get("windows"):
         slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
         slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
-        return (f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
-                f"repeated with a macro step of {step:g} s{slower}. {verification['why'][:1].upper()}{verification['why'][1:]}.")
-    text = (f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "
-            f"{step:g} s{f' and {0.5 * step:g} s' if verification['runs'] > 2 else ''}.")
-    parts = [f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}"
-             for place, part in verification.get("parts", {}).items()
-             for name in [place.removeprefix("units.").replace(".parameters.", ".")]]
+        return (
+            f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
+            f"repeated with a macro step of {step:g} s{slower}. {verification['why'][:1].upper()}{verification['why'][1:]}."
+        )
+    text = (
+        f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "
+        f"{step:g} s{f' and {0.5 * step:g} s' if verification['runs'] > 2 else ''}."
+    )
+    parts = [
+        f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}"
+        for place, part in verification.get("parts", {}).items()
+        for name in [place.removeprefix("units.").replace(".parameters.", ".")]
+    ]
     return f"{text} Refined inside, each by itself: {'; '.join(parts)}." if parts else text

@@ -86,8 +86,12 @@ class Sweep:
 def sweep_settings(scene: Scene) -> PlanSettings:
     """The plan of the scene's own [sweep]: every combination; raises `BadInput` without one."""
     if not scene.sweep:
-        raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
-                       'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11 or --plan.')
+        raise BadInput(
+            f"{scene.name}: sweep",
+            "nothing",
+            "a table of parameters and their values",
+            "Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11 or --plan.",
+        )
     return plan_settings({"vary": scene.sweep}, f"{scene.name}: sweep")
 
 
@@ -99,10 +103,22 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
     return [(values, scene.with_changes(changes(scene, values))) for values in map(plan.values, range(plan.size))]
 
 
-def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
-          directory: str | Path | None = None, *, jobs: int | None = 1, scheduler: str = "", add: int = 0, retry: bool = False,
-          progress: bool = False, summarize: Callable[[Result], Summary] | None = None,
-          cube: np.ndarray | None = None, limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Sweep:
+def sweep(
+    scene: Scene,
+    plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
+    directory: str | Path | None = None,
+    *,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    add: int = 0,
+    retry: bool = False,
+    progress: bool = False,
+    summarize: Callable[[Result], Summary] | None = None,
+    cube: np.ndarray | None = None,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    verify: bool = True,
+) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `directory`: where the points, the table and the data set go; what is there of the same scene is not run again. `jobs`:
@@ -113,15 +129,17 @@ def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | No
     every macro step, as far as they take no more than 5 s. Neither the number of workers nor their order changes a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
-    settings = (sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path)
-                else plan_settings(plan))
+    settings = sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
     settings = with_rows(settings, table=limits, conditions=conditions)
     chosen = plan_of(scene, _with_more(settings, add), cube)
     check_analysis(scene)
     task = Task.of(scene, settings.keep, summarize)
     with ExitStack() as stack:
-        folder = stack.enter_context(locked(directory)) if directory is not None else Path(
-            stack.enter_context(TemporaryDirectory(prefix="cosimo-sweep-")))
+        folder = (
+            stack.enter_context(locked(directory))
+            if directory is not None
+            else Path(stack.enter_context(TemporaryDirectory(prefix="cosimo-sweep-")))
+        )
         base = store.base_of(prepared(scene, settings.keep), task)
         parts, digests = store.points_folder(folder, base), chosen.digests(base)
         missing = store.locate_points(parts, digests, retry).missing
@@ -133,8 +151,18 @@ def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | No
             efficiency = live.efficiency()
             if verify and stopped is None:
                 live.repeating()
-            collected = collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
-                                        computed=missing.size, efficiency=efficiency, verify=task if verify else None)
+            collected = collected_sweep(
+                scene,
+                chosen,
+                folder,
+                base,
+                digests=digests,
+                stopped=stopped,
+                kept=directory is not None,
+                computed=missing.size,
+                efficiency=efficiency,
+                verify=task if verify else None,
+            )
             live.end("stopped" if stopped is not None else "done")
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
@@ -146,14 +174,20 @@ def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
     if not add:
         return settings
     if settings.method not in SAMPLED or settings.method == "latin-hypercube" or add < 0:
-        raise BadInput("--add", f"{add} with method {settings.method!r}", "a number of points of method 'sobol' or 'random'",
-                       "A grid or a list is extended in its plan; a Latin hypercube cannot be.")
-    return plan_settings({**settings.model_dump(exclude_unset=True), "vary": settings.vary,
-                          "points": (settings.points or 0) + add})
+        raise BadInput(
+            "--add",
+            f"{add} with method {settings.method!r}",
+            "a number of points of method 'sobol' or 'random'",
+            "A grid or a list is extended in its plan; a Latin hypercube cannot be.",
+        )
+    return plan_settings(
+        {**settings.model_dump(exclude_unset=True), "vary": settings.vary, "points": (settings.points or 0) + add}
+    )
 
 
-def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Live, jobs: int | None,
-             scheduler: str) -> Signals | None:
+def _compute(
+    task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Live, jobs: int | None, scheduler: str
+) -> Signals | None:
     if jobs is not None and jobs < 1:
         raise BadInput("--jobs", str(jobs), "at least 1")
     if not scheduler and jobs is None:  # what is short is done before other processes have started; and compiled for them
@@ -177,9 +211,19 @@ def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray,
     return stopped
 
 
-def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, digests: np.ndarray | None = None,
-                    stopped: Signals | None = None, kept: bool = True, computed: int = 0, efficiency: float = 1.0,
-                    verify: Task | None = None) -> Sweep:
+def collected_sweep(
+    scene: Scene,
+    plan: Points,
+    folder: Path,
+    base: str,
+    *,
+    digests: np.ndarray | None = None,
+    stopped: Signals | None = None,
+    kept: bool = True,
+    computed: int = 0,
+    efficiency: float = 1.0,
+    verify: Task | None = None,
+) -> Sweep:
     """The points as they lie in the folder, with table and data set where they stay there; `verify`: whose runs to repeat."""
     parts = store.points_folder(folder, base)
     digests = plan.digests(base) if digests is None else digests
@@ -198,15 +242,33 @@ def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, dige
         about |= {"verification": repeated.to_json()} if repeated is not None else {}
         store.write_provenance(folder, about)
         files.append(store.write_tables(folder, varied, units, collected))
-        attributes = {"title": scene.title or scene.name, "source": f"cosimo {about['versions']['cosimo']}",
-                      "provenance": _json(about)}
+        attributes = {
+            "title": scene.title or scene.name,
+            "source": f"cosimo {about['versions']['cosimo']}",
+            "provenance": _json(about),
+        }
         data = store.write_data_set(folder, varied, units, collected, located, attributes, plan.settings.keep.interval)
         files += [data] if data is not None else []
-    outcomes = tuple(OUTCOMES[o] if OUTCOMES[o] in ("done", NOT_RUN) else collected.reasons[r]
-                     for o, r in zip(collected.outcomes, collected.reason, strict=True))
-    return Sweep(scene, varied, dict(collected.numbers), outcomes, collected.section, units, stopped, plan.settings,
-                 tuple(files), (*plan.remarks, *(repeated.messages() if repeated is not None else ())), computed, efficiency,
-                 located if kept else None, repeated)
+    outcomes = tuple(
+        OUTCOMES[o] if OUTCOMES[o] in ("done", NOT_RUN) else collected.reasons[r]
+        for o, r in zip(collected.outcomes, collected.reason, strict=True)
+    )
+    return Sweep(
+        scene,
+        varied,
+        dict(collected.numbers),
+        outcomes,
+        collected.section,
+        units,
+        stopped,
+        plan.settings,
+        tuple(files),
+        (*plan.remarks, *(repeated.messages() if repeated is not None else ())),
+        computed,
+        efficiency,
+        located if kept else None,
+        repeated,
+    )
 
 
 def _json(content: Any) -> str:

@@ -118,14 +118,22 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
         most = np.partition(gap, gap.size - few)[: gap.size - few] if 0 < (few := int(FEW * gap.size)) < gap.size else gap
         rest = np.sqrt(np.sum(most**2) / gap.size)
         rms = _rms(gap)
-        return Difference(rms, float(gap.max()), np.array([_rms(part) for part in np.array_split(gap, PARTS)]),
-                          own / scale if scale else 1.0, float(rest) if rest**2 < (1.0 - MOST) * rms**2 else rms)
+        return Difference(
+            rms,
+            float(gap.max()),
+            np.array([_rms(part) for part in np.array_split(gap, PARTS)]),
+            own / scale if scale else 1.0,
+            float(rest) if rest**2 < (1.0 - MOST) * rms**2 else rms,
+        )
 
 
 def _of_shares(other: np.ndarray) -> Difference:
     """Of values that are the same or not, (n,)."""
-    return Difference(float(other.mean()), float(other.max(initial=0)),
-                      np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, PARTS)]))
+    return Difference(
+        float(other.mean()),
+        float(other.max(initial=0)),
+        np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, PARTS)]),
+    )
 
 
 def _whole(values: np.ndarray) -> bool:
@@ -213,11 +221,15 @@ def _of_two(d: Difference) -> SignalError:
 
 def _of_three(d: Difference, d2: Difference) -> SignalError:
     order = min(log2(d.rms / d2.rms), HIGHEST_ORDER) if d.rms and d2.rms else nan
-    parted = (d2.rms * CONVERGING > d.rms and max(d.parts[0], d2.parts[0]) < TOGETHER
-              and max(d.parts[-1], d2.parts[-1]) > APART
-              and all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2)))
-    return SignalError(d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, 2.0 * d2.rms, parted, d.rest < d.rms,
-                       d.spread * d2.spread)
+    parted = (
+        d2.rms * CONVERGING > d.rms
+        and max(d.parts[0], d2.parts[0]) < TOGETHER
+        and max(d.parts[-1], d2.parts[-1]) > APART
+        and all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2))
+    )
+    return SignalError(
+        d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, 2.0 * d2.rms, parted, d.rest < d.rms, d.spread * d2.spread
+    )
 
 
 def figure_errors(runs: Sequence[Mapping[str, float]], *, unsure: bool = False) -> dict[str, float]:

@@ -114,8 +114,10 @@ class Disturbed:
             scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
         self._noise = ITERATION_NOISE if iterative else 0.0
         self._coupling = coupling = scene.coupling
-        for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
-                           ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
+        for able, what in (
+            ("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
+            ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)]),
+        ):
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
         units = open_units(scene, stack, in_process=True)
@@ -202,8 +204,9 @@ def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
         node.alter(pushes)
 
 
-def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float,
-                   pace: float = 2.0) -> tuple[float, str, float]:
+def longest_stable(
+    growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float, pace: float = 2.0
+) -> tuple[float, str, float]:
     """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
 
     own, even: the growth that is allowed, see `Own.allows`.  first, least, most: steps, s.  The longest stable step is infinite

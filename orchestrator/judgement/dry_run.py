@@ -20,22 +20,44 @@ ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in
 
 def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
     """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
-    yield "units", ("unit", "what", "effects", "remarks"), [
-        (name, unit.component or unit.fmu, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
-         _remarks(name, scene))
-        for name, unit in scene.units.items()
-    ] + [(contact.name, f"contact, {contact.law}", "", "") for contact in scene.contacts]
+    yield (
+        "units",
+        ("unit", "what", "effects", "remarks"),
+        [
+            (
+                name,
+                unit.component or unit.fmu,
+                ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
+                _remarks(name, scene),
+            )
+            for name, unit in scene.units.items()
+        ]
+        + [(contact.name, f"contact, {contact.law}", "", "") for contact in scene.contacts],
+    )
     if links := (*coupling.links, *coupling.texts):
-        yield "connections", ("from", "to", "times", "plus"), [
-            (".".join(link.source), ".".join(link.target), _number(link.factor, 1.0), _number(link.offset, 0.0))
-            for link in links
-        ]
+        yield (
+            "connections",
+            ("from", "to", "times", "plus"),
+            [
+                (".".join(link.source), ".".join(link.target), _number(link.factor, 1.0), _number(link.offset, 0.0))
+                for link in links
+            ],
+        )
     if scene.faults:
-        yield "faults", ("kind", "of", "from s", "to s", "inputs"), [
-            (fault.kind, fault.signal or fault.unit, fault.begin, "end" if fault.end is None else fault.end,
-             ", ".join(map(".".join, ends)))
-            for fault, ends in zip(scene.faults, coupling.faults, strict=True)
-        ]
+        yield (
+            "faults",
+            ("kind", "of", "from s", "to s", "inputs"),
+            [
+                (
+                    fault.kind,
+                    fault.signal or fault.unit,
+                    fault.begin,
+                    "end" if fault.end is None else fault.end,
+                    ", ".join(map(".".join, ends)),
+                )
+                for fault, ends in zip(scene.faults, coupling.faults, strict=True)
+            ],
+        )
     if advice.contacts:
         columns = ("pair", "Hz", "damping", "longest step s, held", "linear", "quadratic", "damping left at master.step")
         yield "stability, estimated in closed form", columns, [_row(contact) for contact in advice.contacts]
@@ -54,8 +76,13 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     if coupling.undriven:
         yield f"inputs at their start values: {', '.join(coupling.undriven)}"
     yield f"recorded: {', '.join(map('.'.join, (*coupling.signals, *coupling.recorded_texts))) or 'nothing'}"
-    undeclared = [n for group in coupling.groups if len(group) > 1 for n in group
-                  if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())]
+    undeclared = [
+        n
+        for group in coupling.groups
+        if len(group) > 1
+        for n in group
+        if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())
+    ]
     if undeclared and master.abilities.rates:
         yield f"no limit of the macro step known for what does not tell which outputs follow inputs: {', '.join(undeclared)}"
     for reason in advice.unknown:
@@ -64,20 +91,30 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     whole = advice.steps * advice.seconds
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
     compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""
-    yield (f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s, "
-           f"beside starting{compiling}")
+    yield (
+        f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s, "
+        f"beside starting{compiling}"
+    )
     if in_process and 2.0 * whole > SECONDS:
-        yield (f"verification: windows of the run with half the macro step, about {WINDOWS_SHARE * whole:.2g} s; the whole with "
-               f"--verify whole, {2.0 * whole:.2g} s")
+        yield (
+            f"verification: windows of the run with half the macro step, about {WINDOWS_SHARE * whole:.2g} s; the whole with "
+            f"--verify whole, {2.0 * whole:.2g} s"
+        )
     else:
-        yield (f"verification: the run again with half the macro step, {'about' if in_process else 'in process, below'} "
-               f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of it as well")
+        yield (
+            f"verification: the run again with half the macro step, {'about' if in_process else 'in process, below'} "
+            f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of it as well"
+        )
 
 
 def _remarks(name: str, scene: Scene) -> str:
     unit = scene.units[name]
-    messages = [f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
-            ISOLATION[unit.isolation], unit.interface or "", unit.solver or ""]
+    messages = [
+        f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
+        ISOLATION[unit.isolation],
+        unit.interface or "",
+        unit.solver or "",
+    ]
     return ", ".join(filter(None, messages))
 
 
@@ -86,8 +123,13 @@ def _number(value: float, usual: float) -> str:
 
 
 def _row(contact: Contact) -> tuple[str, ...]:
-    return (contact.pair, f"{contact.frequency:.3g}" if contact.omega2 else "damper",
-            _share(contact.share), *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest), _share(contact.left))
+    return (
+        contact.pair,
+        f"{contact.frequency:.3g}" if contact.omega2 else "damper",
+        _share(contact.share),
+        *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest),
+        _share(contact.left),
+    )
 
 
 def _share(value: float) -> str:
@@ -98,8 +140,11 @@ def first_part(scene: Scene) -> tuple[str, list[str]]:
     """What the first part of a run shows: its errors in words, and warnings; the same judgement as of a whole run."""
     step = scene.master.step
     stop = min(max(PREFIX_STEPS * step, PROBED * scene.stop_time), scene.stop_time)
-    record = {f"record.{key}": step for key in ("interval", "snapshot_interval")
-              if (given := getattr(scene.record, key)) is not None and given > stop}
+    record = {
+        f"record.{key}": step
+        for key in ("interval", "snapshot_interval")
+        if (given := getattr(scene.record, key)) is not None and given > stop
+    }
     result = run(scene.with_changes({"stop_time": stop, "faults": [], **record}), in_process=True)
     verification = result.info["verification"]
     if result.outcome != "done" or not verification["done"]:

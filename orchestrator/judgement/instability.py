@@ -68,8 +68,11 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`."""
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
-        grown = self._take(self._sizes(inputs[mine][:, :, self._columns]), at[mine],
-                           self._account.sums_behind if self._account is not None else lambda _: None)
+        grown = self._take(
+            self._sizes(inputs[mine][:, :, self._columns]),
+            at[mine],
+            self._account.sums_behind if self._account is not None else lambda _: None,
+        )
         if grown is not None:
             vars(self).update(kept)
             return grown[0]
@@ -113,14 +116,18 @@ class InstabilityMonitor(BatchObserver):
 
     def _input_text(self, k: int, sizes: np.ndarray) -> tuple[str, str]:
         link, scale = self._links[k], self._blocks[0].nominal[k]
-        return link.target[0], (f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to {sizes[k]:.3g} "
-                                f"(nominal {scale:.3g}) and no step comes near to what it foretold, less so every time: the "
-                                "coupling is unstable")
+        return link.target[0], (
+            f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to {sizes[k]:.3g} "
+            f"(nominal {scale:.3g}) and no step comes near to what it foretold, less so every time: the "
+            "coupling is unstable"
+        )
 
     def _bond_text(self, k: int, sums: Any) -> tuple[str, str]:
         bond = self._account.bonds[k]  # type: ignore[union-attr]
-        return bond.given[0][0], (f"the coupling makes energy at the bond {bond.text}, more of it every time: "
-                                  f"{sums.created[k]:.3g} J so far of {sums.exchanged[k]:.3g} J that went through it")
+        return bond.given[0][0], (
+            f"the coupling makes energy at the bond {bond.text}, more of it every time: "
+            f"{sums.created[k]:.3g} J so far of {sums.exchanged[k]:.3g} J that went through it"
+        )
 
     def _powers(self, closed: list[int], sums: Callable[[int], Sums | None]) -> tuple[np.ndarray, np.ndarray]:
         """Mean powers exchanged and created, W, in the blocks that end behind these steps, (b, 2, bonds), and those of them that
@@ -172,7 +179,9 @@ class _Blocks:
 
 def energy_warnings(account: EnergyAccount) -> list[str]:
     """What a user should know of the energy that the coupling has made."""
-    return [f"the coupling made {created:.3g} J at the bond {bond.text}, {100.0 * abs(created) / exchanged:.0f} % of the "
-            "energy that went through it. Reduce master.step, or switch on master.energy_correction"
-            for bond, created, exchanged in zip(account.bonds, account.created, account.exchanged, strict=True)
-            if abs(created) > ENERGY * exchanged]
+    return [
+        f"the coupling made {created:.3g} J at the bond {bond.text}, {100.0 * abs(created) / exchanged:.0f} % of the "
+        "energy that went through it. Reduce master.step, or switch on master.energy_correction"
+        for bond, created, exchanged in zip(account.bonds, account.created, account.exchanged, strict=True)
+        if abs(created) > ENERGY * exchanged
+    ]

@@ -99,9 +99,11 @@ def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float, kep
         oscillates = 0.0 < c.share < 1.0
         if c.left < -tolerable or (kept and oscillates and c.left < kept * c.share):
             own = f"has {_percent(c.share)} and " if oscillates else ""
-            texts.append(f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
-                         f"{c.pair}, which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
-                         "master.extrapolation")
+            texts.append(
+                f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
+                f"{c.pair}, which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
+                "master.extrapolation"
+            )
     return texts
 
 
@@ -129,8 +131,11 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
 def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]) -> dict[str, tuple[StepCost, int]]:
     """By unit the cost of a step of it, and the macro steps that this one spans."""
     every = {node.unit.name: coupling.rates.get(node.unit.name, 1) for node in master.nodes}
-    return {name: (step_cost(units[name], coupling.interfaces[name], node.inputs(), every[name] * scene.master.step), every[name])
-            for node in master.nodes for name in [node.unit.name]}
+    return {
+        name: (step_cost(units[name], coupling.interfaces[name], node.inputs(), every[name] * scene.master.step), every[name])
+        for node in master.nodes
+        for name in [node.unit.name]
+    }
 
 
 def _timed(scene: Scene, master: Master) -> float:
@@ -146,8 +151,9 @@ def _timed(scene: Scene, master: Master) -> float:
     return median(times[WARM:] or times)
 
 
-def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
-             ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
+def contacts(
+    scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
+) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
     """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
     limits, unknown = [], []
     if not scene.master.abilities.rates:
@@ -307,13 +313,16 @@ class _Probe:
 def remedy(scene: Scene) -> str:
     """What would help a run that became unstable: a shorter macro step, and below what where a closed form tells."""
     degree = scene.master.extrapolation
-    short = min((c for c in _limits(scene) if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree],
-                default=None)
+    short = min(
+        (c for c in _limits(scene) if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree], default=None
+    )
     if short is None:
         return "Reduce the macro step; cosimo stability tells how long it may be"
     if not (limit := short.longest[degree]):
-        return (f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
-                "unless something damps it elsewhere")
+        return (
+            f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
+            "unless something damps it elsewhere"
+        )
     return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
 
 

@@ -35,8 +35,10 @@ class StepCost:
         """For the reader of a dry run: what was cut, and what a whole `step` (s) would take."""
         counted = f"{self.calls} operations" if self.calls > 1 else f"{self.seconds:.2g} s"
         whole = f"{self.calls / self.share:.2g}" if self.calls > 1 else f"{self.seconds / self.share:.2g} s"
-        return (f"the probe was cut: {name} takes {counted} for {self.share:g} of its step of {step:g} s, so about {whole} for "
-                "a whole one; its time is extrapolated")
+        return (
+            f"the probe was cut: {name} takes {counted} for {self.share:g} of its step of {step:g} s, so about {whole} for "
+            "a whole one; its time is extrapolated"
+        )
 
 
 def step_cost(unit: Unit, interface: Interface, values: PortValues, step: float) -> StepCost:

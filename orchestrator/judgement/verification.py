@@ -77,12 +77,25 @@ class Verification:
         if not self.done:
             return {"done": False, "why": self.why}
         return {
-            "done": True, "why": self.why, "step": self.step, "how": self.how, "runs": self.runs,
+            "done": True,
+            "why": self.why,
+            "step": self.step,
+            "how": self.how,
+            "runs": self.runs,
             "signals": {name: error.to_json() for name, error in self.signals.items()},
             "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
-            **({"windows": {"begins": list(self.windows), "length": self.length, "slower": list(self.slower),
-                            "growing": list(self.growing)}}
-               if self.windows else {}),
+            **(
+                {
+                    "windows": {
+                        "begins": list(self.windows),
+                        "length": self.length,
+                        "slower": list(self.slower),
+                        "growing": list(self.growing),
+                    }
+                }
+                if self.windows
+                else {}
+            ),
             **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
             **({"unseen": dict(self.unseen)} if self.unseen else {}),
             **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
@@ -90,9 +103,19 @@ class Verification:
         }
 
 
-def run(scene: Scene, *, verify: Wish = "auto", in_process: bool = False, native: bool = False, progress: bool = False,
-        checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None, resume: str | Path | None = None,
-        output: str | Path | None = None, real_time: bool = False) -> Result:
+def run(
+    scene: Scene,
+    *,
+    verify: Wish = "auto",
+    in_process: bool = False,
+    native: bool = False,
+    progress: bool = False,
+    checkpoint_every: float | None = None,
+    checkpoint_to: str | Path | None = None,
+    resume: str | Path | None = None,
+    output: str | Path | None = None,
+    real_time: bool = False,
+) -> Result:
     """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
 
     verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
@@ -103,8 +126,18 @@ def run(scene: Scene, *, verify: Wish = "auto", in_process: bool = False, native
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
     wish = WindowsWish(SECONDS) if verify == "auto" and _here(scene, in_process) else None
-    result = run_once(scene, in_process=in_process, native=native, progress=progress, checkpoint_every=checkpoint_every,
-                      checkpoint_to=checkpoint_to, resume=resume, output=output, real_time=real_time, windows=wish)
+    result = run_once(
+        scene,
+        in_process=in_process,
+        native=native,
+        progress=progress,
+        checkpoint_every=checkpoint_every,
+        checkpoint_to=checkpoint_to,
+        resume=resume,
+        output=output,
+        real_time=real_time,
+        windows=wish,
+    )
     verified = verified_result(result, verify, in_process=in_process, windows=wish)
     if output is not None and verified is not result:
         verified.save(output)
@@ -116,8 +149,9 @@ def _here(scene: Scene, in_process: bool) -> bool:
     return in_process or not any(unit.component for unit in scene.units.values())
 
 
-def verified_result(result: Result, wish: Wish = "auto", *, in_process: bool = False,
-                    windows: WindowsWish | None = None) -> Result:
+def verified_result(
+    result: Result, wish: Wish = "auto", *, in_process: bool = False, windows: WindowsWish | None = None
+) -> Result:
     """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable."""
     if result.outcome != "done":
         return _with(result, Verification(False, f"the run is {result.outcome}"))
@@ -157,12 +191,22 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         gaps, of_place = differences(result, finer), _figures([result, finer], unsure=False)
         worst = max(gaps, key=lambda name: gaps[name].rms)
         parts[place] = worst, gaps[worst].rms
-        signals = {name: replace(e, rms=e.rms + 2.0 * gaps[name].rms, largest=e.largest + 2.0 * gaps[name].largest)
-                   for name, e in signals.items()}
+        signals = {
+            name: replace(e, rms=e.rms + 2.0 * gaps[name].rms, largest=e.largest + 2.0 * gaps[name].largest)
+            for name, e in signals.items()
+        }
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
-    return Verification(True, step=0.5 * scene.master.step, how="whole", runs=len(shown), signals=signals, figures=figures,
-                        parts=parts, excerpt=excerpt(result, second, worst_of(signals)),
-                        unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN})
+    return Verification(
+        True,
+        step=0.5 * scene.master.step,
+        how="whole",
+        runs=len(shown),
+        signals=signals,
+        figures=figures,
+        parts=parts,
+        excerpt=excerpt(result, second, worst_of(signals)),
+        unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN},
+    )
 
 
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
@@ -207,8 +251,12 @@ def _at(result: Result, rows: np.ndarray | None) -> Result:
     """A result with some of its rows; all of them for None."""
     if rows is None or rows.size == result.rows:
         return result
-    return replace(result, time=result.time[rows], columns={name: column[rows] for name, column in result.columns.items()},
-                   texts={name: column[rows] for name, column in result.texts.items()})
+    return replace(
+        result,
+        time=result.time[rows],
+        columns={name: column[rows] for name, column in result.columns.items()},
+        texts={name: column[rows] for name, column in result.texts.items()},
+    )
 
 
 def _cost(result: Result, in_process: bool) -> float:
@@ -237,9 +285,18 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
         return Verification(False, f"the run is too long to be repeated without being asked for (--verify whole), and {wish.why}")
     recorded = {".".join(end) for end in scene.coupling.signals}
     errors = signal_errors({name: d for name, d in seen.differences.items() if name in recorded}, None)
-    return Verification(True, "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
-                        0.5 * scene.master.step, "windows", 2, errors, windows=seen.begins, length=seen.length,
-                        slower=seen.slower, growing=seen.growing)
+    return Verification(
+        True,
+        "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
+        0.5 * scene.master.step,
+        "windows",
+        2,
+        errors,
+        windows=seen.begins,
+        length=seen.length,
+        slower=seen.slower,
+        growing=seen.growing,
+    )
 
 
 def _with(result: Result, verification: Verification) -> Result:
@@ -255,11 +312,18 @@ def _judged(result: Result, verification: Verification) -> Result:
         worst = max(unstable, key=lambda name: verification.signals[name].grown)
         outcome = "unstable"
         grown = verification.signals[worst].grown
-        message = (f"the coupling is unstable: the deviation of {worst} is {grown:.2g} times that of a run with a shorter macro "
-                   f"step. {_suggestion(result.scene, verification, worst)}")
+        message = (
+            f"the coupling is unstable: the deviation of {worst} is {grown:.2g} times that of a run with a shorter macro "
+            f"step. {_suggestion(result.scene, verification, worst)}"
+        )
     texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)
-    info = {**result.info, "verification": verification.to_json(), "outcome": outcome, "message": message,
-            "warnings": [*result.info["warnings"], *texts]}
+    info = {
+        **result.info,
+        "verification": verification.to_json(),
+        "outcome": outcome,
+        "message": message,
+        "warnings": [*result.info["warnings"], *texts],
+    }
     return replace(result, info=info, outcome=outcome, message=message)
 
 
@@ -269,8 +333,10 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     wrong = {name: e for name, e in verification.signals.items() if e.rms > WARN and not e.parted}
     texts = []
     if parted:
-        texts.append(f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the macro step, "
-                     "while their deviations agree. These histories are one of many; figures have their error")
+        texts.append(
+            f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the macro step, "
+            "while their deviations agree. These histories are one of many; figures have their error"
+        )
     if wrong and parted:  # what hangs on a history that has parted is no sign of a step that is too long
         wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
     shifted = {name: e for name, e in wrong.items() if e.shifted}
@@ -278,21 +344,27 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     if wrong:
         worst = worst_of(wrong)
         others = _listed([worst, *(name for name in wrong if name != worst)])
-        texts.append(f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
-                     f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
-                     f"{_suggestion(scene, verification, worst)}")
+        texts.append(
+            f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
+            f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
+            f"{_suggestion(scene, verification, worst)}"
+        )
     if shifted:
         worst = worst_of(shifted)
         others = _listed([worst, *(name for name in shifted if name != worst)])
-        texts.append(f"with half the macro step, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
-                     f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
-                     f"{_suggestion(scene, verification, worst)}")
+        texts.append(
+            f"with half the macro step, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
+            f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
+            f"{_suggestion(scene, verification, worst)}"
+        )
     if unseen := verification.unseen:
         worst = max(unseen, key=lambda name: unseen[name])
         others = _listed([worst, *(name for name in unseen if name != worst)])
-        texts.append(f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
-                     f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
-                     f"lies there. {_denser(scene)}")
+        texts.append(
+            f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
+            f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
+            f"lies there. {_denser(scene)}"
+        )
     return texts
 
 

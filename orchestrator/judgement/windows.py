@@ -50,11 +50,16 @@ class WindowsResult(NamedTuple):
 def obstacle(scene: Scene) -> str:
     """Why windows of a scene cannot be repeated; "" where they can."""
     coupling, master = scene.coupling, scene.master
-    present = {"step control": master.control, "located events": master.events, "faults": scene.faults,
-               "units with rates of their own": coupling.rates}
+    present = {
+        "step control": master.control,
+        "located events": master.events,
+        "faults": scene.faults,
+        "units with rates of their own": coupling.rates,
+    }
     kept = [words for words, there in present.items() if there]
-    kept += [f"{name}, which cannot go back to an earlier state" for name, one in coupling.interfaces.items()
-             if not one.saves_state]
+    kept += [
+        f"{name}, which cannot go back to an earlier state" for name, one in coupling.interfaces.items() if not one.saves_state
+    ]
     kept += [f"{name}, which ends its steps by itself" for name, one in coupling.interfaces.items() if one.may_return_early]
     return ", ".join(kept)
 
@@ -71,8 +76,9 @@ class WindowsWish:
 class Windows(BatchObserver):
     """Keeps the state at some instants of a run, which changes nothing; windows are repeated from there when it has ended."""
 
-    def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None,
-                 angles: Collection[str] = ()):
+    def __init__(
+        self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None, angles: Collection[str] = ()
+    ):
         """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them. `angles`: signals in rad."""
         self._master, self._stepping, self._angles = master, stepping, angles
         self._stepper: Steppable = account if account is not None and account.correction else master
@@ -143,11 +149,14 @@ class Windows(BatchObserver):
         differences, growing, half = {}, [], int(JUDGED * self._steps)
         longer = (self._stepping.end // self._stepping.stride) / self._steps
         for k, name in enumerate(names):
-            one, two = (np.concatenate([pair[i][judged[place] :, k] for place, pair in zip(chosen, rows, strict=True)])
-                        for i in range(2))
+            one, two = (
+                np.concatenate([pair[i][judged[place] :, k] for place, pair in zip(chosen, rows, strict=True)]) for i in range(2)
+            )
             gap = difference(one, two, angle=name in self._angles)
-            third, last = (np.array([np.square((pair[0] - pair[1])[at, k]).mean() for pair in rows])
-                           for at in np.array_split(np.arange(half, self._steps), 2))
+            third, last = (
+                np.array([np.square((pair[0] - pair[1])[at, k]).mean() for pair in rows])
+                for at in np.array_split(np.arange(half, self._steps), 2)
+            )
             grows = last > GROWING**2 * third  # in a window; one with an event in its last quarter does, and its run does not
             if 2 * grows.sum() > grows.size and last.mean() > GROWING**2 * third.mean() and gap.rms > NEGLIGIBLE:
                 growing.append(name)

@@ -11,8 +11,14 @@ from ...components.catalogue import component_name
 from ...components.core.component import Component
 
 
-def unit(what: str | Path | type[Component], *, effects: Iterable[str] = (), preset: str = "",
-         settings: Mapping[str, Any] | None = None, **parameters: Any) -> dict[str, Any]:
+def unit(
+    what: str | Path | type[Component],
+    *,
+    effects: Iterable[str] = (),
+    preset: str = "",
+    settings: Mapping[str, Any] | None = None,
+    **parameters: Any,
+) -> dict[str, Any]:
     """A unit of `build_scene`: a component by its class, its name or "module:Class"; an FMU or another scene by its path.
 
     parameters: by name, those of an effect as a table: `bump_stops={"travel": 0.04}`; arrays as lists.
@@ -27,16 +33,27 @@ def unit(what: str | Path | type[Component], *, effects: Iterable[str] = (), pre
     return {kind: text, **{key: value for key, value in given.items() if value}, **(settings or {})}
 
 
-def scene_data(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[str, str], stop_time: float, step: float,
-               master: Mapping[str, Any], tables: Mapping[str, Any]) -> dict[str, Any]:
+def scene_data(
+    units: Mapping[str, Any],
+    connections: Iterable[Any] | Mapping[str, str],
+    stop_time: float,
+    step: float,
+    master: Mapping[str, Any],
+    tables: Mapping[str, Any],
+) -> dict[str, Any]:
     """Plain data of a scene; arguments as of `build_scene`."""
     if isinstance(connections, Mapping):
         connections = [f"{source} -> {target}" for source, target in connections.items()]
     entries = {name: entry if isinstance(entry, Mapping) else unit(entry) for name, entry in units.items()}
-    return {"stop_time": float(stop_time), "units": entries, "connections": list(connections),
-            "master": {**master, "step": float(step)}, **tables}
+    return {
+        "stop_time": float(stop_time),
+        "units": entries,
+        "connections": list(connections),
+        "master": {**master, "step": float(step)},
+        **tables,
+    }
 
 
 def snake_case(name: str) -> str:
-    """"ServoMotor" as "servo_motor"."""
+    """ "ServoMotor" as "servo_motor"."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()

@@ -63,9 +63,11 @@ def draw(boxes: Sequence[Box], arrows: Iterable[Arrow], title: str = "") -> Draw
             y += tall[name] + GAP_Y
     width = 2 * MARGIN + len(members) * (WIDTH + GAP_X) - GAP_X
     height = 2 * MARGIN + deepest + LOOP
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-             'font-family="sans-serif" font-size="11" fill="currentColor" role="img">',
-             f"<title>{escape(title)}</title>" if title else ""]
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
+        'font-family="sans-serif" font-size="11" fill="currentColor" role="img">',
+        f"<title>{escape(title)}</title>" if title else "",
+    ]
     parts += _lines(arrows, pairs, place, tall)
     parts += [_box(box, *place[box.name], tall[box.name]) for box in boxes]
     return Drawing("".join(parts) + "</svg>")
@@ -78,15 +80,20 @@ def _height(name: str, pairs: Sequence[tuple[str, str]]) -> float:
 
 def _box(box: Box, x: float, y: float, tall: float) -> str:
     """Of its own colours, light in a dark page, too: lines run behind it."""
-    lines = "".join(f'<text x="{x + 10:.0f}" y="{y + 36 + 15 * k:.0f}" fill="#5c6b7a">{escape(_short(line))}</text>'
-                    for k, line in enumerate(box.lines[:2]))
-    return (f'<g><title>{escape(box.hint or box.name)}</title><rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{tall:.0f}" '
-            f'rx="5" fill="#eef4fa" stroke="#5c6b7a"/><text x="{x + 10:.0f}" y="{y + 19:.0f}" font-size="13" font-weight="bold" '
-            f'fill="#1c2733">{escape(_short(box.name))}</text>{lines}</g>')
+    lines = "".join(
+        f'<text x="{x + 10:.0f}" y="{y + 36 + 15 * k:.0f}" fill="#5c6b7a">{escape(_short(line))}</text>'
+        for k, line in enumerate(box.lines[:2])
+    )
+    return (
+        f'<g><title>{escape(box.hint or box.name)}</title><rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{tall:.0f}" '
+        f'rx="5" fill="#eef4fa" stroke="#5c6b7a"/><text x="{x + 10:.0f}" y="{y + 19:.0f}" font-size="13" font-weight="bold" '
+        f'fill="#1c2733">{escape(_short(box.name))}</text>{lines}</g>'
+    )
 
 
-def _lines(arrows: Sequence[Arrow], pairs: Sequence[tuple[str, str]], place: Mapping[str, tuple[float, float]],
-           tall: Mapping[str, float]) -> Iterator[str]:
+def _lines(
+    arrows: Sequence[Arrow], pairs: Sequence[tuple[str, str]], place: Mapping[str, tuple[float, float]], tall: Mapping[str, float]
+) -> Iterator[str]:
     """A curve for each pair of boxes between which something goes, with its ends spread over their sides."""
     signals = {(a.source, a.target): a.signals for a in arrows}
     ports = {(a.source, a.target): a.port for a in arrows}
@@ -104,15 +111,18 @@ def _lines(arrows: Sequence[Arrow], pairs: Sequence[tuple[str, str]], place: Map
             x, y, to_y = x + WIDTH, y + right[a, b], to_y + left[a, b]
             middle = 0.5 * (x + to_x)
             path = f"M{x:.0f} {y:.0f}C{middle:.0f} {y:.0f} {middle:.0f} {to_y:.0f} {to_x:.0f} {to_y:.0f}"
-            labels = (_label(there, ports.get((a, b), ""), to_x - 12, to_y - 4, "end")
-                      + _label(back, ports.get((b, a), ""), x + 12, y + 12, "start"))
+            labels = _label(there, ports.get((a, b), ""), to_x - 12, to_y - 4, "end") + _label(
+                back, ports.get((b, a), ""), x + 12, y + 12, "start"
+            )
             tips = (f"M{to_x:.0f} {to_y:.0f}l-8 -4v8z" if there else "") + (f"M{x:.0f} {y:.0f}l8 -4v8z" if back else "")
-        yield (f'<g><title>{escape(hint)}</title><path d="{path}" fill="none" stroke="currentColor"/><path d="{tips}"/>'
-               f"{labels}</g>")
+        yield (
+            f'<g><title>{escape(hint)}</title><path d="{path}" fill="none" stroke="currentColor"/><path d="{tips}"/>{labels}</g>'
+        )
 
 
-def _ends(pairs: Sequence[tuple[str, str]], side: int, place: Mapping[str, tuple[float, float]], tall: Mapping[str, float]
-          ) -> dict[tuple[str, str], float]:
+def _ends(
+    pairs: Sequence[tuple[str, str]], side: int, place: Mapping[str, tuple[float, float]], tall: Mapping[str, float]
+) -> dict[tuple[str, str], float]:
     """Where lines meet a side of a box, px from its top; in the order of their other ends."""
     at: dict[tuple[str, str], float] = {}
     for name in {pair[side] for pair in pairs}:
@@ -182,13 +192,18 @@ def sketch(title: str, name: str, inputs: Sequence[str], outputs: Sequence[str])
     sides = [[*names[:PORTS], *([f"{len(names) - PORTS} more"] if len(names) > PORTS else [])] for names in (inputs, outputs)]
     tall = max(HEIGHT, 18 * (1 + max(map(len, sides))))
     width, left = 2 * SIDE + WIDTH, SIDE
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {tall + 2 * MARGIN}" width="{width}" '
-             f'height="{tall + 2 * MARGIN}" font-family="sans-serif" font-size="11" fill="currentColor" role="img">'
-             f"<title>{escape(title)}</title>", _box(Box(name, (title,), title), left, MARGIN, tall)]
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {tall + 2 * MARGIN}" width="{width}" '
+        f'height="{tall + 2 * MARGIN}" font-family="sans-serif" font-size="11" fill="currentColor" role="img">'
+        f"<title>{escape(title)}</title>",
+        _box(Box(name, (title,), title), left, MARGIN, tall),
+    ]
     for side, names in enumerate(sides):
         for k, signal in enumerate(names):
             x, y = (left - 40, left + WIDTH)[side], MARGIN + tall * (k + 1) / (len(names) + 1)
             at, anchor = ((x - 4, "end"), (x + 44, "start"))[side]
-            parts.append(f'<path d="M{x} {y:.0f}h40" stroke="currentColor"/><path d="M{x + 40} {y:.0f}l-8 -4v8z"/>'
-                         f'<text x="{at}" y="{y + 4:.0f}" text-anchor="{anchor}">{escape(_short(signal, 34))}</text>')
+            parts.append(
+                f'<path d="M{x} {y:.0f}h40" stroke="currentColor"/><path d="M{x + 40} {y:.0f}l-8 -4v8z"/>'
+                f'<text x="{at}" y="{y + 4:.0f}" text-anchor="{anchor}">{escape(_short(signal, 34))}</text>'
+            )
     return Drawing("".join(parts) + "</svg>")

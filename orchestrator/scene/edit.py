@@ -58,12 +58,17 @@ class SceneEdit:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name not in self._names:
-            raise BadInput(f"{self._scene.name}: change", repr(f"{self._place}{name}"), "a setting of the scene",
-                           nearest(name, self._names))
+            raise BadInput(
+                f"{self._scene.name}: change", repr(f"{self._place}{name}"), "a setting of the scene", nearest(name, self._names)
+            )
         known, place = self._names[name]
         if isinstance(known, _Table):
-            raise BadInput(f"{self._scene.name}: change", repr(f"{self._place}{name}"), "one of the settings in it",
-                           f"Such as {next(iter(known.names), name)!r}.")
+            raise BadInput(
+                f"{self._scene.name}: change",
+                repr(f"{self._place}{name}"),
+                "one of the settings in it",
+                f"Such as {next(iter(known.names), name)!r}.",
+            )
         self._changes[place] = value
 
 

@@ -31,8 +31,12 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
         return path if folder is None else folder / path
     files = scene_files()
     if str(name_or_path) not in files:
-        raise BadInput(where, repr(str(name_or_path)), "a shipped scene or the path of a .toml, .ssd or .ssp file",
-                       nearest(str(name_or_path), files))
+        raise BadInput(
+            where,
+            repr(str(name_or_path)),
+            "a shipped scene or the path of a .toml, .ssd or .ssp file",
+            nearest(str(name_or_path), files),
+        )
     return files[str(name_or_path)]
 
 

@@ -18,8 +18,13 @@ from .files import read_file, read_text, scene_path
 PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
 
 
-def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
-             above: tuple[Path, ...] = (), files: Iterator[int] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
+def expanded(
+    data: Mapping[str, Any],
+    name: str,
+    folder: Path | None = None,
+    above: tuple[Path, ...] = (),
+    files: Iterator[int] | None = None,
+) -> tuple[dict[str, Any], tuple[str, ...]]:
     """A scene's data with units, connections and contacts of its subsystems in the place of their entries, and remarks.
 
     Paths are relative to `folder`. `above`: the files that include this one; `files`: counts all files.
@@ -47,8 +52,9 @@ def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
     return {**data, **joined, "units": units}, tuple(remarks)
 
 
-def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
-          above: tuple[Path, ...], files: Iterator[int]) -> tuple[dict[str, Any], tuple[str, ...]]:
+def _part(
+    entry: str, unit: Mapping[str, Any], name: str, folder: Path | None, above: tuple[Path, ...], files: Iterator[int]
+) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Checked settings of an included scene, with the values that the entry gives, and remarks about its file."""
     try:
         settings = SubsystemSettings.model_validate(unit)
@@ -59,8 +65,9 @@ def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
     if path in above:
         raise BadInput(f"{where}.scene", f"{path.name!r}, which includes this scene", "scenes that do not contain themselves")
     if next(files) > MOST_FILES:
-        raise BadInput(f"{where}.scene", f"a scene of more than {MOST_FILES} files", "fewer",
-                       "Do they name one another many times?")
+        raise BadInput(
+            f"{where}.scene", f"a scene of more than {MOST_FILES} files", "fewer", "Do they name one another many times?"
+        )
     data, remarks = read_file(path)
     data, more = expanded(data, path.stem, path.parent, (*above, path), files)
     data.pop("analysis", None)  # of its own runs
@@ -76,8 +83,12 @@ def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
     for parameter, value in settings.parameters.items():
         inner = max((n for n in part["units"] if parameter.startswith(n + ".")), key=len, default=None)
         if inner is None:
-            raise BadInput(f"{where}.parameters", f"unit {parameter.partition('.')[0]!r}", f"a unit of {path.name}",
-                           nearest(parameter.partition(".")[0], part["units"]))
+            raise BadInput(
+                f"{where}.parameters",
+                f"unit {parameter.partition('.')[0]!r}",
+                f"a unit of {path.name}",
+                nearest(parameter.partition(".")[0], part["units"]),
+            )
         part["units"][inner].setdefault("parameters", {})[parameter.removeprefix(inner + ".")] = value
     return part, (*remarks, *more)
 
@@ -108,6 +119,7 @@ def _located(unit: Any, folder: Path | None) -> Any:
 
 def _with_contents(parameters: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Parameters, those that name a table's file by its ending, .toml or .csv, replaced by its text."""
+
     def content(key: str, value: Any) -> Any:
         if isinstance(value, Mapping):
             return _with_contents(value, folder)
@@ -116,4 +128,3 @@ def _with_contents(parameters: Mapping[str, Any], folder: Path) -> dict[str, Any
         return value
 
     return {key: content(key, value) for key, value in parameters.items()}
-

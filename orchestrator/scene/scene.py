@@ -71,24 +71,34 @@ class Scene(SceneSettings):
         for link in (*self.coupling.links, *self.coupling.texts):
             names = (link.source[1], link.target[1])
             signals.setdefault((link.source[0], link.target[0]), []).append(
-                names[0] if names[0] == names[1] else " to ".join(names))
+                names[0] if names[0] == names[1] else " to ".join(names)
+            )
             ports.setdefault((link.source[0], link.target[0]), set()).add(
-                next(filter(None, (port_of(n, declared.get(u, {})) for u, n in (link.source, link.target))), ""))
+                next(filter(None, (port_of(n, declared.get(u, {})) for u, n in (link.source, link.target))), "")
+            )
         boxes = [Box(contact.name, (f"contact, {contact.law}",)) for contact in self.contacts]
         for name, unit in self.units.items():
             effects = [e for e, why in interfaces[name].effects.items() if why]
             kind = unit.component.rpartition(":")[2] or Path(unit.fmu).name
             hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
             boxes.append(Box(name, (kind, ", ".join(effects)), hint))
-        return draw(boxes, (Arrow(a, b, tuple(names), "".join(ports[a, b]) if len(ports[a, b]) == 1 else "")
-                            for (a, b), names in signals.items()), self.title or self.name)
+        return draw(
+            boxes,
+            (
+                Arrow(a, b, tuple(names), "".join(ports[a, b]) if len(ports[a, b]) == 1 else "")
+                for (a, b), names in signals.items()
+            ),
+            self.title or self.name,
+        )
 
     def _repr_html_(self) -> str:
         return f"<b>{escape(self.title or self.name)}</b><br>{self.show()}"
 
     def __repr__(self) -> str:
-        return (f"<Scene {self.name}: {', '.join(self.units)}; {len(self.connections)} connections; "
-                f"{self.master.algorithm}, step {self.master.step:g} s, to {self.stop_time:g} s>")
+        return (
+            f"<Scene {self.name}: {', '.join(self.units)}; {len(self.connections)} connections; "
+            f"{self.master.algorithm}, step {self.master.step:g} s, to {self.stop_time:g} s>"
+        )
 
     __str__ = __repr__
 
@@ -151,8 +161,13 @@ def load_scene(name_or_path: str | Path, analysis: Models | None = None) -> Scen
         return read_scene(data, path.stem, path.parent, remarks, analysis)
 
 
-def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = (),
-               analysis: Models | None = None) -> Scene:
+def read_scene(
+    data: Mapping[str, Any],
+    name: str = "scene",
+    folder: Path | None = None,
+    remarks: Sequence[str] = (),
+    analysis: Models | None = None,
+) -> Scene:
     """A scene from plain data, checked down to every connection. Paths of FMUs and of other scenes are relative to `folder`.
 
     `remarks`: what its file says that is ignored, for the warnings of its runs.

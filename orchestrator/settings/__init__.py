@@ -9,6 +9,20 @@ from .scene import ConnectionSettings, RecordSettings, SceneSettings
 from .study import MonolithSettings, StudySettings
 from .units import SubsystemSettings, UnitSettings
 
-__all__ = ["AnalysisKeys", "ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings",
-           "MasterSettings", "Model", "MonolithSettings", "Number", "RecordSettings", "SceneSettings", "StudySettings",
-           "SubsystemSettings", "UnitSettings"]
+__all__ = [
+    "AnalysisKeys",
+    "ConnectionSettings",
+    "ContactSettings",
+    "ControlSettings",
+    "FaultSettings",
+    "IterationSettings",
+    "MasterSettings",
+    "Model",
+    "MonolithSettings",
+    "Number",
+    "RecordSettings",
+    "SceneSettings",
+    "StudySettings",
+    "SubsystemSettings",
+    "UnitSettings",
+]

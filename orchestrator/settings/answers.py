@@ -46,8 +46,9 @@ class RangeSettings(Model):
     @model_validator(mode="after")
     def _in_order(self) -> RangeSettings:
         if not self.low < self.high or (self.start is not None and not self.low <= self.start <= self.high):
-            raise BadInput("", f"low = {self.low:g}, high = {self.high:g}, start = {self.start}",
-                           "low < high, a start between them")
+            raise BadInput(
+                "", f"low = {self.low:g}, high = {self.high:g}, start = {self.start}", "low < high, a start between them"
+            )
         return self
 
 
@@ -55,8 +56,12 @@ class FittedCurve(CurveSettings):
     """A measured curve with the standard deviation of its numbers."""
 
     source: str = Field(default="", description="where the measurement comes from")
-    deviation: Positive | None = Field(default=None, description=(
-        "standard deviation of the measured numbers, in the signal's unit; without it that of the fit's own residuals"))
+    deviation: Positive | None = Field(
+        default=None,
+        description=(
+            "standard deviation of the measured numbers, in the signal's unit; without it that of the fit's own residuals"
+        ),
+    )
 
 
 class SpectrumSettings(Model):
@@ -67,7 +72,8 @@ class SpectrumSettings(Model):
     frequency: str = Field(default="frequency", description="column of the frequency in Hz")
     ordinate: str = Field(description="column of the spectrum")
     kind: Literal["power spectral density", "amplitude spectrum"] = Field(
-        default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit")
+        default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit"
+    )
     segment: Positive | None = Field(default=None, description="s, length of Welch's segments; default: the whole record")
     overlap: Annotated[float, Field(strict=True, ge=0.0, lt=1.0)] = Field(default=0.5, description="of segments, a share")
     window: Literal["hann", "hamming", "blackman", "flattop", "boxcar"] = Field(default="hann", description="of each segment")
@@ -77,9 +83,13 @@ class SpectrumSettings(Model):
     separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(default=",", description="of the columns")
     scale: Positive = Field(default=1.0, description="times the measured number gives the signal's unit")
     source: str = Field(default="", description="where the measurement comes from")
-    deviation: Positive | None = Field(default=None, description=(
-        "standard deviation of the measured numbers, logarithmic: of their logarithm, that is relative; without it that of the "
-        "fit's own residuals"))
+    deviation: Positive | None = Field(
+        default=None,
+        description=(
+            "standard deviation of the measured numbers, logarithmic: of their logarithm, that is relative; without it that of the "
+            "fit's own residuals"
+        ),
+    )
 
     @property
     def estimator(self) -> str:
@@ -116,12 +126,16 @@ class FitSettings(Model):
     @model_validator(mode="after")
     def _has_data(self) -> FitSettings:
         if not self.measured and not self.targets:
-            raise BadInput("", "neither curves nor targets nor spectra", "measurements",
-                           "Add [[curves]], [[spectra]] or [[targets]].")
+            raise BadInput(
+                "", "neither curves nor targets nor spectra", "measurements", "Add [[curves]], [[spectra]] or [[targets]]."
+            )
         if any(c.deviation is None for c in self.measured) and (self.targets or len(self.measured) > 1):
-            raise BadInput("curves" if self.curves else "spectra", "several measurements without the deviation of each",
-                           "deviation = ... of every one",
-                           "They have to be weighed against one another.")
+            raise BadInput(
+                "curves" if self.curves else "spectra",
+                "several measurements without the deviation of each",
+                "deviation = ... of every one",
+                "They have to be weighed against one another.",
+            )
         return self
 
 
@@ -133,12 +147,15 @@ class DesignSettings(Model):
     maximise: tuple[str, ...] = Field(default=(), description="a column, or a list of columns")
     constraints: dict[str, LimitSettings] = {}
     rows: RowsSettings | None = Field(default=None, description="rows of a validation table that must hold as well")
-    method: Literal["COBYQA", "SLSQP", "NSGA-II"] | None = Field(default=None, description=(
-        "COBYQA (default) needs no derivatives; SLSQP for smooth figures; NSGA-II for fronts"))
+    method: Literal["COBYQA", "SLSQP", "NSGA-II"] | None = Field(
+        default=None, description=("COBYQA (default) needs no derivatives; SLSQP for smooth figures; NSGA-II for fronts")
+    )
     evaluations: Annotated[int, Field(strict=True, ge=1)] | None = Field(
-        default=None, description="runs at most, each start: 200; of a front: 1000")
+        default=None, description="runs at most, each start: 200; of a front: 1000"
+    )
     population: Annotated[int, Field(strict=True, ge=8, le=10_000)] = Field(
-        default=40, description="NSGA-II: runs a generation, and most points that it goes on with")
+        default=40, description="NSGA-II: runs a generation, and most points that it goes on with"
+    )
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
     seed: Seed = Field(default=0, description="of the other starts, and of NSGA-II")
     step: Share = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
@@ -169,4 +186,3 @@ class DesignSettings(Model):
             if key in self.model_fields_set:
                 raise BadInput(key, f"a value with {count}", "none", "It would have no effect.")
         return self
-

@@ -1,31 +1,31 @@
 """A case of a user's own: a scene, under conditions, against ranges and measured curves; a TOML file.
 
-    title = "Line 7 at 200 km/h"
-    scene = "line-7.toml"                              # a file beside this one, or the name of a shipped scene
-    sources = { limits = "operator's limits, sheet 12 of 2025", train = "measuring train, run 4, 3 March 2026" }
+title = "Line 7 at 200 km/h"
+scene = "line-7.toml"                              # a file beside this one, or the name of a shipped scene
+sources = { limits = "operator's limits, sheet 12 of 2025", train = "measuring train, run 4, 3 March 2026" }
 
-    [[runs]]
-    condition = "200 km/h"
-    changes = { "units.pantograph.parameters.speed" = 55.56 }
+[[runs]]
+condition = "200 km/h"
+changes = { "units.pantograph.parameters.speed" = 55.56 }
 
-    [[rows]]
-    quantity = "mean force"
-    measure = "pantograph.mean"                        # of the run's summary, or "pantograph.contact_force, maximum below 20 Hz"
-    unit = "N"
-    low = 70.0
-    high = 120.0
-    standing = "verbatim"
-    source = "limits"
+[[rows]]
+quantity = "mean force"
+measure = "pantograph.mean"                        # of the run's summary, or "pantograph.contact_force, maximum below 20 Hz"
+unit = "N"
+low = 70.0
+high = 120.0
+standing = "verbatim"
+source = "limits"
 
-    [[curves]]
-    signal = "pantograph.contact_force"
-    over = "pantograph.contact_position"               # the measurement's abscissa; without it time
-    file = "force.csv"
-    abscissa = "x_m"
-    ordinate = "F_N"
-    cutoff = 20.0
-    tolerances = { mean = 0.05, "standard deviation" = 0.2 }
-    source = "train"
+[[curves]]
+signal = "pantograph.contact_force"
+over = "pantograph.contact_position"               # the measurement's abscissa; without it time
+file = "force.csv"
+abscissa = "x_m"
+ordinate = "F_N"
+cutoff = 20.0
+tolerances = { mean = 0.05, "standard deviation" = 0.2 }
+source = "train"
 """
 
 from __future__ import annotations
@@ -61,9 +61,13 @@ class CurveSettings(Model):
     offset: Number = Field(default=0.0, description="added after the scale")
     shift: Number = Field(default=0.0, description="added to the abscissa")
     cutoff: Positive | None = Field(default=None, description="Hz, low-pass filter of both; without it none")
-    tolerances: dict[str, Share] = Field(default={}, description=(
-        "mean, maximum, minimum: of the measured number's size; standard deviation: of the measured one; "
-        "difference: root mean square difference over the measured standard deviation"))
+    tolerances: dict[str, Share] = Field(
+        default={},
+        description=(
+            "mean, maximum, minimum: of the measured number's size; standard deviation: of the measured one; "
+            "difference: root mean square difference over the measured standard deviation"
+        ),
+    )
     source: str = Field(description="a key of `sources`")
 
 

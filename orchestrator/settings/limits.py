@@ -1,9 +1,9 @@
 """Ranges that columns of a run should keep: single ones, and the rows of a validation table.
 
-    rows = { table = "en50367", conditions = ["AC above 200 km/h", "AC above 250 km/h"] }   # or limits.toml
+rows = { table = "en50367", conditions = ["AC above 200 km/h", "AC above 250 km/h"] }   # or limits.toml
 
-    [limits]                                                          # of a plan; [constraints] of a design
-    "pantograph.std" = { high = 40.0 }
+[limits]                                                          # of a plan; [constraints] of a design
+"pantograph.std" = { high = 40.0 }
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ class LimitSettings(Model):
     quantity: str = Field(default="", description="in words, with its condition")
     unit: str = Field(default="", description="of both numbers; one that the column does not have is refused")
     standing: Literal["", "verbatim", "measured", "computed", "inferred", "recalled"] = Field(
-        default="", description="where the range comes from; a recalled one is named as such")
+        default="", description="where the range comes from; a recalled one is named as such"
+    )
     source: str = ""
 
     @model_validator(mode="after")

@@ -17,7 +17,8 @@ class IterationSettings(Model):
     """Of algorithm = "iterative": repeating a macro step until the inputs fit the outputs."""
 
     method: Literal["aitken", "quasi-newton", "newton"] = Field(
-        default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian")
+        default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian"
+    )
     tolerance: Positive = Field(default=1e-8, description="largest miss of a coupled signal, relative to its size or nominal")
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = Field(default=20, description="of one macro step")
     not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
@@ -26,9 +27,12 @@ class IterationSettings(Model):
 class ControlSettings(Model):
     """The macro step follows an error estimate instead of being fixed."""
 
-    method: Literal["milne", "doubling", "energy"] = Field(description=(
-        "milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback; "
-        "energy: power that the coupling creates at the bonds (ECCO)"))
+    method: Literal["milne", "doubling", "energy"] = Field(
+        description=(
+            "milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback; "
+            "energy: power that the coupling creates at the bonds (ECCO)"
+        )
+    )
     relative: Positive = Field(default=1e-4, description="error allowed in a step, relative to a value")
     absolute: Positive = Field(default=1e-4, description="and relative to the nominal value, for values near zero")
     min_step: Seconds | None = Field(default=None, description="s; default: a thousandth of master.step; all steps are multiples")
@@ -44,22 +48,34 @@ class ControlSettings(Model):
 class MasterSettings(Model):
     """The algorithm that steps the units and hands values over."""
 
-    algorithm: Literal[tuple(ALGORITHMS)] = Field(default="gauss-seidel", description=(  # type: ignore[valid-type]
-        "; ".join(f"{name}: {of.text}" for name, of in ALGORITHMS.items())))
+    algorithm: Literal[tuple(ALGORITHMS)] = Field(
+        default="gauss-seidel",
+        description=(  # type: ignore[valid-type]
+            "; ".join(f"{name}: {of.text}" for name, of in ALGORITHMS.items())
+        ),
+    )
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
-    moving_places: Literal["linear", "held"] = Field(default="linear", description=(
-        "with extrapolation = 0: places that move on, such as a contact's, follow a line; or are held, as other masters do"))
+    moving_places: Literal["linear", "held"] = Field(
+        default="linear",
+        description=(
+            "with extrapolation = 0: places that move on, such as a contact's, follow a line; or are held, as other masters do"
+        ),
+    )
     smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
     feedthrough: Literal["immediate", "delayed"] = Field(
-        default="immediate", description="outputs follow their inputs within an instant, or one step later")
+        default="immediate", description="outputs follow their inputs within an instant, or one step later"
+    )
     order: tuple[str, ...] = Field(default=(), description="gauss-seidel only: all units in the order of stepping")
     iteration: IterationSettings | None = Field(default=None, description="iterative only")
     control: ControlSettings | None = Field(default=None, description="default: every macro step has the length `step`")
     events: tuple[str, ...] = Field(
-        default=(), description="unit.output whose changes of sign are located: a macro step ends there; needs rollback")
-    bonds: tuple[str, ...] = Field(default=(), description=(
-        '"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'))
+        default=(), description="unit.output whose changes of sign are located: a macro step ends there; needs rollback"
+    )
+    bonds: tuple[str, ...] = Field(
+        default=(),
+        description=('"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'),
+    )
     energy_correction: Truth = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
 
     @field_validator("feedthrough", mode="before")
@@ -82,8 +98,12 @@ class MasterSettings(Model):
             raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
         if self.iteration is not None and not self.abilities.iterates:
             iterating = " or ".join(repr(name) for name, of in ALGORITHMS.items() if of.iterates).replace("'", '"')
-            raise BadInput("iteration", "settings of an iteration", f"none; {self.algorithm} does not iterate",
-                           f"Remove them, or take algorithm = {iterating}.")
+            raise BadInput(
+                "iteration",
+                "settings of an iteration",
+                f"none; {self.algorithm} does not iterate",
+                f"Remove them, or take algorithm = {iterating}.",
+            )
         if not self.bonds and self.energy_correction:
             raise BadInput("energy_correction", "true without bonds", "bonds = [...] as well")
         if not self.bonds and self.control is not None and self.control.method == "energy":

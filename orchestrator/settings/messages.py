@@ -12,9 +12,16 @@ from pydantic import BaseModel, ValidationError
 from ...components.core.errors import BadInput, nearest
 
 EXPECTED = {
-    "float_type": "a number", "string_type": "a text", "finite_number": "a finite number", "bool_type": "true or false",
-    "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table", "int_type": "a whole number",
-    "tuple_type": "a list", "too_short": "at least one",
+    "float_type": "a number",
+    "string_type": "a text",
+    "finite_number": "a finite number",
+    "bool_type": "true or false",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "int_type": "a whole number",
+    "tuple_type": "a list",
+    "too_short": "at least one",
     "string_pattern_mismatch": "a name of letters, digits and _ that starts with one of A to Z",
     "connection": '"unit.output -> unit.input" or a table',
 }
@@ -35,8 +42,12 @@ def one_message(error: ValidationError, model: type[BaseModel], name: str, *tabl
     where = _where(name, *places)
     if kind == "extra_forbidden":
         last = str(path[-1])
-        return BadInput(_where(name, *places[:-1]), f"unknown key {shown(last)}", "a known key",
-                        nearest(last, _model_at(model, path[:-1]).model_fields))
+        return BadInput(
+            _where(name, *places[:-1]),
+            f"unknown key {shown(last)}",
+            "a known key",
+            nearest(last, _model_at(model, path[:-1]).model_fields),
+        )
     if kind == "literal_error":
         remedy = nearest(finding["input"], LITERAL.findall(context["expected"])) if isinstance(finding["input"], str) else ""
         return BadInput(where, actual, context["expected"], remedy)

@@ -14,11 +14,21 @@ Whole = Annotated[int, Field(gt=-(2**64), lt=2**64)]  # what the widest types of
 UNIT_NAME = r"^[A-Za-z]\w*(\.[A-Za-z]\w*)*$"  # "subsystem.unit" for the units of an included scene
 Value = bool | Whole | float | str
 # by full names; a file may also have them in nested tables and lists, which become full names before they are checked
-Parameters = Annotated[dict[str, Value], WithJsonSchema(
-    {"type": "object", "additionalProperties": {"type": ["boolean", "number", "string", "array", "object"]}})]
-Sweep = Annotated[dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]], WithJsonSchema(
-    {"type": "object", "additionalProperties": {"anyOf": [
-        {"type": "array", "items": {"type": "number"}, "minItems": 1}, {"type": "object"}]}})]
+Parameters = Annotated[
+    dict[str, Value],
+    WithJsonSchema({"type": "object", "additionalProperties": {"type": ["boolean", "number", "string", "array", "object"]}}),
+]
+Sweep = Annotated[
+    dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]],
+    WithJsonSchema(
+        {
+            "type": "object",
+            "additionalProperties": {
+                "anyOf": [{"type": "array", "items": {"type": "number"}, "minItems": 1}, {"type": "object"}]
+            },
+        }
+    ),
+]
 
 
 class Model(BaseModel):

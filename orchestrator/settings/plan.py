@@ -1,19 +1,19 @@
 """What many runs of one scene vary and keep: a plan, a TOML file or the same as plain data in Python.
 
-    method = "sobol"                                  # grid, list, latin-hypercube, sobol or random
-    points = 256                                      # of the last three
-    seed = 7
+method = "sobol"                                  # grid, list, latin-hypercube, sobol or random
+points = 256                                      # of the last three
+seed = 7
 
-    [vary]
-    "pantograph.static_force" = { distribution = "normal", mean = 70.0, deviation = 5.0, low = 50.0 }
-    "pantograph.speed" = { distribution = "uniform", low = 40.0, high = 90.0 }
-    "catenary.effects.dropper_slackening" = [true, false]
-    "units.pantograph.preset" = ["first", "second"]
+[vary]
+"pantograph.static_force" = { distribution = "normal", mean = 70.0, deviation = 5.0, low = 50.0 }
+"pantograph.speed" = { distribution = "uniform", low = 40.0, high = 90.0 }
+"catenary.effects.dropper_slackening" = [true, false]
+"units.pantograph.preset" = ["first", "second"]
 
-    [keep]
-    quantities = ["pantograph.contact_force, maximum below 20 Hz"]
-    signals = ["pantograph.contact_force"]
-    interval = 0.01
+[keep]
+quantities = ["pantograph.contact_force, maximum below 20 Hz"]
+signals = ["pantograph.contact_force"]
+interval = 0.01
 """
 
 from __future__ import annotations
@@ -69,7 +69,8 @@ class KeepSettings(Model):
     summary: Truth = Field(default=True, description="the figures of the scene's system, as in summary.json")
     quantities: tuple[str, ...] = Field(default=(), description='"unit.output, kind", as in [study]; those of the scene as well')
     functions: tuple[str, ...] = Field(
-        default=(), description='"module:function" of a Result, which returns a number or numbers by name')
+        default=(), description='"module:function" of a Result, which returns a number or numbers by name'
+    )
     signals: tuple[str, ...] = Field(default=(), description='"unit.output", kept as time histories')
     interval: Seconds | None = Field(default=None, description="s: signals interpolated at its multiples; default: every row")
 
@@ -99,17 +100,19 @@ class PlanSettings(Model):
     """Which points are run, and what is kept of them."""
 
     method: Literal["grid", "list", "latin-hypercube", "sobol", "random"] = Field(
-        default="grid", description="grid: every combination; list: the first values together, the second ...; others: samples")
+        default="grid", description="grid: every combination; list: the first values together, the second ...; others: samples"
+    )
     points: Annotated[int, Field(strict=True, ge=1, le=MOST_RUNS)] | None = Field(default=None, description="of samples")
     seed: Annotated[int, Field(strict=True, ge=0)] = Field(default=0, description="of samples; the same seed, the same points")
     table: str = Field(default="", description="CSV of points beside the plan: names in the first line; method list")
     vary: Annotated[dict[str, Any], WithJsonSchema({"type": "object"})] = Field(
-        default={}, description="name = [values], { from, to, points } or { distribution = ... }")
+        default={}, description="name = [values], { from, to, points } or { distribution = ... }"
+    )
     correlation: tuple[tuple[str, str, Number], ...] = Field(
-        default=(), description="[name, name, r]: r of the normal scores of two distributions (a normal copula)")
+        default=(), description="[name, name, r]: r of the normal scores of two distributions (a normal copula)"
+    )
     keep: KeepSettings = KeepSettings()
-    limits: dict[str, LimitSettings] = Field(
-        default={}, description="column = { low = ..., high = ... }, drawn in the figures")
+    limits: dict[str, LimitSettings] = Field(default={}, description="column = { low = ..., high = ... }, drawn in the figures")
     rows: RowsSettings | None = Field(default=None, description="rows of a validation table that are limits as well")
 
     @field_validator("vary", mode="before")
@@ -130,20 +133,29 @@ class PlanSettings(Model):
         if not sampled:
             for key in ("points", "seed", "correlation"):
                 if key in self.model_fields_set:
-                    raise BadInput(key, f"with method {self.method!r}", "one of " + ", ".join(SAMPLED),
-                                   "It would have no effect.")
+                    raise BadInput(
+                        key, f"with method {self.method!r}", "one of " + ", ".join(SAMPLED), "It would have no effect."
+                    )
             for name, axis in self.vary.items():
                 if isinstance(axis, Distribution):
-                    raise BadInput(f"vary.{name}", f"a distribution with method {self.method!r}", "values, or another method",
-                                   'Samples are taken by method = "latin-hypercube", "sobol" or "random".')
+                    raise BadInput(
+                        f"vary.{name}",
+                        f"a distribution with method {self.method!r}",
+                        "values, or another method",
+                        'Samples are taken by method = "latin-hypercube", "sobol" or "random".',
+                    )
         lengths = {name: len(axis.values) for name, axis in self.vary.items() if isinstance(axis, Choices)}
         if self.method == "list" and len(set(lengths.values())) > 1:
             raise BadInput("vary", ", ".join(f"{n}: {k} values" for n, k in lengths.items()), "lists of one length")
         for first, second, r in self.correlation:
             for name in (first, second):
                 if not isinstance(self.vary.get(name), Distribution):
-                    raise BadInput("correlation", repr(name), "a name that varies by a distribution",
-                                   nearest(name, [n for n, a in self.vary.items() if isinstance(a, Distribution)]))
+                    raise BadInput(
+                        "correlation",
+                        repr(name),
+                        "a name that varies by a distribution",
+                        nearest(name, [n for n, a in self.vary.items() if isinstance(a, Distribution)]),
+                    )
             if first == second or not -1.0 < r < 1.0:
                 raise BadInput("correlation", f"{first}, {second}: {r:g}", "two names, and a number between -1 and 1")
         return self
@@ -173,7 +185,8 @@ def _element(name: str, value: Any) -> Any:
     if hasattr(value, "item"):
         value = value.item()  # of NumPy
     if not isinstance(value, bool | int | float | str | list | tuple | Mapping) or (
-            isinstance(value, float) and not isfinite(value)):
+        isinstance(value, float) and not isfinite(value)
+    ):
         raise BadInput(f"vary.{name}", repr(value), "finite numbers, texts, truth values, lists or tables")
     return value
 
@@ -185,8 +198,11 @@ def _distribution(name: str, table: Mapping[str, Any]) -> Distribution:
     needed, optional = SHAPES[shape]
     given = {key: value for key, value in table.items() if key != "distribution"}
     if not set(needed) <= given.keys() <= {*needed, *optional}:
-        raise BadInput(where, ", ".join(given) or "nothing else", f"{', '.join(needed)} of a {shape} distribution"
-                       + (f", and possibly {', '.join(optional)}" if optional else ""))
+        raise BadInput(
+            where,
+            ", ".join(given) or "nothing else",
+            f"{', '.join(needed)} of a {shape} distribution" + (f", and possibly {', '.join(optional)}" if optional else ""),
+        )
     for key, value in given.items():
         if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
             raise BadInput(f"{where}.{key}", repr(value), "a finite number")

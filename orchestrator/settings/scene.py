@@ -42,7 +42,8 @@ class RecordSettings(Model):
     """
 
     signals: tuple[str, ...] | None = Field(
-        default=None, description="unit.output, or unit.array for all its elements; default: all numbers but long arrays")
+        default=None, description="unit.output, or unit.array for all its elements; default: all numbers but long arrays"
+    )
     interval: Seconds | None = Field(default=None, description="s; default: every macro step")
     snapshots: tuple[str, ...] = Field(default=(), description="unit.array, kept as whole arrays")
     snapshot_interval: Seconds | None = Field(default=None, description="s; default: every macro step")
@@ -60,17 +61,21 @@ class SceneSettings(Model):
     title: str = Field(default="", description="what reports are headed with")
     stop_time: Seconds = Field(description="s; every run starts at 0")
     connections: tuple[str | ConnectionSettings, ...] = Field(
-        default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor')
+        default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor'
+    )
     units: dict[Annotated[str, Field(pattern=UNIT_NAME)], Annotated[UnitSettings, OrSubsystem()]] = Field(
-        min_length=1, description="by name; components, FMUs and other scenes", json_schema_extra={"additionalProperties": False})
+        min_length=1, description="by name; components, FMUs and other scenes", json_schema_extra={"additionalProperties": False}
+    )
     master: MasterSettings
     record: RecordSettings = RecordSettings()
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     sweep: Sweep = Field(
-        default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
+        default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination"
+    )
     analysis: Annotated[SerializeAsAny[AnalysisKeys], WithJsonSchema({"type": "object"})] = Field(
-        default=AnalysisKeys(), description="for sweeps and reports; its keys depend on its `system`")
+        default=AnalysisKeys(), description="for sweeps and reports; its keys depend on its `system`"
+    )
     study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())

@@ -1,10 +1,10 @@
 """What studies of a scene look at: quantities of interest, meshes, a monolithic scene to compare with, maps of stability.
 
-    [study]
-    quantities = ["pantograph.contact_force, time history below 20 Hz", "rotor.displacement_x, amplitude at 12.5 Hz"]
-    mesh = ["catenary.element"]                     # parameters whose halving refines the mesh of a unit
-    monolith = { scene = "one-body", signals = { "left.position" = "body.x" } }
-    stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
+[study]
+quantities = ["pantograph.contact_force, time history below 20 Hz", "rotor.displacement_x, amplitude at 12.5 Hz"]
+mesh = ["catenary.element"]                     # parameters whose halving refines the mesh of a unit
+monolith = { scene = "one-body", signals = { "left.position" = "body.x" } }
+stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
 """
 
 from __future__ import annotations
@@ -70,21 +70,33 @@ class MonolithSettings(Model):
 
     scene: str = Field(description="name of a shipped scene or path of a file")
     signals: dict[str, str] = Field(
-        default={}, description="unit.output of this scene -> unit.output of that one; those of one name need no entry")
+        default={}, description="unit.output of this scene -> unit.output of that one; those of one name need no entry"
+    )
 
 
 class StudySettings(Model):
     """Read by cosimo accuracy, stability and effects."""
 
-    quantities: tuple[str, ...] = Field(default=(), description=(
-        '"unit.output, kind", after the transient of [analysis]; kinds: ' + EVERY_KIND
-        + "; without it the time history and the maximum of every recorded signal"))
+    quantities: tuple[str, ...] = Field(
+        default=(),
+        description=(
+            '"unit.output, kind", after the transient of [analysis]; kinds: '
+            + EVERY_KIND
+            + "; without it the time history and the maximum of every recorded signal"
+        ),
+    )
     mesh: tuple[str, ...] = Field(default=(), description="unit.parameter, lengths of elements; halved, the mesh is finer")
     monolith: MonolithSettings | None = Field(default=None, description="a scene that gives the same signals from one unit")
-    effects: tuple[str, ...] = Field(default=(), description=(
-        "unit.effect: parts, defects, loads and the like that cosimo effects takes into the full model, too"))
-    stability: Sweep = Field(default={}, description=(
-        "unit.parameter = [values] or { from, to, points }, one or two of them: axes of the map of cosimo stability"))
+    effects: tuple[str, ...] = Field(
+        default=(),
+        description=("unit.effect: parts, defects, loads and the like that cosimo effects takes into the full model, too"),
+    )
+    stability: Sweep = Field(
+        default={},
+        description=(
+            "unit.parameter = [values] or { from, to, points }, one or two of them: axes of the map of cosimo stability"
+        ),
+    )
 
     @field_validator("quantities")
     @classmethod

@@ -20,14 +20,19 @@ class UnitSettings(Model):
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
     parameters: Parameters = Field(default={}, description="parameters, and values of inputs that no connection drives")
     every: Annotated[int, Field(strict=True, ge=1, le=1_000_000_000)] = Field(
-        default=1, description="steps with every n-th macro step only, over all n of them; for slow units")
+        default=1, description="steps with every n-th macro step only, over all n of them; for slow units"
+    )
     isolation: Literal["none", "process", "restricted"] = Field(
-        default="none", description="process: in a worker process of its own, for what may crash and to use several cores; "
-                                    "restricted: there with limits, without network, and with files it can only read")
+        default="none",
+        description="process: in a worker process of its own, for what may crash and to use several cores; "
+        "restricted: there with limits, without network, and with files it can only read",
+    )
     time_limit: Positive | None = Field(
-        default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes")
+        default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes"
+    )
     interface: Literal["co-simulation", "model-exchange"] | None = Field(
-        default=None, description="of an FMU that has both; default: co-simulation where it has that")
+        default=None, description="of an FMU that has both; default: co-simulation where it has that"
+    )
     solver: str | None = Field(default=None, description="model-exchange only: CVode, or a method of scipy's solve_ivp")
     tolerance: Positive | None = Field(default=None, description="relative tolerance for the FMU's solver")
 
@@ -63,8 +68,9 @@ class UnitSettings(Model):
         if self.fmu and self.preset:
             raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):
-            raise BadInput("isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class",
-                           'Write "process".')
+            raise BadInput(
+                "isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class", 'Write "process".'
+            )
         if self.time_limit is not None and self.isolation == "none":
             raise BadInput("time_limit", f"{self.time_limit:g} s without isolation", 'isolation = "process" as well')
         for key in ("interface", "solver", "tolerance"):

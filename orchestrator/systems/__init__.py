@@ -64,8 +64,17 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     return scenes.read_scene(data, name, folder, remarks, ANALYSIS)
 
 
-def build_scene(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[str, str] = (), *, stop_time: float, step: float,
-                name: str = "scene", folder: Path | None = None, master: Mapping[str, Any] | None = None, **tables: Any) -> Scene:
+def build_scene(
+    units: Mapping[str, Any],
+    connections: Iterable[Any] | Mapping[str, str] = (),
+    *,
+    stop_time: float,
+    step: float,
+    name: str = "scene",
+    folder: Path | None = None,
+    master: Mapping[str, Any] | None = None,
+    **tables: Any,
+) -> Scene:
     """A scene written in Python, checked down to every connection. Faults are one `BadInput`.
 
     units: by name, of `unit(...)`, or a class, a name of a component or a path.
@@ -107,8 +116,9 @@ def papers() -> list[str]:
     return [name for name in cases() if name.startswith(PREFIX)]
 
 
-def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False,
-             verify: Wish = "auto") -> list[CaseResult]:
+def validate(
+    names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False, verify: Wish = "auto"
+) -> list[CaseResult]:
     """Run cases by name, write `report.html` and `validation.json` to `directory`.
 
     No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
@@ -119,8 +129,9 @@ def validate(names: Iterable[str], directory: str | Path, in_process: bool = Fal
     from ..harness.validation import run_cases
 
     names = [n for name in list(names) or cases() for n in (papers() if name == "papers" else [name])]
-    return run_cases([_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress,
-                     verify=verify)
+    return run_cases(
+        [_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress, verify=verify
+    )
 
 
 def summary(result: Result) -> SummaryTable:

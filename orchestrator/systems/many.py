@@ -22,9 +22,20 @@ if TYPE_CHECKING:
 PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
 
-def sweep(scene: Scene, plan: PlanLike | None = None, directory: str | Path | None = None, *, jobs: int | None = 1,
-          scheduler: str = "", add: int = 0, retry: bool = False, progress: bool = False,
-          limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Sweep:
+def sweep(
+    scene: Scene,
+    plan: PlanLike | None = None,
+    directory: str | Path | None = None,
+    *,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    add: int = 0,
+    retry: bool = False,
+    progress: bool = False,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    verify: bool = True,
+) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `directory`: where the points,
@@ -35,8 +46,20 @@ def sweep(scene: Scene, plan: PlanLike | None = None, directory: str | Path | No
     processes keeps its own calls behind `if __name__ == "__main__":`.
     Raises `BadInput`.
     """
-    return sweeps.sweep(scene, plan, directory, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=progress,
-                        summarize=summary, limits=limits, conditions=conditions, verify=verify)
+    return sweeps.sweep(
+        scene,
+        plan,
+        directory,
+        jobs=jobs,
+        scheduler=scheduler,
+        add=add,
+        retry=retry,
+        progress=progress,
+        summarize=summary,
+        limits=limits,
+        conditions=conditions,
+        verify=verify,
+    )
 
 
 def sensitivity(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:
@@ -53,16 +76,18 @@ def uncertainty(scene: Scene, plan: PlanLike, directory: str | Path | None = Non
     return answer(scene, plan, directory, summarize=summary, **options)
 
 
-def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None,
-        **options: Any) -> SceneFit:
+def fit(
+    scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, **options: Any
+) -> SceneFit:
     """Parameters from measurements: as `harness.many.fitting`, with the figures of the scene's system among the targets."""
     from ..harness.many.fitting import fit as answer
 
     return answer(scene, settings, directory, summarize=summary, **options)
 
 
-def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None,
-           **options: Any) -> Design:
+def design(
+    scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, **options: Any
+) -> Design:
     """Parameters for a small or large quantity: as `harness.many.design`, with the figures of the scene's system."""
     from ..harness.many.design import design as answer
 

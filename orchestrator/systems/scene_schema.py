@@ -44,9 +44,14 @@ def is_stale(schema: Mapping[str, Any], components: Iterable[str]) -> bool:
     one of these components. Cheap: of all others nothing is imported, and nothing of the scene's own tables is generated."""
     definitions = schema.get("$defs", {})
     written = [name.removeprefix("component.") for name in definitions if name.startswith("component.")]
-    return schema.get("$comment") != _writer() or written != list(CATALOGUE) or any(
-        definitions[f"component.{name}"] != json.loads(json.dumps(_component(component_class(name))))
-        for name in set(components) & CATALOGUE.keys())
+    return (
+        schema.get("$comment") != _writer()
+        or written != list(CATALOGUE)
+        or any(
+            definitions[f"component.{name}"] != json.loads(json.dumps(_component(component_class(name))))
+            for name in set(components) & CATALOGUE.keys()
+        )
+    )
 
 
 def _writer() -> str:
@@ -66,15 +71,23 @@ def _component(cls: type[Component]) -> dict[str, Any]:
     flat = _values(values, tables)
     for name, own in groups.items():  # "effect.variable" in quotation marks
         flat["patternProperties"] |= _elements(own, f"{name}.") | {f"^{name}[.]{v.name}$": _value(v) for v in own}
-    return {"description": cls.title, "properties": {
-        "effects": {"items": {"enum": list(cls.effects)}} if cls.effects else {"maxItems": 0},
-        "preset": {"enum": ["", *cls.presets]}, "parameters": flat}}
+    return {
+        "description": cls.title,
+        "properties": {
+            "effects": {"items": {"enum": list(cls.effects)}} if cls.effects else {"maxItems": 0},
+            "preset": {"enum": ["", *cls.presets]},
+            "parameters": flat,
+        },
+    }
 
 
 def _values(variables: Iterable[Variable], tables: Mapping[str, Any] | None = None) -> dict[str, Any]:
     variables = list(variables)
-    return {"properties": {**{v.name: _value(v) for v in variables}, **(tables or {})}, "patternProperties": _elements(variables),
-            "additionalProperties": False}
+    return {
+        "properties": {**{v.name: _value(v) for v in variables}, **(tables or {})},
+        "patternProperties": _elements(variables),
+        "additionalProperties": False,
+    }
 
 
 def _elements(variables: Iterable[Variable], prefix: str = "") -> dict[str, Any]:
@@ -97,5 +110,7 @@ def _scalar(variable: Variable) -> dict[str, Any]:
     if variable.kind is Kind.TEXT:
         return {"type": "string"}
     limits = {"minimum": variable.low, "maximum": variable.high}
-    return {"type": "number" if variable.kind is Kind.REAL else "integer",
-            **{key: value for key, value in limits.items() if isfinite(value)}}
+    return {
+        "type": "number" if variable.kind is Kind.REAL else "integer",
+        **{key: value for key, value in limits.items() if isfinite(value)},
+    }

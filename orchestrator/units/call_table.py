@@ -36,9 +36,17 @@ class Held(NamedTuple):
     hand_over: Callback  # to be called where these have changed
 
 
-def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
-               scalars: Mapping[str, Scalar], held: Held) -> CallTable | None:
+def call_table(
+    library: Any,
+    instance: int,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    interpolates: bool,
+    scalars: Mapping[str, Scalar],
+    held: Held,
+) -> CallTable | None:
     """The call table of an FMU with these driven inputs and read outputs; None where two moving inputs are one variable."""
+
     def address(name: str) -> int:
         return ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0
 
@@ -52,11 +60,25 @@ def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequ
     parts = np.array([] if plain else output_parts(out_of, address), dtype=np.int64)
     orders = (ctypes.c_int * (2 * len(moving)))(*[1] * len(moving), *[2] * len(moving))
     references = [ctypes.addressof(part[0].references) if part else 0 for part in (into, out_of)]
-    calls = (*map(address, FUNCTIONS.values()), instance, *references, ctypes.addressof(orders), held.hand_over.function,
-             held.values.ctypes.data, 0 if plain else len(out_of), parts.ctypes.data)
+    calls = (
+        *map(address, FUNCTIONS.values()),
+        instance,
+        *references,
+        ctypes.addressof(orders),
+        held.hand_over.function,
+        held.values.ctypes.data,
+        0 if plain else len(out_of),
+        parts.ctypes.data,
+    )
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    return CallTable(dict(zip(OF_FMU, calls, strict=True)), way if moving else HELD, (into, out_of, orders, parts, held),
-                     (0,) * len(inputs), (0,) * len(outputs), tuple(k in held.places for k in range(len(inputs))))
+    return CallTable(
+        dict(zip(OF_FMU, calls, strict=True)),
+        way if moving else HELD,
+        (into, out_of, orders, parts, held),
+        (0,) * len(inputs),
+        (0,) * len(outputs),
+        tuple(k in held.places for k in range(len(inputs))),
+    )
 
 
 def output_parts(by_type: Sequence[Block], address: Callable[[str], int]) -> list[int]:

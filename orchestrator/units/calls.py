@@ -41,19 +41,23 @@ def _llvm(kind: str) -> Any:
 
 def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
     """A decorator: the function calls the C function at its first argument with the others, which are of these types."""
+
     def decorate(function: Callable[..., Any]) -> Any:
         if not COMPILED:
             prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *(C[kind] for kind in kinds))
             return lambda address, *given: prototype(int(address))(
-                *(float(v) if kind == DOUBLE else int(v) for kind, v in zip(kinds, given, strict=True)))
+                *(float(v) if kind == DOUBLE else int(v) for kind, v in zip(kinds, given, strict=True))
+            )
 
         def emit(builder: Any, given: Any) -> Any:
             from llvmlite import ir
 
             llvm = [_llvm(kind) for kind in kinds]
             called = builder.inttoptr(given[0], ir.FunctionType(_llvm(INT), llvm).as_pointer())
-            return builder.call(called, [builder.inttoptr(v, to) if kind == POINTER else v
-                                         for kind, to, v in zip(kinds, llvm, given[1:], strict=True)])
+            return builder.call(
+                called,
+                [builder.inttoptr(v, to) if kind == POINTER else v for kind, to, v in zip(kinds, llvm, given[1:], strict=True)],
+            )
 
         return _by_types(function, INT, (LONG, *kinds), emit)
 
@@ -62,11 +66,13 @@ def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
 
 def loads(kind: str) -> Callable[[Callable[..., Any]], Any]:
     """A decorator: the function gives the number of a type at its argument."""
+
     def decorate(function: Callable[..., Any]) -> Any:
         if not COMPILED:
             return lambda address: C[kind].from_address(int(address)).value
-        return _by_types(function, kind, (LONG,),
-                     lambda builder, given: builder.load(builder.inttoptr(given[0], _llvm(kind).as_pointer())))
+        return _by_types(
+            function, kind, (LONG,), lambda builder, given: builder.load(builder.inttoptr(given[0], _llvm(kind).as_pointer()))
+        )
 
     return decorate
 
@@ -74,6 +80,7 @@ def loads(kind: str) -> Callable[[Callable[..., Any]], Any]:
 def stores(function: Callable[..., Any]) -> Any:
     """A decorator: the function writes its second argument, a float, to the address that is its first."""
     if not COMPILED:
+
         def write(address: int, value: float) -> None:
             ctypes.c_double.from_address(int(address)).value = value
 

@@ -38,7 +38,8 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         inputs={n: Signal(n, v.unit, component[n], v.nominal, moving=v.moving) for n in component.inputs for v in [variables[n]]},
         outputs={
             n: Signal(n, v.unit, 0.0, v.nominal, tuple(i for i in component.inputs if _feeds(i, v.feedthrough)))
-            for n in component.outputs for v in [variables[n]]
+            for n in component.outputs
+            for v in [variables[n]]
         },
         effects={e: named.get(e) or by_preset.get(e, "") for e in cls.effects},
         set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
@@ -111,6 +112,7 @@ class ComponentUnit:
             self.written = [c.block.memory] if type(c).stepped is Component.stepped else None
             outputs, step, argument = c.entry("outputs"), c.entry("step"), c.block.address
         else:
+
             def refresh(t: float, _: float) -> None:
                 c.t = t
                 c.refresh()
@@ -186,8 +188,12 @@ class ComponentUnit:
             component.restore(state)
         component.counts[:] = counts
         if len(reached) == 2 and reached[0] != reached[1]:
-            raise StepFailed(self.name, component.t, "a step that is repeated from the same state gives another result",
-                             "Keep everything that a step changes in the component's x")
+            raise StepFailed(
+                self.name,
+                component.t,
+                "a step that is repeated from the same state gives another result",
+                "Keep everything that a step changes in the component's x",
+            )
 
     def release(self, state: bytes) -> None:
         """Nothing to do: Python frees it."""

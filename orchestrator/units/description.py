@@ -26,8 +26,13 @@ if TYPE_CHECKING:  # a run without FMUs loads no FMPy
     from ..settings import UnitSettings
 
 DESCRIPTION = "modelDescription.xml"
-KINDS: dict[str, Kind] = {"Real": "real", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration",
-                          "Binary": "binary"}
+KINDS: dict[str, Kind] = {
+    "Real": "real",
+    "Boolean": "boolean",
+    "String": "string",
+    "Enumeration": "enumeration",
+    "Binary": "binary",
+}
 TEXTS = ("String", "Binary")  # octets as FMI writes them, two hexadecimal digits each
 NEITHER = ("Clock",)  # types that are neither numbers nor texts
 
@@ -105,8 +110,12 @@ class Description:
             only = "co-simulation" if exchange else "model exchange"
             raise BadInput(f"{where}.interface", repr(wanted), "an interface of the FMU", f"It is for {only} only.")
         if settings.solver is not None and not exchange:
-            raise BadInput(f"{where}.solver", repr(settings.solver), "none; an FMU for co-simulation has its own",
-                           'Remove it, or write interface = "model-exchange".')
+            raise BadInput(
+                f"{where}.solver",
+                repr(settings.solver),
+                "none; an FMU for co-simulation has its own",
+                'Remove it, or write interface = "model-exchange".',
+            )
         if settings.solver is not None and settings.solver not in METHODS:
             raise BadInput(f"{where}.solver", repr(settings.solver), "a method of integration", nearest(settings.solver, METHODS))
         return replace(self, exchange=exchange)
@@ -151,14 +160,20 @@ def _read(path: str, _changed: int, where: str) -> Description:
         raise BadInput(where, f"{path}, for scheduled execution only", "an FMU for co-simulation or model exchange")
     for v in model.modelVariables:
         if v.type == "Clock" and v.causality == "input" and v.intervalVariability != "triggered":
-            raise BadInput(where, f"{path} with the clock {v.name!r}, which its importer has to tick",
-                           "an FMU without such clocks; it would stand still")
+            raise BadInput(
+                where,
+                f"{path} with the clock {v.name!r}, which its importer has to tick",
+                "an FMU without such clocks; it would stand still",
+            )
     _check_numbers(model, where)
-    derives = {i.tag for i in root if i.tag in ("CoSimulation", "ModelExchange")  # FMPy knows that of FMI 2
-               and any(is_true(i.get("providesDirectionalDerivative" + plural)) for plural in ("", "s"))}
+    derives = {
+        i.tag
+        for i in root
+        if i.tag in ("CoSimulation", "ModelExchange")  # FMPy knows that of FMI 2
+        and any(is_true(i.get("providesDirectionalDerivative" + plural)) for plural in ("", "s"))
+    }
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, model, _scalars(model, {}, texts), derives, texts,
-                       _requested(model, root))
+    return Description(path, model, _scalars(model, {}, texts), derives, texts, _requested(model, root))
 
 
 def _checked(file: zipfile.ZipFile, path: str) -> bytes:
@@ -184,8 +199,12 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
     """FMPy leaves the attributes of variables as texts; `BadInput` for those that are not what their type says."""
     for v in model.modelVariables:
         if not 0 <= int(v.valueReference) <= MOST_REFERENCE:
-            raise BadInput(where, f"valueReference {v.valueReference} of {v.name!r}",
-                           f"a whole number from 0 to {MOST_REFERENCE}", "The FMU's model description is faulty.")
+            raise BadInput(
+                where,
+                f"valueReference {v.valueReference} of {v.name!r}",
+                f"a whole number from 0 to {MOST_REFERENCE}",
+                "The FMU's model description is faulty.",
+            )
     for owner in (*model.modelVariables, *model.typeDefinitions):
         read_one = READERS.get(owner.type, int)
         for attribute in ("start", "nominal", "min", "max") if owner.type not in (*TEXTS, *NEITHER) else ():
@@ -194,17 +213,26 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
                 for word in words:
                     (float if attribute == "nominal" else read_one)(word)
             except ValueError:
-                raise BadInput(where, f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}",
-                               f"a value of type {owner.type}", "The FMU's model description is faulty.") from None
+                raise BadInput(
+                    where,
+                    f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}",
+                    f"a value of type {owner.type}",
+                    "The FMU's model description is faulty.",
+                ) from None
 
 
 def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
     """Continuous inputs of 64 bits, no arrays, that may be given inside a step; FMPy does not read the attribute."""
     if model.coSimulation is None or not model.coSimulation.providesIntermediateUpdate:
         return frozenset()
-    return frozenset(v.get("name") for v in root.iterfind("ModelVariables/Float64") if is_true(v.get("intermediateUpdate"))
-                     and v.get("causality") == "input" and v.get("variability") in (None, "continuous")
-                     and v.find("Dimension") is None)
+    return frozenset(
+        v.get("name")
+        for v in root.iterfind("ModelVariables/Float64")
+        if is_true(v.get("intermediateUpdate"))
+        and v.get("causality") == "input"
+        and v.get("variability") in (None, "continuous")
+        and v.find("Dimension") is None
+    )
 
 
 def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:

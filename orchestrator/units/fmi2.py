@@ -47,8 +47,12 @@ class Fmi2Unit(FmuUnit):
     fmpy_class: Any = FMU2Slave
 
     def _instantiate(self) -> Any:
-        fmu = self.fmpy_class(instanceName=self.name, guid=self.description.model.guid, unzipDirectory=self._folder,
-                              modelIdentifier=self._interface().modelIdentifier)
+        fmu = self.fmpy_class(
+            instanceName=self.name,
+            guid=self.description.model.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=self._interface().modelIdentifier,
+        )
         fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
         return fmu
 
@@ -64,8 +68,14 @@ class Fmi2Unit(FmuUnit):
 
     def _set_up(self) -> None:
         tolerance = self._tolerance or 0.0
-        self._call("SetupExperiment", ctypes.c_int(tolerance > 0.0), ctypes.c_double(tolerance), ctypes.c_double(0.0),
-                   ctypes.c_int(0), ctypes.c_double(0.0))
+        self._call(
+            "SetupExperiment",
+            ctypes.c_int(tolerance > 0.0),
+            ctypes.c_double(tolerance),
+            ctypes.c_double(0.0),
+            ctypes.c_int(0),
+            ctypes.c_double(0.0),
+        )
 
     def _enter_initialization(self) -> None:
         self._call("EnterInitializationMode")
@@ -92,8 +102,15 @@ class Fmi2CoSimulation(Fmi2Unit):
         self.hold_anew()
         self._hand_over_held = Callback(self._hand_over_values)
         held = Held(self._rows[2], self._held_values, self._hand_over_held)
-        return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
-                          interface.canInterpolateInputs, self._scalars, held)
+        return call_table(
+            self._fmu.dll,
+            self._fmu.component,
+            self._input_names,
+            self._output_names,
+            interface.canInterpolateInputs,
+            self._scalars,
+            held,
+        )
 
     def _hand_over_values(self, t: float, _: float) -> None:
         """Compiled code has changed `_held_values`; the last step was from t."""
@@ -152,6 +169,7 @@ class Fmi2CoSimulation(Fmi2Unit):
                 self._end_at(min(max(last.value, t), end) if known else t)
                 return
             if known and last.value > t:
-                self._failed(status, f" and got to {last.value:.9g} s",
-                             f"A macro step of at most {last.value - t:.3g} s may help")
+                self._failed(
+                    status, f" and got to {last.value:.9g} s", f"A macro step of at most {last.value - t:.3g} s may help"
+                )
         self._check(status)

@@ -45,8 +45,9 @@ class Fmi3Unit(FmuUnit):
 
     def _enter_initialization(self) -> None:
         tolerance = self._tolerance or 0.0
-        self._call("EnterInitializationMode", BOOLEAN(tolerance > 0.0), DOUBLE(tolerance), DOUBLE(0.0), BOOLEAN(False),
-                   DOUBLE(0.0))
+        self._call(
+            "EnterInitializationMode", BOOLEAN(tolerance > 0.0), DOUBLE(tolerance), DOUBLE(0.0), BOOLEAN(False), DOUBLE(0.0)
+        )
 
     def start(self) -> None:
         self._call("ExitInitializationMode")
@@ -68,16 +69,31 @@ class Fmi3CoSimulation(Fmi3Unit):
         interface, model = self._interface(), self.description.model
         self._events = interface.hasEventMode
         self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
-        fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
-                        modelIdentifier=interface.modelIdentifier)
+        fmu = FMU3Slave(
+            instanceName=self.name, guid=model.guid, unzipDirectory=self._folder, modelIdentifier=interface.modelIdentifier
+        )
         asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
-        fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
-                        requiredIntermediateVariables=sorted(asked), intermediateUpdate=self._requested if asked else None,
-                        logMessage=self._logged)
+        fmu.instantiate(
+            loggingOn=True,
+            eventModeUsed=self._events,
+            earlyReturnAllowed=True,
+            requiredIntermediateVariables=sorted(asked),
+            intermediateUpdate=self._requested if asked else None,
+            logMessage=self._logged,
+        )
         return fmu
 
-    def _requested(self, _environment: Any, t: float, wants_inputs: bool, _gives: bool, _finished: bool, _may_return: bool,
-                   early: Any, _when: Any) -> None:
+    def _requested(
+        self,
+        _environment: Any,
+        t: float,
+        wants_inputs: bool,
+        _gives: bool,
+        _finished: bool,
+        _may_return: bool,
+        early: Any,
+        _when: Any,
+    ) -> None:
         """The FMU asks for its inputs inside a step."""
         early[0] = False
         if wants_inputs and isinstance(self._reals, Requested):
@@ -123,8 +139,9 @@ class Fmi3CoSimulation(Fmi3Unit):
             if not states.again:
                 break
         else:
-            raise StepFailed(self.name, self._time,
-                             f"the discrete states do not converge in {ITERATIONS} iterations{self._log_lines()}")
+            raise StepFailed(
+                self.name, self._time, f"the discrete states do not converge in {ITERATIONS} iterations{self._log_lines()}"
+            )
         self.next_event = states.next_event
         self._check(self._enter_step_mode(self._fmu.component))
 
@@ -163,8 +180,11 @@ class Fmi3CoSimulation(Fmi3Unit):
             self._end_at(reached)
             return reached, False
         if status == DISCARD and t < self._reached.value < end:
-            self._failed(status, f" and got to {self._reached.value:.9g} s",
-                         f"A macro step of at most {self._reached.value - t:.3g} s may help")
+            self._failed(
+                status,
+                f" and got to {self._reached.value:.9g} s",
+                f"A macro step of at most {self._reached.value - t:.3g} s may help",
+            )
         self._check(status)
         return reached, bool(event)
 

@@ -35,14 +35,20 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     there = {n: s for n, s in description.scalars.items() if n.partition(".")[0] not in off}
     direct = {u.variable.name: u.dependencies for u in description.model.outputs}
     measures = _measures(description.model)
-    inputs = {n: _signal(s, (), measures) for n, s in there.items()
-              if s.variable.causality == "input" and not is_companion(n, description.scalars)}
+    inputs = {
+        n: _signal(s, (), measures)
+        for n, s in there.items()
+        if s.variable.causality == "input" and not is_companion(n, description.scalars)
+    }
     real = [n for n, s in inputs.items() if s.kind == "real"]
     return Interface(
         title=description.model.description or description.model.modelName,
         inputs=inputs,
-        outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
-                 for n, s in there.items() if s.variable.causality == "output"},
+        outputs={
+            n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
+            for n, s in there.items()
+            if s.variable.causality == "output"
+        },
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
         recordable={n: _signal(s, (), measures) for n, s in there.items() if s.variable.causality in RECORDABLE},
@@ -65,8 +71,11 @@ def _capabilities(description: Description, inputs: Sequence[str]) -> dict[str, 
     """What the FMU can beyond a step, as fields of `Interface`; `inputs`: the real ones."""
     interface: Any = description.interface
     saves = interface.canGetAndSetFMUstate
-    shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate,
-              "gives_jacobian": description.directional}
+    shared = {
+        "saves_state": saves,
+        "packs_state": saves and interface.canSerializeFMUstate,
+        "gives_jacobian": description.directional,
+    }
     if description.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
         return shared | {"may_return_early": True}
     follow = bool(inputs) and set(inputs) <= description.requested
@@ -100,8 +109,9 @@ def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[st
     return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, moving, measures.get(unit))
 
 
-def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],
-             scalars: Mapping[str, Scalar]) -> tuple[str, ...] | None:
+def _depends(
+    declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal], scalars: Mapping[str, Scalar]
+) -> tuple[str, ...] | None:
     """Names of inputs that are, or are elements of, declared variables."""
     if declared is None:
         return None

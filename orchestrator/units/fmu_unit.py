@@ -57,8 +57,14 @@ class FmuUnit:
     event: float | None = None
     next_event = float("inf")  # s, where the FMU asks for an event
 
-    def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None = None,
-                 twin: Component | None = None):
+    def __init__(
+        self,
+        name: str,
+        description: Description,
+        values: Mapping[str, Any],
+        tolerance: float | None = None,
+        twin: Component | None = None,
+    ):
         """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons."""
         self.name, self.description, self._values, self._twin = name, description, dict(values), twin
         self._tolerance, self._fmi3 = tolerance, description.fmi3
@@ -75,8 +81,12 @@ class FmuUnit:
         self._log: deque[str] = deque(maxlen=3)
         self._alone = self._identifier() if self._interface().canBeInstantiatedOnlyOncePerProcess else ""
         if self._alone in _once:
-            raise BadInput(f"units.{name}", f"a second instance of {description.path}",
-                           "one; this FMU allows no more in a process", 'Write isolation = "process".')
+            raise BadInput(
+                f"units.{name}",
+                f"a second instance of {description.path}",
+                "one; this FMU allows no more in a process",
+                'Write isolation = "process".',
+            )
         here, self._folder = os.getcwd(), ""
         try:
             self._folder = take(description.path)
@@ -88,8 +98,11 @@ class FmuUnit:
         except Exception as error:  # FMPy raises bare exceptions
             os.chdir(here)  # FMPy stays in the library's folder when loading fails
             self.close()
-            raise BadInput(f"units.{name}", f"{description.path} cannot be started: {error}{self._log_lines()}",
-                           "an FMU with a library for this platform") from None
+            raise BadInput(
+                f"units.{name}",
+                f"{description.path} cannot be started: {error}{self._log_lines()}",
+                "an FMU with a library for this platform",
+            ) from None
         if self._alone:
             _once.add(self._alone)
         self._states = States(self._fmi3, self._fmu.component, self._function, self._failed)
@@ -180,8 +193,12 @@ class FmuUnit:
             given = {n: s.start for n, s in self._scalars.items() if s.variable.name in partly}
         given |= values
         if missing := [n for n, value in given.items() if value is None]:
-            raise BadInput(f"units.{self.name}.parameters", f"no value for {missing[0]!r}",
-                           "values for all elements of its array", "The FMU gives no start value for an array of this size.")
+            raise BadInput(
+                f"units.{self.name}.parameters",
+                f"no value for {missing[0]!r}",
+                "values for all elements of its array",
+                "The FMU gives no start value for an array of this size.",
+            )
         others = Others(self.name, list(given), *self._common())
         others.write(list(given.values()), 0.0)
 
@@ -190,15 +207,21 @@ class FmuUnit:
         lost = self._differing(self._values)
         if lost:
             variables = {self._scalars[n].variable.name for n in lost}
-            again = {n: v for n, v in self._values.items() if self._scalars[n].variable.name in variables
-                     and self._scalars[n].variable.causality != "structuralParameter"}
+            again = {
+                n: v
+                for n, v in self._values.items()
+                if self._scalars[n].variable.name in variables and self._scalars[n].variable.causality != "structuralParameter"
+            }
             with suppress(StepFailed):  # refused: the message below gives the FMU's log
                 FmuUnit._set_values(self, again)
                 lost = self._differing({n: self._values[n] for n in lost})
         for name, actual in lost.items():
-            raise BadInput(f"units.{self.name}.parameters", f"{name} = {self._values[name]!r}, which the FMU has as {actual!r} "
-                           f"in initialization mode{self._log_lines()}", "a value that the FMU keeps",
-                           "It resets, limits or ignores this variable: leave it out, or set what it depends on.")
+            raise BadInput(
+                f"units.{self.name}.parameters",
+                f"{name} = {self._values[name]!r}, which the FMU has as {actual!r} in initialization mode{self._log_lines()}",
+                "a value that the FMU keeps",
+                "It resets, limits or ignores this variable: leave it out, or set what it depends on.",
+            )
 
     def _differing(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Those of some values that the FMU has otherwise, as it has them."""
@@ -283,8 +306,11 @@ class FmuUnit:
         return reader(names, arrays, self._inexact, *self._common())
 
     def _inexact(self, name: str, value: int) -> None:
-        raise StepFailed(self.name, self._time, f"output {name} is {value}, beyond the whole numbers up to 2^53 "
-                                                "that can be handed over exactly")
+        raise StepFailed(
+            self.name,
+            self._time,
+            f"output {name} is {value}, beyond the whole numbers up to 2^53 that can be handed over exactly",
+        )
 
     def initialize(self, t: float, values: PortValues) -> None:
         if not self._initializing:
@@ -341,8 +367,13 @@ class FmuUnit:
     def parameters(self) -> dict[str, Any]:
         """Also what nobody has set, by its start value; not what belongs to an effect that is off."""
         effects = {n: s.start for n, s in self._scalars.items() if n.startswith("effects.")} | self._values
-        own = {n: s.start for n, s in self._scalars.items() if s.variable.causality in ("parameter", "structuralParameter")
-               and s.start is not None and effects.get(f"effects.{n.partition('.')[0]}", True)}
+        own = {
+            n: s.start
+            for n, s in self._scalars.items()
+            if s.variable.causality in ("parameter", "structuralParameter")
+            and s.start is not None
+            and effects.get(f"effects.{n.partition('.')[0]}", True)
+        }
         return own | self._values
 
     def work(self) -> dict[str, int]:

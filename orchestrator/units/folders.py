@@ -104,8 +104,10 @@ def _extracted(path: str) -> str:
     try:
         with zipfile.ZipFile(path) as file:
             if not folder.isascii() and "resources/slavemodule.txt" in file.namelist():
-                raise OSError(errno.EINVAL, f"its library cannot read from {folder!r}, with letters beyond ASCII. "
-                                            "Set TMPDIR to a folder without")
+                raise OSError(
+                    errno.EINVAL,
+                    f"its library cannot read from {folder!r}, with letters beyond ASCII. Set TMPDIR to a folder without",
+                )
             size, free = check_archive(file, path), shutil.disk_usage(folder).free
         if size > free:
             raise OSError(errno.ENOSPC, f"it unpacks to {size} bytes, and {folder} has {free} left")

@@ -27,8 +27,16 @@ WARNING = 1  # the highest status with which a call has done its work
 class Reals:
     """Inputs of 64 bits that may change over a step."""
 
-    def __init__(self, names: Sequence[str], interpolates: bool, scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
-                 functions: Functions, failed: Callable[[int], None]):
+    def __init__(
+        self,
+        names: Sequence[str],
+        interpolates: bool,
+        scalars: Mapping[str, Scalar],
+        fmi3: bool,
+        instance: Any,
+        functions: Functions,
+        failed: Callable[[int], None],
+    ):
         n, pointer = len(names), ctypes.c_void_p
         self._n, self._failed, self._interpolates = n, failed, interpolates
         self._companions = has_companions(scalars, names)
@@ -39,8 +47,9 @@ class Reals:
         self._target: Any = block.buffer if listed else np.ctypeslib.as_array(block.buffer)
         at = np.array(block.at)
         self._places = [slice(k * n, k * n + n) if block.straight else at[k * n : k * n + n] for k in range(3)]
-        self._arguments = [(instance, *block.first(k * n)) if self._companions else (instance, *block.arguments)
-                           for k in (1, 2, 3)]
+        self._arguments = [
+            (instance, *block.first(k * n)) if self._companions else (instance, *block.arguments) for k in (1, 2, 3)
+        ]
         if interpolates:
             self._orders = [(ctypes.c_int * n)(*[k] * n) for k in (1, 2)]
             references, size, buffer = block.arguments[:3]
@@ -116,8 +125,16 @@ def means(values: PortValues, slopes: PortValues, halves: PortValues | None, h: 
 class Others:
     """Inputs of all other types, and reals that change at instants only: values are held over a step."""
 
-    def __init__(self, name: str, names: Sequence[str], scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
-                 functions: Functions, failed: Callable[[int], None]):
+    def __init__(
+        self,
+        name: str,
+        names: Sequence[str],
+        scalars: Mapping[str, Scalar],
+        fmi3: bool,
+        instance: Any,
+        functions: Functions,
+        failed: Callable[[int], None],
+    ):
         self._name, self._names, self._failed = name, names, failed
         self.blocks = blocks([scalars[n] for n in names], fmi3)
         self._calls = [(functions("Set" + b.type.suffix, *b.argument_types), (instance, *b.arguments)) for b in self.blocks]
@@ -135,8 +152,11 @@ class Others:
         type_ = block.type
         if type_.high:
             if not type_.low <= value <= type_.high or value != int(value):  # the first holds for no NaN
-                raise StepFailed(self._name, t, f"input {self._names[row]} cannot be {value:.9g}: it holds whole numbers "
-                                                f"from {type_.low} to {type_.high}")
+                raise StepFailed(
+                    self._name,
+                    t,
+                    f"input {self._names[row]} cannot be {value:.9g}: it holds whole numbers from {type_.low} to {type_.high}",
+                )
             return int(value)
         if type_.suffix == "Binary":
             return value

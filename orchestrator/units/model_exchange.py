@@ -224,8 +224,12 @@ class ModelExchange(FmuUnit):
             if self._worst > DISCARD:
                 self._failed(self._worst)
             self._healthy = False
-            raise StepFailed(self.name, self._time, f"{self._method} cannot go on: {error}{self._log_lines()}",
-                             "A smaller macro step or another solver may help") from None
+            raise StepFailed(
+                self.name,
+                self._time,
+                f"{self._method} cannot go on: {error}{self._log_lines()}",
+                "A smaller macro step or another solver may help",
+            ) from None
         finally:
             self._singles = None
             if self._polynomial is not None:  # the FMU keeps the inputs of the end

@@ -27,9 +27,12 @@ class Fmi2ModelExchange(ModelExchange, Fmi2Unit):
     def _update_states(self) -> DiscreteStates:
         info = fmi2EventInfo()
         self._call("NewDiscreteStates", ctypes.pointer(info))
-        return DiscreteStates(bool(info.newDiscreteStatesNeeded), bool(info.terminateSimulation),
-                              bool(info.nominalsOfContinuousStatesChanged),
-                              info.nextEventTime if info.nextEventTimeDefined else inf)
+        return DiscreteStates(
+            bool(info.newDiscreteStatesNeeded),
+            bool(info.terminateSimulation),
+            bool(info.nominalsOfContinuousStatesChanged),
+            info.nextEventTime if info.nextEventTimeDefined else inf,
+        )
 
 
 class Fmi3ModelExchange(ModelExchange, Fmi3Unit):
@@ -39,8 +42,12 @@ class Fmi3ModelExchange(ModelExchange, Fmi3Unit):
     derivatives_function = "GetContinuousStateDerivatives"
 
     def _instantiate(self) -> Any:
-        fmu = FMU3Model(instanceName=self.name, guid=self.description.model.guid, unzipDirectory=self._folder,
-                        modelIdentifier=self._interface().modelIdentifier)
+        fmu = FMU3Model(
+            instanceName=self.name,
+            guid=self.description.model.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=self._interface().modelIdentifier,
+        )
         fmu.instantiate(loggingOn=True, logMessage=self._logged)
         return fmu
 

@@ -14,8 +14,16 @@ from .interface import PortValues
 from .values import EXACT, Block, blocks, signature
 
 
-def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], None], scalars: Mapping[str, Scalar], fmi3: bool,
-           instance: Any, functions: Functions, failed: Callable[[int], None]) -> Callable[[], PortValues]:
+def reader(
+    names: Sequence[str],
+    arrays: bool,
+    inexact: Callable[[str, int], None],
+    scalars: Mapping[str, Scalar],
+    fmi3: bool,
+    instance: Any,
+    functions: Functions,
+    failed: Callable[[int], None],
+) -> Callable[[], PortValues]:
     """A function that gives the present values of some outputs, as a list or with `arrays` as an array.
 
     `failed` gets a bad status, `inexact` the name and value of a whole number that no float can stand for.
@@ -50,8 +58,9 @@ def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], Non
     return read
 
 
-def _of_reals(call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block, arrays: bool,
-              failed: Callable[[int], None]) -> Callable[[], PortValues]:
+def _of_reals(
+    call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block, arrays: bool, failed: Callable[[int], None]
+) -> Callable[[], PortValues]:
     """Reals of 64 bits in the order of the buffer: nothing is to be picked or converted."""
     values = np.ctypeslib.as_array(buffer) if arrays else None
 
@@ -64,8 +73,15 @@ def _of_reals(call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any,
     return read
 
 
-def derivatives(outputs: Sequence[str], inputs: Sequence[str], scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
-                functions: Functions, failed: Callable[[int], None]) -> np.ndarray:
+def derivatives(
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+    scalars: Mapping[str, Scalar],
+    fmi3: bool,
+    instance: Any,
+    functions: Functions,
+    failed: Callable[[int], None],
+) -> np.ndarray:
     """Of outputs with respect to inputs at this instant, (outputs, inputs), one directional derivative for each real input.
 
     What changes at instants only has none, which is 0 here.
@@ -74,8 +90,9 @@ def derivatives(outputs: Sequence[str], inputs: Sequence[str], scalars: Mapping[
     rows, columns = ([k for k, n in enumerate(names) if not scalars[n].discrete] for names in (outputs, inputs))
     if not (rows and columns):
         return result
-    unknowns, knowns = (Block.of_derivatives([scalars[names[k]] for k in places], fmi3)
-                        for names, places in ((outputs, rows), (inputs, columns)))
+    unknowns, knowns = (
+        Block.of_derivatives([scalars[names[k]] for k in places], fmi3) for names, places in ((outputs, rows), (inputs, columns))
+    )
     pointer, size = ctypes.c_void_p, ctypes.c_size_t
     extra = (size,) if fmi3 else ()
     derive = functions("GetDirectionalDerivative", pointer, size, pointer, size, pointer, *extra, pointer, *extra)

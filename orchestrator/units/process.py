@@ -86,20 +86,35 @@ class WorkerUnit:
         try:
             with open(self._folder / "log", "wb") as log:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", f"{__package__}.worker", name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                    stderr=log, bufsize=0, env=environment, start_new_session=True)  # a terminal's Ctrl-C does not reach it
+                    [sys.executable, "-P", "-m", f"{__package__}.worker", name],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=log,
+                    bufsize=0,
+                    env=environment,
+                    start_new_session=True,
+                )  # a terminal's Ctrl-C does not reach it
         except OSError as error:  # too many processes or open files, a name longer than a command line ...
             shutil.rmtree(self._folder, ignore_errors=True)
-            raise BadInput(f"units.{name[:LONGEST]}", "a worker process that the system does not start", "one that starts",
-                           f"{error.strerror}.") from None
+            raise BadInput(
+                f"units.{name[:LONGEST]}",
+                "a worker process that the system does not start",
+                "one that starts",
+                f"{error.strerror}.",
+            ) from None
         self._pipes = [pipe for pipe in (self._process.stdin, self._process.stdout) if pipe is not None]
         self._channel = Channel(self._pipes[1].fileno(), self._pipes[0].fileno())
         self._closed = threading.Event()
         if self._limit is not None:
             threading.Thread(target=self._watch, daemon=True).start()
         with suppress(StepFailed):  # it has ended already; `wire` says so
-            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process, native,
-                       folder if walled else "")
+            self._call(
+                "open",
+                settings.model_copy(update={"isolation": "none", "time_limit": None}),
+                in_process,
+                native,
+                folder if walled else "",
+            )
 
     # -- messages ----------------------------------------------------------------------------------------------------
     def _send(self, code: int, content: bytes) -> None:
@@ -225,8 +240,9 @@ class WorkerUnit:
             self._parameters, self.walls = self._read(self._receive())
             self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
-            raise BadInput(f"units.{self.name}", f"it cannot be started: {error.reason}",
-                           "a unit that starts in a worker process") from None
+            raise BadInput(
+                f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
+            ) from None
         self._started = True
 
     def wire_texts(self, inputs: Sequence[str]) -> None:

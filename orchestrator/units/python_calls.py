@@ -20,6 +20,7 @@ class PythonCalls:
 
     def __init__(self, unit: Unit, links: np.ndarray, outputs: np.ndarray):
         """links: the records of its inputs; outputs: its part of the table of signals."""
+
         def step(t: float, h: float) -> None:
             if links.size:
                 degree = links["degree"][0]

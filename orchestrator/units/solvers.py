@@ -92,12 +92,14 @@ class Cvode:
         self._x, self._absolute = (pointer(vector(n, self._context)) for _ in range(2))
         self.address = data(self._x)
         self._states, self._tolerances = (
-            np.ctypeslib.as_array((real * n).from_address(data(v))) for v in (self._x, self._absolute))
+            np.ctypeslib.as_array((real * n).from_address(data(v))) for v in (self._x, self._absolute)
+        )
         self._states[:], self._tolerances[:] = 0.0, 1.0
         make = self._function("sunmatrixdense", "SUNDenseMatrix", pointer, ctypes.c_int64, ctypes.c_int64, pointer)
         self._matrix = pointer(make(n, n, self._context))
-        self._linear = pointer(self._function("sunlinsoldense", "SUNLinSol_Dense", pointer, *[pointer] * 3)(
-            self._x, self._matrix, self._context))
+        self._linear = pointer(
+            self._function("sunlinsoldense", "SUNLinSol_Dense", pointer, *[pointer] * 3)(self._x, self._matrix, self._context)
+        )
         self._memory = pointer(self._function("cvode", "CVodeCreate", pointer, ctypes.c_int, pointer)(BDF, self._context))
         self._call("cvode", "CVodeInit", self._memory, self._derivatives, real(0.0), self._x)
         self._call("cvode", "CVodeSVtolerances", self._memory, real(relative), self._absolute)
@@ -139,9 +141,14 @@ class Cvode:
         return self._reached.value, status == ROOT
 
     def close(self) -> None:
-        for library, name, place in (("cvode", "CVodeFree", self._memory), ("core", "SUNLinSolFree", self._linear),
-                                     ("core", "SUNMatDestroy", self._matrix), ("core", "N_VDestroy", self._absolute),
-                                     ("core", "N_VDestroy", self._x), ("core", "SUNContext_Free", self._context)):
+        for library, name, place in (
+            ("cvode", "CVodeFree", self._memory),
+            ("core", "SUNLinSolFree", self._linear),
+            ("core", "SUNMatDestroy", self._matrix),
+            ("core", "N_VDestroy", self._absolute),
+            ("core", "N_VDestroy", self._x),
+            ("core", "SUNContext_Free", self._context),
+        ):
             if place.value:
                 by_address = name in ("CVodeFree", "SUNContext_Free")  # these set it to NULL
                 self._function(library, name, None, ctypes.c_void_p)(ctypes.addressof(place) if by_address else place)
@@ -215,8 +222,9 @@ class Scipy:
                 self._solver._lsoda_solver._integrator.rwork[0] = goal
         elif self._solver is None or self._solver.t_bound != goal:
             first = min(self.step_size, goal - self._t) if self.step_size else None
-            self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances,
-                                        first_step=first)
+            self._solver = self._method(
+                self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances, first_step=first
+            )
         return self._solver
 
     def _locate(self, low: float, high: float, at: Callable[[float], np.ndarray]) -> float:

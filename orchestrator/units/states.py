@@ -11,10 +11,10 @@ from typing import Any
 from .inputs import WARNING, Functions
 
 # what FMI 2 and 3 call the same functions
-NAMES = {False: ("GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializedFMUstateSize", "SerializeFMUstate",
-                 "DeSerializeFMUstate"),
-         True: ("GetFMUState", "SetFMUState", "FreeFMUState", "SerializedFMUStateSize", "SerializeFMUState",
-                "DeserializeFMUState")}
+NAMES = {
+    False: ("GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializedFMUstateSize", "SerializeFMUstate", "DeSerializeFMUstate"),
+    True: ("GetFMUState", "SetFMUState", "FreeFMUState", "SerializedFMUStateSize", "SerializeFMUState", "DeserializeFMUState"),
+}
 
 
 class State:
@@ -34,7 +34,8 @@ class States:
         types = ((pointer,), (pointer,), (pointer,), (pointer, pointer), (pointer, pointer, size), (pointer, size, pointer))
         self._instance, self._failed = instance, failed
         self._get, self._set, self._free, self._size, self._serialize, self._deserialize = (
-            functions(name, *t) for name, t in zip(NAMES[fmi3], types, strict=True))
+            functions(name, *t) for name, t in zip(NAMES[fmi3], types, strict=True)
+        )
         self._kept: dict[int, State] = {}
         self.none = True  # no state that could be restored is kept: what DoStep wants to know in every step
 

@@ -34,14 +34,25 @@ def _whole(suffix: str, c: Any) -> CType:
     return CType(suffix, c, -(2 ** (bits - 1)) if signed else 0, 2 ** (bits - signed) - 1)
 
 
-FMI2 = {"Real": CType("Real", ctypes.c_double), "Integer": _whole("Integer", ctypes.c_int),
-        "Enumeration": _whole("Integer", ctypes.c_int), "Boolean": CType("Boolean", ctypes.c_int),
-        "String": CType("String", ctypes.c_char_p)}
-FMI3 = {"Float64": CType("Float64", ctypes.c_double), "Float32": CType("Float32", ctypes.c_float),
-        "Boolean": CType("Boolean", ctypes.c_bool), "String": CType("String", ctypes.c_char_p),
-        "Binary": CType("Binary", ctypes.c_void_p), "Enumeration": _whole("Int64", ctypes.c_int64)}
-FMI3 |= {name: _whole(name, getattr(ctypes, "c_" + name.lower()))
-         for name in ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")}
+FMI2 = {
+    "Real": CType("Real", ctypes.c_double),
+    "Integer": _whole("Integer", ctypes.c_int),
+    "Enumeration": _whole("Integer", ctypes.c_int),
+    "Boolean": CType("Boolean", ctypes.c_int),
+    "String": CType("String", ctypes.c_char_p),
+}
+FMI3 = {
+    "Float64": CType("Float64", ctypes.c_double),
+    "Float32": CType("Float32", ctypes.c_float),
+    "Boolean": CType("Boolean", ctypes.c_bool),
+    "String": CType("String", ctypes.c_char_p),
+    "Binary": CType("Binary", ctypes.c_void_p),
+    "Enumeration": _whole("Int64", ctypes.c_int64),
+}
+FMI3 |= {
+    name: _whole(name, getattr(ctypes, "c_" + name.lower()))
+    for name in ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+}
 
 
 class Block:
@@ -141,10 +152,19 @@ def checked_values(description: Description, settings: UnitSettings, where: str,
 
 def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], off: Sequence[str]) -> Any:
     scalar, effect = scalars.get(name), name.partition(".")[0]
-    if scalar is None or name.startswith("effects.") or is_companion(name, scalars) \
-            or scalar.variable.causality not in ("parameter", "structuralParameter", "input"):
-        settable = [n for n, s in scalars.items() if s.variable.causality in ("parameter", "structuralParameter", "input")
-                    and not n.startswith("effects.") and not is_companion(n, scalars)]
+    if (
+        scalar is None
+        or name.startswith("effects.")
+        or is_companion(name, scalars)
+        or scalar.variable.causality not in ("parameter", "structuralParameter", "input")
+    ):
+        settable = [
+            n
+            for n, s in scalars.items()
+            if s.variable.causality in ("parameter", "structuralParameter", "input")
+            and not n.startswith("effects.")
+            and not is_companion(n, scalars)
+        ]
         if elements := [n for n in settable if n.partition("[")[0] == name.partition("[")[0] and scalars[n].size > 1]:
             raise _wrong_shape(where, name, repr(value), elements)
         remedy = "List effects under effects = [...]." if name.startswith("effects.") else nearest(name, settable)
@@ -183,8 +203,12 @@ def _wrong_shape(where: str, name: str, actual: str, elements: Sequence[str]) ->
     """A value for an array as a whole, one for an element that it does not have, or a list of another shape."""
     array, sizes = elements[0].partition("[")[0], _sizes(elements)
     nested = " of lists" * (len(sizes) - 1)
-    return BadInput(where, f"{name} = {actual}", f"values of an array of shape ({', '.join(sizes)})",
-                    f"Write {array} = [...], a list{nested}, or single elements such as {elements[0]!r}.")
+    return BadInput(
+        where,
+        f"{name} = {actual}",
+        f"values of an array of shape ({', '.join(sizes)})",
+        f"Write {array} = [...], a list{nested}, or single elements such as {elements[0]!r}.",
+    )
 
 
 def _sizes(elements: Sequence[str]) -> list[str]:

@@ -26,12 +26,40 @@ from .interface import SimulationEnded
 MEMORY, FILES, FILE_SIZE = 4 << 30, 256, 1 << 30  # bytes of address space, open files, bytes of a file
 ANSWER = 60.0  # s that an answer may take where the scene gives no limit
 # what a library may need to know; all else of the environment, such as keys and passwords of services, stays outside
-PASSED_ON = ("PATH", "LD_LIBRARY_PATH", "SYSTEMROOT", "LANG", "LC_ALL", "TZ", "COSIMO_CACHE", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR",
-        "NUMBA_DISABLE_JIT")
+PASSED_ON = (
+    "PATH",
+    "LD_LIBRARY_PATH",
+    "SYSTEMROOT",
+    "LANG",
+    "LC_ALL",
+    "TZ",
+    "COSIMO_CACHE",
+    "XDG_CACHE_HOME",
+    "NUMBA_CACHE_DIR",
+    "NUMBA_DISABLE_JIT",
+)
 NO_NEW_PRIVS, NEW_USER, NEW_NET = 38, 0x10000000, 0x40000000
 ALLOW, REFUSE = 0x7FFF0000, 0x00050000 | 1  # SCMP_ACT_ALLOW, SCMP_ACT_ERRNO(EPERM)
-REFUSED = ("socket", "socketpair", "connect", "ptrace", "process_vm_readv", "process_vm_writev", "kill", "pidfd_send_signal",
-           "pidfd_getfd", "mount", "umount2", "unshare", "setns", "bpf", "keyctl", "add_key", "io_uring_setup", "userfaultfd")
+REFUSED = (
+    "socket",
+    "socketpair",
+    "connect",
+    "ptrace",
+    "process_vm_readv",
+    "process_vm_writev",
+    "kill",
+    "pidfd_send_signal",
+    "pidfd_getfd",
+    "mount",
+    "umount2",
+    "unshare",
+    "setns",
+    "bpf",
+    "keyctl",
+    "add_key",
+    "io_uring_setup",
+    "userfaultfd",
+)
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF = 444, 445, 446
 EXECUTE, WRITE, READ, READ_DIRECTORY, ALL = 1 << 0, 1 << 1, 1 << 2, 1 << 3, (1 << 13) - 1  # rights of landlock's ABI 1
 TRUNCATE = 1 << 14  # from ABI 3 on, with REFER, 1 << 13, of ABI 2
@@ -67,8 +95,12 @@ def _limits() -> list[str]:
     except ImportError:  # Windows
         return []
     walls = []
-    for name, kind, limit in (("memory", "RLIMIT_AS", MEMORY), ("open files", "RLIMIT_NOFILE", FILES),
-                              ("size of files", "RLIMIT_FSIZE", FILE_SIZE), ("core", "RLIMIT_CORE", 0)):
+    for name, kind, limit in (
+        ("memory", "RLIMIT_AS", MEMORY),
+        ("open files", "RLIMIT_NOFILE", FILES),
+        ("size of files", "RLIMIT_FSIZE", FILE_SIZE),
+        ("core", "RLIMIT_CORE", 0),
+    ):
         try:
             resource.setrlimit(getattr(resource, kind), (limit, limit))
             walls.append(f"{name} {limit}" if limit else "no core files")
@@ -81,9 +113,11 @@ def _seccomp(library: Any) -> bool:
     """Let the system calls in `REFUSED` fail with EPERM; one that the library does not know is passed by."""
     library.seccomp_init.restype = ctypes.c_void_p
     library.seccomp_init.argtypes = (ctypes.c_uint32,)
-    for name, arguments in (("seccomp_load", (ctypes.c_void_p,)), ("seccomp_release", (ctypes.c_void_p,)),
-                            ("seccomp_rule_add_array", (ctypes.c_void_p, ctypes.c_uint32, ctypes.c_int, ctypes.c_uint,
-                                                        ctypes.c_void_p))):
+    for name, arguments in (
+        ("seccomp_load", (ctypes.c_void_p,)),
+        ("seccomp_release", (ctypes.c_void_p,)),
+        ("seccomp_rule_add_array", (ctypes.c_void_p, ctypes.c_uint32, ctypes.c_int, ctypes.c_uint, ctypes.c_void_p)),
+    ):
         getattr(library, name).argtypes = arguments
     context = library.seccomp_init(ALLOW)
     if not context:

@@ -126,8 +126,9 @@ class Worker:
         """Answer requests until the pipe is closed; what fails is an answer, too."""
         messages: list[str] = []
         warnings.simplefilter("always", UserWarning)
-        warnings.showwarning = lambda message, category, *_: messages.append(str(message)) \
-            if issubclass(category, UserWarning) else None
+        warnings.showwarning = lambda message, category, *_: (
+            messages.append(str(message)) if issubclass(category, UserWarning) else None
+        )
         while True:
             try:
                 code, content = self._channel.receive()

@@ -71,7 +71,12 @@ def _attributes(result: Recorded, name: str) -> dict[str, str]:
 
 def _provenance(result: Recorded) -> dict[str, Any]:
     info = result.info
-    return {"title": result.scene.title or result.scene.name, "scene": result.scene.name, "outcome": result.outcome,
-            "message": result.message, "warnings": [str(w) for w in info.get("warnings", ())],
-            "versions": ", ".join(f"{n} {v}" for n, v in info.get("versions", {}).items()),
-            "run": json.dumps(info, default=str)}
+    return {
+        "title": result.scene.title or result.scene.name,
+        "scene": result.scene.name,
+        "outcome": result.outcome,
+        "message": result.message,
+        "warnings": [str(w) for w in info.get("warnings", ())],
+        "versions": ", ".join(f"{n} {v}" for n, v in info.get("versions", {}).items()),
+        "run": json.dumps(info, default=str),
+    }

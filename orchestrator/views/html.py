@@ -23,8 +23,10 @@ def result_html(result: Recorded) -> str:
     """An HTML fragment without script; colours of text are those of the page around it."""
     scene = result.scene
     rows = f"{result.rows} rows" + (f" to t = {result.end:g} s" if result.rows else "")
-    parts = [f"<b>{escape(scene.title or scene.name)}</b><br>"
-             f'<b style="color:{COLOURS.get(result.outcome, OTHER)}">{escape(result.outcome)}</b> · {rows}']
+    parts = [
+        f"<b>{escape(scene.title or scene.name)}</b><br>"
+        f'<b style="color:{COLOURS.get(result.outcome, OTHER)}">{escape(result.outcome)}</b> · {rows}'
+    ]
     if result.message:
         parts.append(escape(_short(result.message)))
     warnings = [str(w) for w in result.info.get("warnings", ())]
@@ -46,8 +48,10 @@ def _signals(result: Recorded) -> str:
     for name in names[:SIGNALS]:
         values = np.asarray(result.columns[name], dtype=float)
         low, high, last = result.extremes(name)
-        rows += (f"<tr><td>{escape(name)}<td>{sparkline(result.time, values)}<td>{low:.4g} … {high:.4g}<td>{last:.4g}"
-                 f"<td>{escape(result.measures.get(name, ''))}")
+        rows += (
+            f"<tr><td>{escape(name)}<td>{sparkline(result.time, values)}<td>{low:.4g} … {high:.4g}<td>{last:.4g}"
+            f"<td>{escape(result.measures.get(name, ''))}"
+        )
     if not rows:
         return ""
     more = f"<br>{len(names) - SIGNALS} more signals: <code>.plot()</code>" if len(names) > SIGNALS else ""

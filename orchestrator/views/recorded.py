@@ -21,15 +21,15 @@ class Recorded(Protocol):
 
     @property
     def columns(self) -> Mapping[str, np.ndarray]:
-        """"unit.variable" -> (n,) numbers."""
+        """ "unit.variable" -> (n,) numbers."""
 
     @property
     def snapshots(self) -> Mapping[str, Any]:
-        """"unit.array" -> `results.Snapshot`."""
+        """ "unit.array" -> `results.Snapshot`."""
 
     @property
     def measures(self) -> Mapping[str, str]:
-        """"unit.variable" -> unit of measure."""
+        """ "unit.variable" -> unit of measure."""
 
     @property
     def info(self) -> Mapping[str, Any]:

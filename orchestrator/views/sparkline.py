@@ -24,7 +24,7 @@ def sparkline(time: np.ndarray, values: np.ndarray) -> str:
         if shown:
             path += f"{'M' if move else 'L'}{px:.0f} {py:.0f}"
         move = not shown
-    return (f'<svg width="{WIDTH}" height="{HEIGHT}"><path d="{path}" fill="none" stroke="#0072b2"/></svg>')
+    return f'<svg width="{WIDTH}" height="{HEIGHT}"><path d="{path}" fill="none" stroke="#0072b2"/></svg>'
 
 
 def _kept(time: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -33,6 +33,9 @@ def _kept(time: np.ndarray, values: np.ndarray) -> np.ndarray:
         return np.arange(time.size)
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], BINS + 1)[1:-1])
     parts = [part for part in np.split(np.arange(time.size), edges) if part.size]
-    extremes = [part[choose(np.where(np.isfinite(v := values[part]), v, other))] for part in parts
-                for choose, other in ((np.argmin, np.inf), (np.argmax, -np.inf))]
+    extremes = [
+        part[choose(np.where(np.isfinite(v := values[part]), v, other))]
+        for part in parts
+        for choose, other in ((np.argmin, np.inf), (np.argmax, -np.inf))
+    ]
     return np.unique([0, *extremes, time.size - 1])

@@ -125,7 +125,7 @@ from ...harness.system import System
 
 SYSTEM = System("spring_pendulum", "Pendulum on a spring", __name__)
 ''',
-    "orchestrator/systems/spring_pendulum/scenes/bounce.toml": '''title = "A pendulum on a spring bounces"
+    "orchestrator/systems/spring_pendulum/scenes/bounce.toml": """title = "A pendulum on a spring bounces"
 stop_time = 10.0
 
 [units.pendulum]
@@ -138,7 +138,7 @@ step = 1e-2
 
 [analysis]
 system = "spring_pendulum"
-''',
+""",
     "orchestrator/systems/spring_pendulum/cases/__init__.py": '''"""Validation cases of the system."""
 
 from __future__ import annotations
@@ -171,15 +171,15 @@ def findings(options: Options) -> Findings:
 
 CASE = Case("bounce", "Bounce of a pendulum on a spring", "The closed form of the frequency.", "spring_pendulum", findings)
 ''',
-    "orchestrator/systems/spring_pendulum/cases/bounce.toml": '''title = "Bounce of a pendulum on a spring"
+    "orchestrator/systems/spring_pendulum/cases/bounce.toml": """title = "Bounce of a pendulum on a spring"
 text = "A mass of 1 kg on 100 N/m."
 
 [sources]
 closed = "sqrt(k/m)"
-''',
-    "orchestrator/systems/spring_pendulum/cases/bounce.csv": '''quantity,measure,condition,unit,low,high,standing,source
+""",
+    "orchestrator/systems/spring_pendulum/cases/bounce.csv": """quantity,measure,condition,unit,low,high,standing,source
 angular frequency,frequency,bounce,rad/s,9.999,10.001,computed,closed
-''',
+""",
     "orchestrator/systems/spring_pendulum/figures/__init__.py": '''"""Figures of the pendulum on a spring."""
 
 from __future__ import annotations
@@ -222,7 +222,7 @@ KNOWN: dict[str, dict[str, str]] = {
     "SpringPendulum": in_file("spring_pendulum/test_spring_pendulum.py", air_drag="air_drag_takes_energy"),
 }
 ''',
-    "tests/systems/spring_pendulum/test_spring_pendulum.py": '''import pytest
+    "tests/systems/spring_pendulum/test_spring_pendulum.py": """import pytest
 
 from cosimo.components.spring_pendulum.pendulum import SpringPendulum
 
@@ -244,11 +244,13 @@ def test_energy_is_kept():
 def test_air_drag_takes_energy():
     start, end = energy_after(("air_drag",))
     assert end < start - 1e-3
-''',
+""",
 }
 # file -> (before, after): the shared files that know of a system
 LISTS = {
-    "components/catalogue.py": ('    "Pantograph": "railway.pantograph",\n',
-                                '    "Pantograph": "railway.pantograph",\n    "SpringPendulum": "spring_pendulum.pendulum",\n'),
+    "components/catalogue.py": (
+        '    "Pantograph": "railway.pantograph",\n',
+        '    "Pantograph": "railway.pantograph",\n    "SpringPendulum": "spring_pendulum.pendulum",\n',
+    ),
     "orchestrator/systems/__init__.py": ('"pipe_robot", "wrist")', '"pipe_robot", "wrist", "spring_pendulum")'),
 }

@@ -32,7 +32,8 @@ def test_every_component_is_in_the_catalogue():
     """A concrete component has a title; bases of families have none."""
     written = {
         (name, module.__name__.removeprefix("cosimo.components."))
-        for module in all_modules(components) if not module.__name__.startswith("cosimo.components.core.")
+        for module in all_modules(components)
+        if not module.__name__.startswith("cosimo.components.core.")
         for name, cls in vars(module).items()
         if inspect.isclass(cls) and issubclass(cls, Component) and cls.__module__ == module.__name__ and cls.title
     }
@@ -66,8 +67,12 @@ def test_every_shipped_scene_loads(name):
 
 
 def test_every_algorithm_is_reachable_from_a_scene():
-    written = {cls for module in all_modules(importlib.import_module("cosimo.orchestrator.engine.algorithms"))
-               for cls in vars(module).values() if inspect.isclass(cls) and issubclass(cls, Master) and cls is not Master}
+    written = {
+        cls
+        for module in all_modules(importlib.import_module("cosimo.orchestrator.engine.algorithms"))
+        for cls in vars(module).values()
+        if inspect.isclass(cls) and issubclass(cls, Master) and cls is not Master
+    }
     assert written == set(map(class_of, ALGORITHMS))
     for name in (n for n, of in ALGORITHMS.items() if not of.reduces_contacts):  # that needs a contact, as the scene below has
         assert read_scene(two_masses(name)).master.algorithm == name

@@ -13,9 +13,17 @@ from cosimo.tests.architecture.eleventh_system import FILES, LISTS
 from cosimo.tests.architecture.test_sources import shipped_files
 
 ROOT = Path(__file__).resolve().parents[2]
-TESTS = ["tests/systems/spring_pendulum", "tests/contract/test_declaration.py", "tests/contract/test_known_answers.py",
-         "tests/contract/test_steps.py", "tests/contract/test_effect_strength.py", "tests/contract/test_hard_case_catalogue.py",
-         "tests/architecture/test_catalogues.py", "tests/architecture/test_imports.py", "tests/architecture/test_sources.py"]
+TESTS = [
+    "tests/systems/spring_pendulum",
+    "tests/contract/test_declaration.py",
+    "tests/contract/test_known_answers.py",
+    "tests/contract/test_steps.py",
+    "tests/contract/test_effect_strength.py",
+    "tests/contract/test_hard_case_catalogue.py",
+    "tests/architecture/test_catalogues.py",
+    "tests/architecture/test_imports.py",
+    "tests/architecture/test_sources.py",
+]
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +48,14 @@ def tree(tmp_path_factory):
 
 def python(top, *arguments, **environment):
     """What `python arguments` prints where `cosimo` is the copy."""
-    done = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, cwd=top / "cosimo", timeout=600,
-                          env={**os.environ, "PYTHONPATH": str(top), "COSIMO_CACHE": str(top / "cache"), **environment})
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=top / "cosimo",
+        timeout=600,
+        env={**os.environ, "PYTHONPATH": str(top), "COSIMO_CACHE": str(top / "cache"), **environment},
+    )
     assert done.returncode == 0, done.stdout[-5000:] + done.stderr[-5000:]
     return done.stdout
 
@@ -59,6 +73,20 @@ def test_scene_case_figure_and_fmu_of_the_new_system(tree):
 
 @pytest.mark.full
 def test_contract_and_architecture_of_the_new_system(tree):
-    said = python(tree, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-m", "full or not full", "-k",
-                  "SpringPendulum or spring_pendulum or architecture", *TESTS, NUMBA_DISABLE_JIT="1")
+    said = python(
+        tree,
+        "-m",
+        "pytest",
+        "-q",
+        "-n",
+        "0",
+        "-p",
+        "no:cacheprovider",
+        "-m",
+        "full or not full",
+        "-k",
+        "SpringPendulum or spring_pendulum or architecture",
+        *TESTS,
+        NUMBA_DISABLE_JIT="1",
+    )
     assert " passed" in said

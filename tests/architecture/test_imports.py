@@ -21,9 +21,22 @@ FLOORS = (
     ("orchestrator.units",),
     ("orchestrator.engine",),
     ("orchestrator.scene",),
-    ("orchestrator.results", "orchestrator.tables", "orchestrator.recording", "orchestrator.recorders", "orchestrator.progress",
-     "orchestrator.run", "orchestrator.run_info", "orchestrator.checkpoint", "orchestrator.open_all", "orchestrator.native",
-     "orchestrator.judgement", "orchestrator.shorter_steps", "orchestrator.views", "orchestrator.pacing"),
+    (
+        "orchestrator.results",
+        "orchestrator.tables",
+        "orchestrator.recording",
+        "orchestrator.recorders",
+        "orchestrator.progress",
+        "orchestrator.run",
+        "orchestrator.run_info",
+        "orchestrator.checkpoint",
+        "orchestrator.open_all",
+        "orchestrator.native",
+        "orchestrator.judgement",
+        "orchestrator.shorter_steps",
+        "orchestrator.views",
+        "orchestrator.pacing",
+    ),
     ("orchestrator.harness",),
     ("orchestrator.systems",),
     ("orchestrator.cli",),
@@ -50,8 +63,11 @@ def statements(source: str) -> tuple[ast.Import | ast.ImportFrom, ...]:
 
 def imports(source: str) -> list[tuple[int, str]]:
     """(level, module) of every import statement; level 0 is absolute."""
-    return [(0, alias.name) if isinstance(node, ast.Import) else (node.level, node.module or "")
-            for node in statements(source) for alias in (node.names if isinstance(node, ast.Import) else node.names[:1])]
+    return [
+        (0, alias.name) if isinstance(node, ast.Import) else (node.level, node.module or "")
+        for node in statements(source)
+        for alias in (node.names if isinstance(node, ast.Import) else node.names[:1])
+    ]
 
 
 def absolute(source: str) -> set[str]:
@@ -133,12 +149,21 @@ def test_no_modules_import_each_other_in_a_circle():
 
 def test_machine_code_of_the_orchestrator_depends_on_few_files():
     """Each start reads the files that a kernel's file imports, and an edit in any of them compiles it anew."""
-    with_kernels = [path for path in modules("orchestrator") if any(
-        isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list)
-        for node in ast.parse(path.read_text(encoding="utf-8")).body)]
+    with_kernels = [
+        path
+        for path in modules("orchestrator")
+        if any(
+            isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list)
+            for node in ast.parse(path.read_text(encoding="utf-8")).body
+        )
+    ]
     assert "orchestrator.engine.algorithms.kernels" in map(dotted, with_kernels)
     for path in with_kernels:
         read = {dotted(file) for file in closure(path)}
         others = {name for name in read if not name.startswith("components.core.")}
-        assert others <= {dotted(path), "orchestrator.units.call_names", "orchestrator.units.calls",
-                          "orchestrator.engine.algorithms.records"}, dotted(path)  # the types that machine code is made for
+        assert others <= {
+            dotted(path),
+            "orchestrator.units.call_names",
+            "orchestrator.units.calls",
+            "orchestrator.engine.algorithms.records",
+        }, dotted(path)  # the types that machine code is made for

@@ -7,8 +7,22 @@ import sys
 
 import pytest
 
-HEAVY = {"numpy", "scipy", "numba", "pandas", "xarray", "pyarrow", "plotly", "jinja2", "pydantic", "fmpy", "pythonfmu", "lxml",
-         "matplotlib", "rich"}
+HEAVY = {
+    "numpy",
+    "scipy",
+    "numba",
+    "pandas",
+    "xarray",
+    "pyarrow",
+    "plotly",
+    "jinja2",
+    "pydantic",
+    "fmpy",
+    "pythonfmu",
+    "lxml",
+    "matplotlib",
+    "rich",
+}
 
 
 def imported(*arguments: str) -> set[str]:
@@ -19,10 +33,9 @@ def imported(*arguments: str) -> set[str]:
     return {line.rpartition("|")[2].strip() for line in lines}
 
 
-@pytest.mark.parametrize("arguments", [
-    ("-c", "import cosimo"),
-    ("-m", "cosimo.orchestrator.cli", "--help"),
-], ids=["import cosimo", "cosimo --help"])
+@pytest.mark.parametrize(
+    "arguments", [("-c", "import cosimo"), ("-m", "cosimo.orchestrator.cli", "--help")], ids=["import cosimo", "cosimo --help"]
+)
 def test_nothing_heavy_is_imported(arguments):
     """The seconds are in tests/benchmarks/test_start_speed.py."""
     modules = imported(*arguments)
@@ -37,8 +50,10 @@ def test_importing_the_package_imports_none_of_its_parts():
 
 def test_no_part_of_a_run_or_of_its_summary_imports_scipy_before_it_calls_it():
     """Numba looks whether SciPy is there, which loads its root and nothing of its parts."""
-    code = ("import cosimo.orchestrator.run\nfrom cosimo.orchestrator.systems import NAMES\n"
-            "for name in NAMES: exec(f'import cosimo.orchestrator.systems.{name}.summary')")
+    code = (
+        "import cosimo.orchestrator.run\nfrom cosimo.orchestrator.systems import NAMES\n"
+        "for name in NAMES: exec(f'import cosimo.orchestrator.systems.{name}.summary')"
+    )
     modules = imported("-c", code)
     assert "cosimo.orchestrator.systems.wrist.summary" in modules
     parts = {name for name in modules if name.startswith("scipy.") and not name.split(".")[1].startswith("_")}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SOFT, HARD = 400, 600  # lines of a file
+SOFT, HARD = 400, 700  # lines of a file
 SOURCES = sorted(p for package in ("components", "fmus", "orchestrator", "tests") for p in (ROOT / package).rglob("*.py"))
 # Spelled in pieces, because this file is searched, too.
 NOWHERE = ("/wo" + "rk/", "/ro" + "ot/", "/ho" + "me/", "sha" + "red/", "hel" + "per-")
@@ -58,6 +58,7 @@ def undocumented(path: Path) -> list[str]:
 
 @pytest.mark.parametrize("package", ["components", "fmus", "orchestrator"])
 def test_everything_public_has_a_docstring(package):
-    without = {str(p.relative_to(ROOT)): names for p in SOURCES if package == p.relative_to(ROOT).parts[0]
-               if (names := undocumented(p))}
+    without = {
+        str(p.relative_to(ROOT)): names for p in SOURCES if package == p.relative_to(ROOT).parts[0] if (names := undocumented(p))
+    }
     assert without == {}

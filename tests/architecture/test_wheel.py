@@ -26,14 +26,22 @@ def test_content_of_the_wheel(tmp_path):
         shutil.copy(ROOT / name, source)
     for part in (*PARTS, "tests", "docs"):
         shutil.copytree(ROOT / part, source / part, ignore=shutil.ignore_patterns("__pycache__"))
-    done = subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", tmp_path,
-                           source], capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", tmp_path, source],
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
 
-    needed = {f"cosimo/{path.relative_to(ROOT).as_posix()}" for part in PARTS for path in (ROOT / part).rglob("*")
-              if path.suffix in SHIPPED and "__pycache__" not in path.parts}
+    needed = {
+        f"cosimo/{path.relative_to(ROOT).as_posix()}"
+        for part in PARTS
+        for path in (ROOT / part).rglob("*")
+        if path.suffix in SHIPPED and "__pycache__" not in path.parts
+    }
     assert len(needed) > 300
     assert packed == needed | {"cosimo/__init__.py", "cosimo/py.typed", "cosimo/LICENSE"}

@@ -12,12 +12,26 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 # former name: the one to use. Banned in the whole of the orchestrator.
 FORMER = {
-    "settle": "resolve_coupling", "settling": "resolve", "Settled": "InitializationResult",
-    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping",
-    "march": "run_steps", "Patient": "BatchObserver", "idle": "steps_not_needed",
-    "Misses": "ExtrapolationError", "Chain": "StronglyConnectedGroup", "told_late": "delayed_feedthrough",
-    "Now": "LoopState", "Plan": "LoopLayout", "Row": "PortValues", "WIDE": "ARRAY_THRESHOLD", "KEPT": "CACHED_CALLS",
-    "prove": "check_step_repeatable", "opened": "open_units", "passes": "feedthrough_schedule", "jumps": "is_discrete",
+    "settle": "resolve_coupling",
+    "settling": "resolve",
+    "Settled": "InitializationResult",
+    "Guided": "AdaptiveStepping",
+    "Stretched": "BatchStepping",
+    "march": "run_steps",
+    "Patient": "BatchObserver",
+    "idle": "steps_not_needed",
+    "Misses": "ExtrapolationError",
+    "Chain": "StronglyConnectedGroup",
+    "told_late": "delayed_feedthrough",
+    "Now": "LoopState",
+    "Plan": "LoopLayout",
+    "Row": "PortValues",
+    "WIDE": "ARRAY_THRESHOLD",
+    "KEPT": "CACHED_CALLS",
+    "prove": "check_step_repeatable",
+    "opened": "open_units",
+    "passes": "feedthrough_schedule",
+    "jumps": "is_discrete",
     "is_led": "interpolates",
 }
 ALLOWED = {  # other things of the same name
@@ -27,8 +41,12 @@ ALLOWED = {  # other things of the same name
     "orchestrator/units": {"settle"},  # discrete states of a foreign model
 }
 MEANINGLESS = {"found", "made", "told", "said", "heard", "settled", "came", "things"}
-FORMER_OF_COMPONENTS = {"settle": "kernel_arguments", "asked_only": "explicit_only", "RK4_REACH": "RK4_STABILITY_RADIUS",
-                        "ROUNDING": "a name of what is rounded"}
+FORMER_OF_COMPONENTS = {
+    "settle": "kernel_arguments",
+    "asked_only": "explicit_only",
+    "RK4_REACH": "RK4_STABILITY_RADIUS",
+    "ROUNDING": "a name of what is rounded",
+}
 CLEAN = ("components", "fmus", "orchestrator")  # where no name may be one of these
 
 
@@ -54,8 +72,12 @@ def offences(place: str, banned: set[str]) -> set[str]:
     root = ROOT / place
     files = [root] if root.is_file() else sorted(root.rglob("*.py"))
     assert files, f"{place} does not exist"
-    return {f"{path.relative_to(ROOT)}: {name}" for path in files for name in identifiers(path)
-            if name.removeprefix("_") in banned - _allowed(path)}
+    return {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in files
+        for name in identifiers(path)
+        if name.removeprefix("_") in banned - _allowed(path)
+    }
 
 
 def _allowed(path: Path) -> set[str]:

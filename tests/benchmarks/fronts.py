@@ -27,9 +27,11 @@ def main() -> None:
         kept = replace(measured, points=tuple(p for p in measured.points if p.outcome != "skipped"))
         path = write_points(kept, tables[name].parent, tables[name].name, times=False)
         own = kept.own
-        print(f"{name}: {len(kept.points)} settings in {perf_counter() - start:.0f} s. Its own: error {percent(own.error)}, at "
-              f"its largest {percent(own.largest)}, of which {percent(kept.smallest_known)} are the reference's. Wrote {path}",
-              flush=True)
+        print(
+            f"{name}: {len(kept.points)} settings in {perf_counter() - start:.0f} s. Its own: error {percent(own.error)}, at "
+            f"its largest {percent(own.largest)}, of which {percent(kept.smallest_known)} are the reference's. Wrote {path}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -18,12 +18,15 @@ def cosimo(msd, ctrl, steps, record=None):
     from cosimo.orchestrator.run import run
     from cosimo.orchestrator.scene.scene import read_scene
 
-    scene = read_scene({
-        "stop_time": steps * STEP, "connections": [f"{a}.{x} -> {b}.{u}" for a, x, b, u in WIRES],
-        "units": {"p": {"fmu": msd}, "c": {"fmu": ctrl}},
-        "master": {"algorithm": "jacobi", "step": STEP, "extrapolation": 0},
-        "record": {"signals": ["p.x"], "interval": steps * STEP} if record is None else record,
-    })
+    scene = read_scene(
+        {
+            "stop_time": steps * STEP,
+            "connections": [f"{a}.{x} -> {b}.{u}" for a, x, b, u in WIRES],
+            "units": {"p": {"fmu": msd}, "c": {"fmu": ctrl}},
+            "master": {"algorithm": "jacobi", "step": STEP, "extrapolation": 0},
+            "record": {"signals": ["p.x"], "interval": steps * STEP} if record is None else record,
+        }
+    )
     result = run(scene)
     return result.info["timing"]["run"], result["p.x"][-1].item()
 
@@ -71,8 +74,12 @@ def started(path):
     from fmpy.fmi2 import FMU2Slave
 
     description = read_model_description(path, validate=False)
-    fmu = FMU2Slave(guid=description.guid, unzipDirectory=extract(path), instanceName="unit",
-                    modelIdentifier=description.coSimulation.modelIdentifier)
+    fmu = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=extract(path),
+        instanceName="unit",
+        modelIdentifier=description.coSimulation.modelIdentifier,
+    )
     fmu.instantiate()
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()

@@ -110,14 +110,17 @@ def test_accuracy_costs_less_than_with_scipy():
             print(f"  {method:12s} {rtol:12.0e} {theirs[-1][0]:9.1e} {seconds:18.4f} {calls:12.0f}")
     fastest = min(seconds for e, seconds in own if e <= WANTED)
     rival, method = min((seconds, name) for e, seconds, name in theirs if e <= WANTED)
-    print(f"  at an error of {WANTED:g}: component {fastest:.4f} s per simulated second, {method} {rival:.3f} s: "
-          f"{rival / fastest:.0f} times as long")
+    print(
+        f"  at an error of {WANTED:g}: component {fastest:.4f} s per simulated second, {method} {rival:.3f} s: "
+        f"{rival / fastest:.0f} times as long"
+    )
     assert fastest <= 0.03
     assert rival >= 10.0 * fastest
 
 
 def test_price_of_an_effect():
     """What is off costs nothing; what each effect adds to the bare bearing, printed."""
+
     def cost(effects, parameters):
         made = BallBearing(effects, parameters)
         made.initialize(0.0)

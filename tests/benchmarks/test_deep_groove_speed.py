@@ -65,8 +65,10 @@ def test_evaluation_takes_under_three_microseconds():
         measured[label] = 1e6 * shortest(lambda b=bearing: many(n, *b.arguments)) / n
         bearing.step(0.0, 1e-6)
         python = 1e6 * shortest(lambda b=bearing: [b.step(0.0, 1e-7) for _ in range(1000)]) / 1000
-        print(f"  {label:36s} {measured[label]:6.2f} us compiled {python:6.1f} us a step from Python, "
-              f"{bearing['loaded_balls']:.0f} balls loaded")
+        print(
+            f"  {label:36s} {measured[label]:6.2f} us compiled {python:6.1f} us a step from Python, "
+            f"{bearing['loaded_balls']:.0f} balls loaded"
+        )
     assert measured["film, eight waves in each race"] < 3.0
 
 

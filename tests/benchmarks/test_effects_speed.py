@@ -34,6 +34,8 @@ def test_effects_that_are_off_cost_nothing(name):
     times = [[seconds(component, length) for component in pair] for _ in range(REPEATS)]
     off, never = zip(*times, strict=True)
     ratio = min(off) / min(never)
-    print(f"{name}: {pair[0].work['steps']} internal steps in {1e3 * min(off):.3f} ms; over never written: {ratio:.3f}, "
-          f"median of pairs {median(a / b for a, b in times):.3f}")
+    print(
+        f"{name}: {pair[0].work['steps']} internal steps in {1e3 * min(off):.3f} ms; over never written: {ratio:.3f}, "
+        f"median of pairs {median(a / b for a, b in times):.3f}"
+    )
     assert ratio <= MOST

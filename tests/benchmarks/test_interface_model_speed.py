@@ -29,10 +29,16 @@ def scene(name, step, changes, element=0.25, substep=FINE):
         contact = {k: v for k, v in given.settings()["contacts"][0].items() if k != "leader"}
         second = {k: v for k, v in contact["second"].items() if k != "degree"}
         changes = {"contacts": [contact | {"second": second}]}
-    return given.with_changes({
-        "master.step": step, "record": {"signals": SIGNALS}, "units.catenary.parameters.element": element,
-        "units.catenary.parameters.substep": substep, "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
-        **changes})
+    return given.with_changes(
+        {
+            "master.step": step,
+            "record": {"signals": SIGNALS},
+            "units.catenary.parameters.element": element,
+            "units.catenary.parameters.substep": substep,
+            "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
+            **changes,
+        }
+    )
 
 
 def filtered(result, keep=1):
@@ -70,13 +76,19 @@ def test_time_for_an_error(in_process):
     converged = run(scene("en50318-2002", FINE, {"master.extrapolation": 2}), in_process=True)
     print()
     seconds = {}
-    for label, step in (("Gauss-Seidel, linear", 2e-3), ("Gauss-Seidel, linear", 5e-3), ("interface model", 2e-3),
-                        ("interface model", 5e-3)):
+    for label, step in (
+        ("Gauss-Seidel, linear", 2e-3),
+        ("Gauss-Seidel, linear", 5e-3),
+        ("interface model", 2e-3),
+        ("interface model", 5e-3),
+    ):
         s = scene(SCHEMES[label][0], step, SCHEMES[label][1], substep=5e-4)
         results = [run(s, in_process=in_process) for _ in range(6)][1:]
         seconds[label, step] = best = min(r.info["timing"]["run"] for r in results)
         missed = 100.0 * error(filtered(results[0]), filtered(converged, round(step / FINE)))
         way, each = "in process" if in_process else "FMUs", 1e6 * best * step / s.stop_time
-        print(f"    {label:22s} {1e3 * step:g} ms, {way}: {s.stop_time / best:5.0f} x real time, {each:5.1f} us a macro step, "
-              f"error {missed:.2f} %")
+        print(
+            f"    {label:22s} {1e3 * step:g} ms, {way}: {s.stop_time / best:5.0f} x real time, {each:5.1f} us a macro step, "
+            f"error {missed:.2f} %"
+        )
     assert seconds["interface model", 5e-3] < 3.0 * seconds["Gauss-Seidel, linear", 5e-3]

@@ -43,10 +43,19 @@ class Busy(Component):
 
 def seconds(work: int, isolation: str, steps: int = STEPS) -> float:
     """Of a run of two units under Jacobi, the best of three."""
-    unit = {"component": "cosimo.tests.benchmarks.test_isolation_speed:Busy", "isolation": isolation,
-            "parameters": {"work_per_step": work}}
-    scene = read_scene({"stop_time": 1.0, "units": {"a": unit, "b": unit}, "connections": ["a.result -> b.u", "b.result -> a.u"],
-                        "master": {"algorithm": "jacobi", "step": 1.0 / steps}})
+    unit = {
+        "component": "cosimo.tests.benchmarks.test_isolation_speed:Busy",
+        "isolation": isolation,
+        "parameters": {"work_per_step": work},
+    }
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "units": {"a": unit, "b": unit},
+            "connections": ["a.result -> b.u", "b.result -> a.u"],
+            "master": {"algorithm": "jacobi", "step": 1.0 / steps},
+        }
+    )
     results = [run(scene) for _ in range(3)]
     assert all(r.outcome == "done" for r in results)
     return min(r.info["timing"]["run"] for r in results)

@@ -78,6 +78,8 @@ def test_ten_times_faster_at_equal_error(name, make, equations, start):
     theirs = min(solved(tolerance)[1] for _ in range(REPEATS))
     substep = next(s for s in 5e-2 * 0.8 ** np.arange(20) if np.abs(angles(make(s))[0] - exact).max() < ERROR)
     ours = angles(make(substep))[1]
-    print(f"  {name}, {END:g} s at {ERROR:g} rad: {1e3 * ours:.2f} ms with a substep of {1e6 * substep:.0f} us, "
-          f"DOP853 {1e3 * theirs:.1f} ms with a tolerance of {tolerance:.1g}: {theirs / ours:.0f} times faster")
+    print(
+        f"  {name}, {END:g} s at {ERROR:g} rad: {1e3 * ours:.2f} ms with a substep of {1e6 * substep:.0f} us, "
+        f"DOP853 {1e3 * theirs:.1f} ms with a tolerance of {tolerance:.1g}: {theirs / ours:.0f} times faster"
+    )
     assert theirs / ours >= LEAST

@@ -22,8 +22,14 @@ pytestmark = pytest.mark.benchmark
 HERE = Path(__file__).parent
 STEPS, TURNS = 10_000, 5
 INTEROP = os.environ.get("COSIMO_INTEROP_PYTHON", sys.executable)
-PEERS = {"cosimo": sys.executable, "recording": sys.executable, "ctypes": sys.executable, "fmpy": sys.executable,
-         "ecos": INTEROP, "libcosim": INTEROP}
+PEERS = {
+    "cosimo": sys.executable,
+    "recording": sys.executable,
+    "ctypes": sys.executable,
+    "fmpy": sys.executable,
+    "ecos": INTEROP,
+    "libcosim": INTEROP,
+}
 
 
 @pytest.fixture(scope="module")
@@ -36,8 +42,9 @@ def rates(tmp_path_factory):
     found, reached = {}, {}
     for _ in range(TURNS):
         for who, python in PEERS.items():
-            done = subprocess.run([python, HERE / "peers.py", who, *fmus, str(STEPS)],
-                                  capture_output=True, text=True, env=surroundings())
+            done = subprocess.run(
+                [python, HERE / "peers.py", who, *fmus, str(STEPS)], capture_output=True, text=True, env=surroundings()
+            )
             if done.returncode == 0 and done.stdout.strip():
                 rate, place = done.stdout.split()[-2:]
                 found[who], reached[who] = max(found.get(who, 0.0), float(rate)), float(place)
@@ -113,9 +120,15 @@ class Gain(Component):
 def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, record):
     """Two of them, by processor time of stepping; the longer run is that in which what happens once a run does not count."""
     gain = {"component": f"cosimo.tests.benchmarks.test_master_speed:{name}"}
-    scene = read_scene({"stop_time": 1e-3 * steps, "connections": ["a.y_out -> b.u_in", "b.y_out -> a.u_in"],
-                        "units": {"a": gain, "b": gain}, "record": record,
-                        "master": {"algorithm": algorithm, "step": 1e-3, "extrapolation": degree}})
+    scene = read_scene(
+        {
+            "stop_time": 1e-3 * steps,
+            "connections": ["a.y_out -> b.u_in", "b.y_out -> a.u_in"],
+            "units": {"a": gain, "b": gain},
+            "record": record,
+            "master": {"algorithm": algorithm, "step": 1e-3, "extrapolation": degree},
+        }
+    )
     rate = 2 * steps / min(run(scene, in_process=True).info["timing"]["cpu"] for _ in range(TURNS))
     print(f"\n{name}, {algorithm}, degree {degree}: {rate:.3g} unit steps/s")
     assert rate > least

@@ -21,9 +21,17 @@ HELD = {"master.algorithm": "jacobi", "master.extrapolation": 0, "master.feedthr
 # name: scene, its macro step, s, number of steps, output that is compared, changes
 PAIRS = {
     "two small units": ("mass-on-spring", 1e-3, 50_000, "mass.base_x", {"units.mass.parameters.start_x": 0.1}),
-    "railway pair": ("en50318-2002", 5e-4, 6_000, "catenary.wire_height", {
-        "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
-        "record.snapshots": [], "record.snapshot_interval": None}),
+    "railway pair": (
+        "en50318-2002",
+        5e-4,
+        6_000,
+        "catenary.wire_height",
+        {
+            "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
+            "record.snapshots": [],
+            "record.snapshot_interval": None,
+        },
+    ),
 }
 HOWS = ("in process", "native FMUs", "FMUs of pythonfmu")
 PLACES = [(master, how) for master in ("cosimo", "ecos", "libcosim") for how in HOWS[master != "cosimo" :]]
@@ -34,8 +42,16 @@ def scene_of(pair):
     from cosimo.orchestrator.systems import load_scene
 
     name, step, steps, output, changes = PAIRS[pair]
-    return load_scene(name).with_changes({"stop_time": steps * step, "master.step": step, **HELD, **changes,
-                                          "record.signals": [output], "record.interval": steps * step})
+    return load_scene(name).with_changes(
+        {
+            "stop_time": steps * step,
+            "master.step": step,
+            **HELD,
+            **changes,
+            "record.signals": [output],
+            "record.interval": steps * step,
+        }
+    )
 
 
 def cosimo(pair, how, package):
@@ -101,8 +117,12 @@ def rates(packages):
         for pair in PAIRS:
             for master, how in PLACES:
                 python = sys.executable if master == "cosimo" else INTEROP
-                done = subprocess.run([python, __file__, master, pair, how, str(packages.get((pair, how), ""))],
-                                      capture_output=True, text=True, env=surroundings())
+                done = subprocess.run(
+                    [python, __file__, master, pair, how, str(packages.get((pair, how), ""))],
+                    capture_output=True,
+                    text=True,
+                    env=surroundings(),
+                )
                 if done.returncode == 0 and done.stdout.strip():
                     rate, reached = map(float, done.stdout.split()[-2:])
                     best[pair, master, how] = max(best.get((pair, master, how), (0.0, reached)), (rate, reached))

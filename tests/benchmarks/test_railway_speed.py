@@ -72,14 +72,17 @@ def test_accuracy_costs(reference):
         "explicit 0.4 m, 1 ms, macro step 1 ms": scene(),
         "explicit 0.4 m, 1 ms, macro step 2 ms": scene(2e-3),
         "explicit 0.4 m, 1 ms, window, macro step 1 ms": scene(1e-3, ["moving_window"]),
-        "explicit 0.4 m, 1 ms, window, quadratic, macro step 2 ms":
-            scene(2e-3, ["moving_window"]).with_changes({"master.extrapolation": 2}),
+        "explicit 0.4 m, 1 ms, window, quadratic, macro step 2 ms": scene(2e-3, ["moving_window"]).with_changes(
+            {"master.extrapolation": 2}
+        ),
         "implicit 0.4 m, 1 ms, macro step 1 ms": scene(method="implicit"),
         "implicit 1 m, 1 ms, macro step 1 ms": scene(method="implicit", element=1.0),
     }
     measured = {label: report(label, *best(s), reference) for label, s in settings.items()}
-    measured |= {f"FMUs, {label}": report(f"FMUs, {label}", *best(settings[label], in_process=False), reference)
-                 for label in list(settings)[:3]}
+    measured |= {
+        f"FMUs, {label}": report(f"FMUs, {label}", *best(settings[label], in_process=False), reference)
+        for label in list(settings)[:3]
+    }
     assert any(e <= 0.01 and factor >= 20.0 for label, (factor, e) in measured.items() if label.startswith("FMUs"))
     assert any(e <= 0.01 and factor >= 60.0 for label, (factor, e) in measured.items() if label.startswith("explicit"))
 
@@ -104,18 +107,36 @@ def test_cost_over_the_number_of_spans():
 def on_line(name, effects, **parameters):
     """A shipped scene for 3 s, without pictures, its catenary with other effects and parameters on one mesh and substep."""
     loaded = load_scene(name)
-    values = {"line_table.table": loaded.units["catenary"].parameters.get("line_table.table"), "element": 0.4, "substep": 5e-4,
-              "damping.beta": 1e-3, **parameters}
-    return loaded.with_changes({
-        "units.catenary.effects": [*EFFECTS, *effects], "units.catenary.parameters": values, "record": {"signals": SIGNALS[:2]},
-        "study": {}, "analysis.spans": [2, 3], "stop_time": 3.0})
+    values = {
+        "line_table.table": loaded.units["catenary"].parameters.get("line_table.table"),
+        "element": 0.4,
+        "substep": 5e-4,
+        "damping.beta": 1e-3,
+        **parameters,
+    }
+    return loaded.with_changes(
+        {
+            "units.catenary.effects": [*EFFECTS, *effects],
+            "units.catenary.parameters": values,
+            "record": {"signals": SIGNALS[:2]},
+            "study": {},
+            "analysis.spans": [2, 3],
+            "stop_time": 3.0,
+        }
+    )
 
 
 def test_price_of_a_second_wire_and_of_stagger():
     """Two contact wires, an overlap and lateral geometry against one straight contact wire on the same line: at most twice."""
     print()
-    first, twin = ("\n".join(line for line in load_scene(name).units["catenary"].parameters["line_table.table"].splitlines()
-                             if "second_contact_wire" not in line) for name in ("overlap", "two-contact-wires"))
+    first, twin = (
+        "\n".join(
+            line
+            for line in load_scene(name).units["catenary"].parameters["line_table.table"].splitlines()
+            if "second_contact_wire" not in line
+        )
+        for name in ("overlap", "two-contact-wires")
+    )
     one_wire = twin.replace(", second_positions = [8, 18, 26, 34, 42, 50, 60]", "")
     section = first.split("[[sections]]")[1].split("spans =")[0]
     whole = f"[[sections]]{section}spans = [{{ length = 60, repeat = 5 }}, 55, 50, 55, {{ length = 60, repeat = 5 }}]"
@@ -134,10 +155,12 @@ def test_price_of_a_second_wire_and_of_stagger():
 
 def test_memory_of_sixty_spans():
     # ru_maxrss would not do: a process inherits it from the one that started it
-    program = ("from cosimo.orchestrator.run import run; from cosimo.orchestrator.systems import load_scene\n"
-               "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
-               "assert run(s).outcome == 'done'\n"
-               "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))")
+    program = (
+        "from cosimo.orchestrator.run import run; from cosimo.orchestrator.systems import load_scene\n"
+        "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
+        "assert run(s).outcome == 'done'\n"
+        "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))"
+    )
     for _ in range(2):  # the first one may have to compile
         out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     megabytes = int(out.split()[-1]) / 1024.0
@@ -208,8 +231,12 @@ def fmu_step(cls, effects):
     path = built(cls.__name__)
     description, folder = read_model_description(path), extract(str(path))
     references = {v.name: v.valueReference for v in description.modelVariables}
-    slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="timed",
-                      modelIdentifier=description.coSimulation.modelIdentifier)
+    slave = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=folder,
+        instanceName="timed",
+        modelIdentifier=description.coSimulation.modelIdentifier,
+    )
     slave.instantiate()
     slave.setupExperiment(startTime=0.0)
     slave.setBoolean([references[f"effects.{e}"] for e in effects], [True] * len(effects))

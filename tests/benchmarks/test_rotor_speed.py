@@ -54,17 +54,27 @@ def ross():
     if not python:
         pytest.skip("COSIMO_ROSS_PYTHON does not name a Python with ross-rotordynamics and plotly<6")
     threads = {f"{n}_NUM_THREADS": "1" for n in ("OMP", "OPENBLAS", "MKL")}
-    done = subprocess.run([python, "-W", "ignore", "-c", ROSS], capture_output=True, text=True, check=True,
-                          env={**os.environ, **threads})
+    done = subprocess.run(
+        [python, "-W", "ignore", "-c", ROSS], capture_output=True, text=True, check=True, env={**os.environ, **threads}
+    )
     first, later, x, y = json.loads(done.stdout.splitlines()[-1])
-    print(f"\n  ROSS, Newmark, linear bearings: first response {first:.2f} s, later {later:.3f} s, "
-          f"{1e6 * later / STEPS:.0f} us a step")
+    print(
+        f"\n  ROSS, Newmark, linear bearings: first response {first:.2f} s, later {later:.3f} s, "
+        f"{1e6 * later / STEPS:.0f} us a step"
+    )
     return first, later, x, y
 
 
 def rotor_parameters():
-    numbers = {"length": LENGTH, "outer_diameter": DIAMETER, "element": LENGTH / 20, "watched_position": 0.5 * LENGTH,
-               "start_speed": SPEED, "substep": H, "unbalance.moment[1]": MOMENT}
+    numbers = {
+        "length": LENGTH,
+        "outer_diameter": DIAMETER,
+        "element": LENGTH / 20,
+        "watched_position": 0.5 * LENGTH,
+        "start_speed": SPEED,
+        "substep": H,
+        "unbalance.moment[1]": MOMENT,
+    }
     numbers |= {f"disks.{n}[{k}]": v * (k == 1) for n, v in DISK.items() for k in (1, 2)}
     return numbers | {"disks.position[1]": 0.5 * LENGTH, "disks.position[2]": 0.0}
 
@@ -72,8 +82,12 @@ def rotor_parameters():
 def linear_rotor():
     """The rotor of the ROSS program; supports are a part of it."""
     supports = {"linear_supports.position[1]": 0.0, "linear_supports.position[2]": LENGTH}
-    supports |= {f"linear_supports.{n}_{axis}[{k}]": v for n, v in (("stiffness", STIFFNESS), ("damping", DAMPING))
-                 for axis in "xy" for k in (1, 2)}
+    supports |= {
+        f"linear_supports.{n}_{axis}[{k}]": v
+        for n, v in (("stiffness", STIFFNESS), ("damping", DAMPING))
+        for axis in "xy"
+        for k in (1, 2)
+    }
     return BeamRotor(("gyroscopic", "disks", "unbalance", "linear_supports"), rotor_parameters() | supports)
 
 
@@ -88,11 +102,15 @@ def nonlinear_scene():
         else:
             tables.setdefault(group, {}).setdefault(rest.split("[")[0], []).append(value)
     tables |= {"bearing_a": {"position": 0.0}, "bearing_b": {"position": LENGTH}}
-    return load_scene("rotor-run-up").with_changes({
-        "stop_time": STEPS * H, "master.step": H, "units.rotor.parameters": tables,
-        "units.rotor.effects": ["gyroscopic", "disks", "unbalance", "gravity", "bearing_a", "bearing_b"],
-        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]},
-    })
+    return load_scene("rotor-run-up").with_changes(
+        {
+            "stop_time": STEPS * H,
+            "master.step": H,
+            "units.rotor.parameters": tables,
+            "units.rotor.effects": ["gyroscopic", "disks", "unbalance", "gravity", "bearing_a", "bearing_b"],
+            "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]},
+        }
+    )
 
 
 def best(scene, in_process):
@@ -131,8 +149,10 @@ def test_nonlinear_bearings_in_process_and_as_fmus(ross):
     scene = nonlinear_scene()
     for label, in_process, least in (("one process", True, 20.0), ("three FMUs", False, 10.0)):
         mine = best(scene, in_process)
-        print(f"  nonlinear bearings, {label}: {1e6 * mine / STEPS:.0f} us a step, {later / mine:.1f} times faster, "
-              f"{first / mine:.0f} times faster than the first response of a process")
+        print(
+            f"  nonlinear bearings, {label}: {1e6 * mine / STEPS:.0f} us a step, {later / mine:.1f} times faster, "
+            f"{first / mine:.0f} times faster than the first response of a process"
+        )
         assert first / mine >= least
 
 

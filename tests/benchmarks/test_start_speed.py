@@ -23,9 +23,9 @@ def seconds(*arguments: str) -> float:
     return min(times)
 
 
-@pytest.mark.parametrize(("arguments", "limit"), [
-    (("-c", "import cosimo"), 0.1), (("-m", "cosimo.orchestrator.cli", "--help"), 0.3),
-])
+@pytest.mark.parametrize(
+    ("arguments", "limit"), [(("-c", "import cosimo"), 0.1), (("-m", "cosimo.orchestrator.cli", "--help"), 0.3)]
+)
 def test_start(arguments, limit):
     bare = seconds("-c", "pass")
     whole = seconds(*arguments)

@@ -19,8 +19,12 @@ pytestmark = pytest.mark.benchmark
 
 STEPS = 20_000
 SCENES = {  # largest ratios accepted: of the compiled loop, and of a run recorded at every 50th step with all that watches it
-    "rov-station-keeping": (2.2, 4.0), "friction-drive-step": (1.5, 2.4), "gyroscopic-rotor": (1.3, 1.5),
-    "wrist-motion": (1.6, 2.4), "gimbal-scan": (1.6, 3.2), "wind-pump-gusts": (1.7, 3.8),
+    "rov-station-keeping": (2.2, 4.0),
+    "friction-drive-step": (1.5, 2.4),
+    "gyroscopic-rotor": (1.3, 1.5),
+    "wrist-motion": (1.6, 2.4),
+    "gimbal-scan": (1.6, 3.2),
+    "wind-pump-gusts": (1.7, 3.8),
 }
 
 
@@ -66,8 +70,10 @@ def test_a_macro_step_costs_little_more_than_its_physics(name):
     long = scene.with_changes({"stop_time": STEPS * h, "record.interval": 50 * h})
     run(long.with_changes({"stop_time": 100 * h}), in_process=True)
     whole = min(run(long, in_process=True).info["timing"]["cpu"] for _ in range(5)) / STEPS
-    print(f"\n{name}: {1e6 * whole:.2f} us a macro step, {1e6 * loop:.2f} in the loop, {1e6 * alone:.2f} of physics: "
-          f"ratio {whole / alone:.2f}, of the loop {loop / alone:.2f}")
+    print(
+        f"\n{name}: {1e6 * whole:.2f} us a macro step, {1e6 * loop:.2f} in the loop, {1e6 * alone:.2f} of physics: "
+        f"ratio {whole / alone:.2f}, of the loop {loop / alone:.2f}"
+    )
     of_loop, of_run = SCENES[name]
     assert loop < of_loop * alone
     assert whole < of_run * alone

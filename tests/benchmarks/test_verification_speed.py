@@ -11,8 +11,18 @@ from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark
 
-SCENES = ("en50318-2002", "en50318-2018-ac-simple", "gimbal-scan", "friction-drive-step", "rov-manoeuvre", "wind-pump-start",
-          "pipe-robot-level", "wrist-motion", "critical-speed", "mass-on-spring")
+SCENES = (
+    "en50318-2002",
+    "en50318-2018-ac-simple",
+    "gimbal-scan",
+    "friction-drive-step",
+    "rov-manoeuvre",
+    "wind-pump-start",
+    "pipe-robot-level",
+    "wrist-motion",
+    "critical-speed",
+    "mass-on-spring",
+)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -27,20 +27,25 @@ def test_a_day_of_wind():
     steps = scene.stop_time / scene.master.step
     seconds = best(scene, True)
     fmus = best(scene, False, 1)
-    print(f"\n  a day in one process: {seconds:.1f} s, {1e6 * seconds / steps:.0f} us a step of five units; "
-          f"as FMUs: {fmus:.1f} s")
+    print(
+        f"\n  a day in one process: {seconds:.1f} s, {1e6 * seconds / steps:.0f} us a step of five units; as FMUs: {fmus:.1f} s"
+    )
     assert seconds < 10.0
 
 
 def test_price_of_the_clutches():
     """The full converter against its mean, both coupled to turbine, pump and pipe, per simulated second."""
     full = load_scene("wind-pump-gusts").with_changes({"master.bonds": []})
-    mean = full.with_changes({
-        "units.converter.component": "AveragedConverter", "units.converter.effects": [],
-        "units.converter.parameters": {n: v for n, v in full.units["converter"].parameters.items() if n in SHARED},
-        "units.turbine.parameters": {"inertia": 15.0 + 100.0 * (0.1 + 47.0 * 4.0 * 0.02**2 / 2.0)},
-        "record.signals": ["wind.speed", "turbine.speed", "converter.speed"], "master.step": 0.05,
-    })
+    mean = full.with_changes(
+        {
+            "units.converter.component": "AveragedConverter",
+            "units.converter.effects": [],
+            "units.converter.parameters": {n: v for n, v in full.units["converter"].parameters.items() if n in SHARED},
+            "units.turbine.parameters": {"inertia": 15.0 + 100.0 * (0.1 + 47.0 * 4.0 * 0.02**2 / 2.0)},
+            "record.signals": ["wind.speed", "turbine.speed", "converter.speed"],
+            "master.step": 0.05,
+        }
+    )
     seconds = {name: best(scene, True) / scene.stop_time for name, scene in (("full", full), ("in the mean", mean))}
     print("\n  a simulated second with the converter " + ", ".join(f"{n}: {1e3 * s:.2f} ms" for n, s in seconds.items()))
     assert seconds["full"] > 5.0 * seconds["in the mean"]  # 20 times the macro steps, and clutches in each

@@ -30,10 +30,14 @@ def test_a_scene_as_it_was_written_keeps_its_title():
     assert changed(SCENE, {"master.step": 1e-3, "stop_time": 2.0}).title == SCENE.title  # how it is computed, and how long
 
 
-@pytest.mark.parametrize(("changes", "text"), [
-    ({"units.mass.effects": ["gravity"]}, "mass: effects gravity"), ({"units.mass.effects": []}, "mass: effects none"),
-    ({f"units.spring.parameters.{p}": 1.0 for p in ("stiffness", "damping")}, "spring.stiffness = 1, spring.damping = 1"),
-])
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"units.mass.effects": ["gravity"]}, "mass: effects gravity"),
+        ({"units.mass.effects": []}, "mass: effects none"),
+        ({f"units.spring.parameters.{p}": 1.0 for p in ("stiffness", "damping")}, "spring.stiffness = 1, spring.damping = 1"),
+    ],
+)
 def test_titles_name_what_was_changed(changes, text):
     assert changed(SCENE, changes).title == f"mass-on-spring, changed: {text}"
 

@@ -94,8 +94,12 @@ def test_arrays_and_presets_of_a_run(tmp_path, capsys):
     assert cosimo("run", "en50318-2002", "--dry-run", "--preset", "pantograph=DSA381") == 2
     assert "did you mean 'DSA380'" in capsys.readouterr().err
     scene = load_scene("en50318-2002")
-    changed = scene.with_changes({**with_presets(scene, ["pantograph=DSA380"]), **dict([
-        change(scene, "catenary.dropper_position=[5, 11.5]"), change(scene, "catenary.dropper_position[1]=6")])})
+    changed = scene.with_changes(
+        {
+            **with_presets(scene, ["pantograph=DSA380"]),
+            **dict([change(scene, "catenary.dropper_position=[5, 11.5]"), change(scene, "catenary.dropper_position[1]=6")]),
+        }
+    )
     assert changed.units["pantograph"].preset == "DSA380"
     droppers = {n: v for n, v in changed.units["catenary"].parameters.items() if n.startswith("dropper_position")}
     assert droppers == {"dropper_position[1]": 6, "dropper_position[2]": 11.5}
@@ -105,8 +109,22 @@ def test_arrays_and_presets_of_a_run(tmp_path, capsys):
 
 
 def test_run_writes_its_results(scene, tmp_path, capsys):
-    assert cosimo("run", str(scene), "--in-process", "-o", str(tmp_path / "out"), "--set", "pantograph.static_force=90",
-                  "--step", "2e-3", "--stop", "0.05") == 0
+    assert (
+        cosimo(
+            "run",
+            str(scene),
+            "--in-process",
+            "-o",
+            str(tmp_path / "out"),
+            "--set",
+            "pantograph.static_force=90",
+            "--step",
+            "2e-3",
+            "--stop",
+            "0.05",
+        )
+        == 0
+    )
     assert "pantograph.contact_force" in capsys.readouterr().out
     info = json.loads((tmp_path / "out" / "run.json").read_text())
     assert info["units"]["pantograph"]["parameters"]["static_force"] == 90.0
@@ -117,11 +135,18 @@ def test_run_writes_its_results(scene, tmp_path, capsys):
     assert float(rows[-1].split(",")[0]) == 0.05
 
 
-@pytest.mark.parametrize(("option", "value", "named"), [
-    ("--set", "pantograph.sped=1", "'speed'"), ("--set", "pantograph.speed", "unit.parameter=value"),
-    ("--set", "pantograf.speed=1", "'pantograph'"), ("--step", "0", "master.step"), ("--step", "nan", "master.step"),
-    ("--stop", "-1", "stop_time"), ("--algorithm", "newton", "'jacobi'"),
-])
+@pytest.mark.parametrize(
+    ("option", "value", "named"),
+    [
+        ("--set", "pantograph.sped=1", "'speed'"),
+        ("--set", "pantograph.speed", "unit.parameter=value"),
+        ("--set", "pantograf.speed=1", "'pantograph'"),
+        ("--step", "0", "master.step"),
+        ("--step", "nan", "master.step"),
+        ("--stop", "-1", "stop_time"),
+        ("--algorithm", "newton", "'jacobi'"),
+    ],
+)
 def test_bad_options_of_run(scene, option, value, named, capsys):
     assert cosimo("run", str(scene), "--in-process", option, value) == 2
     out, err = capsys.readouterr()
@@ -168,8 +193,11 @@ def test_places_that_cannot_be_written_are_one_message(scene, tmp_path, capsys):
     (tmp_path / "out" / "report.html").mkdir(parents=True)
     taken = str(tmp_path / "file")
     sweep = ["sweep", str(scene), "--over", "pantograph.static_force=1:2:2"]
-    for command in (["build", "Pantograph", "-o", taken], [*sweep, "-o", taken],
-                    ["run", str(scene), "--in-process", "--stop", "0.05", "-o", str(tmp_path / "out")]):
+    for command in (
+        ["build", "Pantograph", "-o", taken],
+        [*sweep, "-o", taken],
+        ["run", str(scene), "--in-process", "--stop", "0.05", "-o", str(tmp_path / "out")],
+    ):
         assert cosimo(*command) == 2
         message = capsys.readouterr().err
         assert message.startswith("cosimo: ")
@@ -188,11 +216,21 @@ def test_presets_of_a_scene_and_of_a_component_alone():
             preset_of(texts)
 
 
-@pytest.mark.parametrize("arguments", [
-    ("accuracy", "SCENE", "-o", "x"), ("stability", "SCENE", "-o", "x"), ("effects", "SCENE", "-o", "x"), ("show", "SCENE"),
-    ("ssp", "SCENE", "-o", "x.ssp"), ("sweep", "SCENE", "--over", "pantograph.speed=50:60:2", "-o", "x"), ("run", "SCENE"),
-    ("build", "--native", "--scene", "SCENE", "-o", "x"), ("accuracy", "component:Pantograph", "-o", "x"),
-    ("show", "Pantograph")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("accuracy", "SCENE", "-o", "x"),
+        ("stability", "SCENE", "-o", "x"),
+        ("effects", "SCENE", "-o", "x"),
+        ("show", "SCENE"),
+        ("ssp", "SCENE", "-o", "x.ssp"),
+        ("sweep", "SCENE", "--over", "pantograph.speed=50:60:2", "-o", "x"),
+        ("run", "SCENE"),
+        ("build", "--native", "--scene", "SCENE", "-o", "x"),
+        ("accuracy", "component:Pantograph", "-o", "x"),
+        ("show", "Pantograph"),
+    ],
+)
 def test_every_command_of_scenes_and_components_takes_presets(arguments, tmp_path, monkeypatch, capsys):
     """A wrong name is refused with the nearest one, before anything runs."""
     monkeypatch.chdir(tmp_path)

@@ -67,8 +67,24 @@ def test_help_shows_examples(capsys):
 
 def test_record_and_algorithm_and_step(scene, tmp_path):
     out = tmp_path / "out"
-    assert cosimo("run", scene, "--in-process", "-o", out, "--record", "mass.x_out,probe.profile[2]", "--record", "spring.force",
-                  "--algorithm", "gauss-seidel", "--step", "2e-2") == 0
+    assert (
+        cosimo(
+            "run",
+            scene,
+            "--in-process",
+            "-o",
+            out,
+            "--record",
+            "mass.x_out,probe.profile[2]",
+            "--record",
+            "spring.force",
+            "--algorithm",
+            "gauss-seidel",
+            "--step",
+            "2e-2",
+        )
+        == 0
+    )
     info = json.loads((out / "run.json").read_text())
     assert (info["settings"]["algorithm"], info["settings"]["step"]) == ("gauss-seidel", 0.02)
     assert info["counters"]["master"]["steps"] == 100
@@ -82,13 +98,21 @@ def test_effects_are_switched_on_beside_those_of_the_scene(pantograph, tmp_path)
     assert set(on) == {"contact_loss", "bump_stops", "lower_frame"}
 
 
-@pytest.mark.parametrize(("option", "value", "named"), [
-    ("--effects", "p.bump_stop", "'bump_stops'"), ("--effects", "q.bump_stops", "unit 'q'"), ("--effects", "p", "unit.effect"),
-    ("--effects", "p.contact_loss", "not on already"), ("--effects", "p.bump_stops,p.bump_stops", "not on already"),
-    ("--effects", "p.bump_stops,", "separated by commas"),
-    ("--record", "p.contact_forc", "'contact_force'"), ("--record", "", "separated by commas"),
-    ("--checkpoint-every", "0.05", "an output directory"), ("--algorithm", "iterativ", "'iterative'"),
-])
+@pytest.mark.parametrize(
+    ("option", "value", "named"),
+    [
+        ("--effects", "p.bump_stop", "'bump_stops'"),
+        ("--effects", "q.bump_stops", "unit 'q'"),
+        ("--effects", "p", "unit.effect"),
+        ("--effects", "p.contact_loss", "not on already"),
+        ("--effects", "p.bump_stops,p.bump_stops", "not on already"),
+        ("--effects", "p.bump_stops,", "separated by commas"),
+        ("--record", "p.contact_forc", "'contact_force'"),
+        ("--record", "", "separated by commas"),
+        ("--checkpoint-every", "0.05", "an output directory"),
+        ("--algorithm", "iterativ", "'iterative'"),
+    ],
+)
 def test_bad_options(pantograph, option, value, named, capsys):
     assert cosimo("run", pantograph, "--in-process", option, value) == 2
     out, err = capsys.readouterr()
@@ -122,10 +146,18 @@ def test_dry_run_warns_of_a_step_that_is_too_long_and_the_run_shows_it(scene, ca
 def test_dry_run_says_for_what_it_knows_no_limit(tmp_path, capsys):
     """A ball above a floor, whose contact is open at the start; and an FMU that does not tell what follows what."""
     body = {"component": "cosimo.tests.support:Mass"}
-    sides = {k: {"force": f"{n}.force", "position": f"{n}.x_out", "inertia": 1.0, "velocity": f"{n}.v_out"}
-             for k, n in (("first", "a"), ("second", "b"))}
-    apart = read_scene({"stop_time": 1.0, "units": {"a": body, "b": body | {"parameters": {"x0": 1.0}}}, "master": {
-        "algorithm": "jacobi", "step": 0.1}, "contacts": [{"name": "touch", "law": "unilateral", "stiffness": 1e3, **sides}]})
+    sides = {
+        k: {"force": f"{n}.force", "position": f"{n}.x_out", "inertia": 1.0, "velocity": f"{n}.v_out"}
+        for k, n in (("first", "a"), ("second", "b"))
+    }
+    apart = read_scene(
+        {
+            "stop_time": 1.0,
+            "units": {"a": body, "b": body | {"parameters": {"x0": 1.0}}},
+            "master": {"algorithm": "jacobi", "step": 0.1},
+            "contacts": [{"name": "touch", "law": "unilateral", "stiffness": 1e3, **sides}],
+        }
+    )
     (known,) = advise(apart).unknown
     assert "a and b against touch" in known
     assert "open contact" in known
@@ -135,7 +167,8 @@ def test_dry_run_says_for_what_it_knows_no_limit(tmp_path, capsys):
     mass, control = tmp_path / "Msd.fmu", tmp_path / "Ctrl.fmu"
     (tmp_path / "circle.toml").write_text(
         f'stop_time = 0.1\nconnections = ["m.x -> c.x", "c.force -> m.f"]\nunits.m.fmu = "{mass}"\n'
-        f'units.c.fmu = "{control}"\nmaster.step = 1e-2\n')
+        f'units.c.fmu = "{control}"\nmaster.step = 1e-2\n'
+    )
     assert cosimo("run", tmp_path / "circle.toml", "--dry-run") == 0
     assert "does not tell which outputs follow inputs: " in capsys.readouterr().out
 
@@ -154,16 +187,20 @@ def test_options_without_effect_on_a_dry_run_are_refused(scene, option, capsys):
 
 def test_dry_run_of_a_scene_that_cannot_start(tmp_path, capsys):
     path = tmp_path / "failing.toml"
-    path.write_text('stop_time = 1.0\nmaster = { step = 0.1 }\n[units.p]\ncomponent = "cosimo.tests.support:Probe"\n'
-                    "parameters = { fail_at = 0.15 }\n")
+    path.write_text(
+        'stop_time = 1.0\nmaster = { step = 0.1 }\n[units.p]\ncomponent = "cosimo.tests.support:Probe"\n'
+        "parameters = { fail_at = 0.15 }\n"
+    )
     assert cosimo("run", path, "--dry-run") == 3
     assert "p failed at t = 0.1 s" in capsys.readouterr().err
 
 
 def test_units_with_dots_in_their_names_are_changed(tmp_path):
     path = tmp_path / "dotted.toml"
-    path.write_text('stop_time = 1.0\nmaster = { step = 0.1 }\n[units."sub.p"]\ncomponent = "cosimo.tests.support:Probe"\n'
-                    "parameters = { length = 1.0 }\n")
+    path.write_text(
+        'stop_time = 1.0\nmaster = { step = 0.1 }\n[units."sub.p"]\ncomponent = "cosimo.tests.support:Probe"\n'
+        "parameters = { length = 1.0 }\n"
+    )
     assert cosimo("run", path, "-o", tmp_path / "out", "--set", "sub.p.length=3", "--record", "sub.p.profile[1]") == 0
     assert (tmp_path / "out" / "result.csv").read_text().splitlines()[-1] == "1.0,3.0"
 

@@ -19,8 +19,9 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="there a process is ende
 def test_a_run_that_is_stopped_keeps_rows_and_outcome_and_goes_on(number, tmp_path):
     settings = ("--stop", "1e5", "--in-process", "-o", str(tmp_path))
     command = (sys.executable, "-m", "cosimo.orchestrator.cli", "run", "mass-on-spring", *settings, "--checkpoint-every", "1")
-    process = subprocess.Popen(command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, stderr=subprocess.PIPE, text=True,
-                               stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(
+        command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, stderr=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL
+    )
     end = monotonic() + PATIENCE
     while not (tmp_path / "checkpoint").exists() and process.poll() is None and monotonic() < end:
         sleep(0.05)

@@ -24,8 +24,12 @@ def new(*arguments: object) -> int:
 
 def test_the_files_are_a_component_and_its_scene(tmp_path, monkeypatch):
     assert new("SpringyMass", "-o", tmp_path) == 0
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["README.md", "springy_mass.py", "springy_mass.toml",
-                                                           "test_springy_mass.py"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "README.md",
+        "springy_mass.py",
+        "springy_mass.toml",
+        "test_springy_mass.py",
+    ]
     monkeypatch.syspath_prepend(str(tmp_path))
     cls = component_class("springy_mass:SpringyMass")
     assert cls.title == "Springy mass"
@@ -37,9 +41,10 @@ def test_the_files_are_a_component_and_its_scene(tmp_path, monkeypatch):
     assert component["displacement"] == 0.01
 
 
-@pytest.mark.parametrize(("name", "words"), [
-    ("springyMass", "starts with a capital letter"), ("Pantograph", "no component of the catalogue"), ("No-Name", "class name"),
-])
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("springyMass", "starts with a capital letter"), ("Pantograph", "no component of the catalogue"), ("No-Name", "class name")],
+)
 def test_names_that_cannot_be(name, words, tmp_path, capsys):
     assert new(name, "-o", tmp_path) == 2
     assert words in capsys.readouterr().err
@@ -57,12 +62,23 @@ def test_nothing_is_overwritten(tmp_path, capsys):
 def test_the_tests_that_it_writes_pass_in_a_fresh_folder(tmp_path):
     assert new("FreshMass", "-o", tmp_path) == 0
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False,
-                          env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)})
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)},
+    )
     assert done.returncode == 0, done.stdout
     assert "8 passed" in done.stdout
     for command in ("stability component:fresh_mass:FreshMass --steps 60", "accuracy component:fresh_mass:FreshMass --budget 1"):
-        done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", *command.split(), "-o", "out"], cwd=tmp_path,
-                              env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"},
-                              capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-m", "cosimo.orchestrator.cli", *command.split(), "-o", "out"],
+            cwd=tmp_path,
+            env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert done.returncode == 0, done.stderr

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-OWN_COMPONENT = '''
+OWN_COMPONENT = """
 import numpy as np
 
 from cosimo.components.core.component import Component
@@ -33,7 +33,7 @@ class Ramp(Component):
 
     def _outputs(self, t):
         self.y[0] = self.x[0]
-'''
+"""
 OWN_SCENE = """
 stop_time = 0.5
 [units.ramp]
@@ -60,8 +60,12 @@ SPEAKING = "import sys\nprint('OWN', __name__, file=sys.stderr)\n"
 def project(tmp_path_factory) -> Path:
     """A folder of a user, with packages that have our folders' names and modules that have our modules' names."""
     root = tmp_path_factory.mktemp("project")
-    for package, modules in {"components": ("catalogue", "core"), "fmus": ("build", "slave"),
-                             "orchestrator": ("run", "scene", "cli"), "tests": ("support",)}.items():
+    for package, modules in {
+        "components": ("catalogue", "core"),
+        "fmus": ("build", "slave"),
+        "orchestrator": ("run", "scene", "cli"),
+        "tests": ("support",),
+    }.items():
         (root / package).mkdir()
         for module in ("__init__", *modules):
             (root / package / f"{module}.py").write_text(SPEAKING)
@@ -73,10 +77,19 @@ def project(tmp_path_factory) -> Path:
 def cosimo(folder: Path, *arguments: str, own_path: Path | None = None) -> subprocess.CompletedProcess[str]:
     """The command in a working directory; `-m` puts that first on the path, as PYTHONPATH does. In plain Python: no compiler."""
     path = [str(own_path)] if own_path else []
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1",
-                   "PYTHONPATH": os.pathsep.join(path + [p for p in [os.environ.get("PYTHONPATH")] if p])}
-    done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", *arguments], cwd=folder, env=environment,
-                          capture_output=True, text=True, timeout=300)
+    environment = {
+        **os.environ,
+        "NUMBA_DISABLE_JIT": "1",
+        "PYTHONPATH": os.pathsep.join(path + [p for p in [os.environ.get("PYTHONPATH")] if p]),
+    }
+    done = subprocess.run(
+        [sys.executable, "-m", "cosimo.orchestrator.cli", *arguments],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done
 
@@ -107,5 +120,6 @@ def test_a_run_of_ours_is_bit_identical_and_imports_nothing_of_the_project(proje
 
 
 def test_lists_are_ours(project, tmp_path):
-    assert (json.loads(cosimo(project, "list", "--json", own_path=project).stdout)
-            == json.loads(cosimo(tmp_path, "list", "--json").stdout))
+    assert json.loads(cosimo(project, "list", "--json", own_path=project).stdout) == json.loads(
+        cosimo(tmp_path, "list", "--json").stdout
+    )

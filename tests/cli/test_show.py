@@ -45,8 +45,15 @@ def shown(capsys, *arguments):
 def test_a_component(capsys):
     found = shown(capsys, "PlanarLink", "--effects", "gravity")
     rows = {row["name"]: row for row in found["variables"]}
-    assert rows["mass"] == {"name": "mass", "is": "parameter", "unit": "kg", "default": 1.0, "limits": ">= 1e-12",
-                            "text": "mass of the link", "as in": []}
+    assert rows["mass"] == {
+        "name": "mass",
+        "is": "parameter",
+        "unit": "kg",
+        "default": 1.0,
+        "limits": ">= 1e-12",
+        "text": "mass of the link",
+        "as in": [],
+    }
     assert rows["tip_force_x"]["is"] == "input"
     effects = {row["name"]: row for row in found["effects"]}
     assert effects["gravity"]["on"]
@@ -77,8 +84,10 @@ def test_time_that_effects_add(capsys):
     assert all("µs" in words or words == "less than the scatter" for words in costs.values())
 
 
-@pytest.mark.parametrize("arguments", [
-    ("mass-on-spring", "--time"), ("mass-on-spring", "--preset", "a"), ("iso16281", "--preset", "a"), ("iso16281", "-o", "x")])
+@pytest.mark.parametrize(
+    "arguments",
+    [("mass-on-spring", "--time"), ("mass-on-spring", "--preset", "a"), ("iso16281", "--preset", "a"), ("iso16281", "-o", "x")],
+)
 def test_options_without_effect_are_refused(arguments, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as done:

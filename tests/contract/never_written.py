@@ -37,8 +37,12 @@ class _Without(ast.NodeTransformer):
 
 def _present(test: ast.expr) -> bool | None:
     """True for `effect is not None`, False for `effect is None`, None for other conditions; an effect is a name or `e.name`."""
-    if not (isinstance(test, ast.Compare) and isinstance(test.left, ast.Name | ast.Attribute)
-            and isinstance(test.comparators[0], ast.Constant) and test.comparators[0].value is None):
+    if not (
+        isinstance(test, ast.Compare)
+        and isinstance(test.left, ast.Name | ast.Attribute)
+        and isinstance(test.comparators[0], ast.Constant)
+        and test.comparators[0].value is None
+    ):
         return None
     return isinstance(test.ops[0], ast.IsNot)
 
@@ -69,10 +73,19 @@ def never_written(cls: type[OdeComponent]) -> type[OdeComponent]:
     kernels = cls.kernels
     assert python(kernels.step).__code__ is python(rk4).__code__, f"{cls.__name__} has a method of its own"
     bound = python(kernels.step).__globals__
-    step = bind(integrators.rk4, f"never_written_{cls.__name__}",
-                **{name: kernel(stripped(bound[name])[0]) for name in ("derivatives", "outputs")})
-    bare = type(cls.__name__, (cls,), {
-        **{v.name: v for v in cls.own_variables}, **cls.effects,
-        "kernels": kernels._replace(step=step, outputs=kernel(stripped(kernels.outputs)[0]))})
+    step = bind(
+        integrators.rk4,
+        f"never_written_{cls.__name__}",
+        **{name: kernel(stripped(bound[name])[0]) for name in ("derivatives", "outputs")},
+    )
+    bare = type(
+        cls.__name__,
+        (cls,),
+        {
+            **{v.name: v for v in cls.own_variables},
+            **cls.effects,
+            "kernels": kernels._replace(step=step, outputs=kernel(stripped(kernels.outputs)[0])),
+        },
+    )
     bare.Values = cls.Values
     return bare

@@ -61,8 +61,9 @@ def test_feedthrough_names_inputs(component):
 def test_ports_name_signals_and_each_has_one_of_a_name(component):
     cls = component_class(component)
     signals = [v.name for v in cls.own_variables if v.causality is not Causality.PARAMETER]
-    signals += [f"{e}.{v.name}" for e, effect in cls.effects.items() for v in effect.variables
-                if v.causality is not Causality.PARAMETER]
+    signals += [
+        f"{e}.{v.name}" for e, effect in cls.effects.items() for v in effect.variables if v.causality is not Causality.PARAMETER
+    ]
     taken = [s for port in cls.ports.values() for s in port]
     assert len(taken) == len(set(taken))
     assert set(taken) <= {*signals, *(f"{e}.*" for e in cls.effects)}
@@ -78,8 +79,7 @@ def test_effects_are_described_and_know_each_other(component):
         assert {*effect.requires, *effect.excludes} <= cls.effects.keys() - {name}
 
 
-@pytest.mark.parametrize(("component", "preset"), in_plain_python(
-    (c, p) for c in CATALOGUE for p in component_class(c).presets))
+@pytest.mark.parametrize(("component", "preset"), in_plain_python((c, p) for c in CATALOGUE for p in component_class(c).presets))
 def test_presets_start_from_rest(component, preset):
     published = component_class(component).presets[preset].parameters
     made = component_class(component)(preset=preset, parameters={n: v for n, v in SMALL[component].items() if n not in published})
@@ -134,7 +134,8 @@ def test_values_outside_the_limits_are_refused(component):
         if variable.causality is not Causality.PARAMETER or name not in made.parameters:
             continue
         wrong = {Kind.CHOICE: ["nonsense"], Kind.TEXT: [1.0, None]}.get(
-            variable.kind, [math.nan, math.inf, "1", True, None, [1.0]])
+            variable.kind, [math.nan, math.inf, "1", True, None, [1.0]]
+        )
         wrong += [variable.start + 0.5] if variable.kind is Kind.INTEGER else []
         if math.isfinite(variable.low):
             wrong.append(variable.low - 1.0)

@@ -17,8 +17,11 @@ EFFECTS = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
 
 
 def scene_of(component, effects, parameters=None):
-    return {"stop_time": 1e-3, "master": {"step": 1e-3},
-            "units": {"part": {"component": component, "effects": list(effects), "parameters": parameters or {}}}}
+    return {
+        "stop_time": 1e-3,
+        "master": {"step": 1e-3},
+        "units": {"part": {"component": component, "effects": list(effects), "parameters": parameters or {}}},
+    }
 
 
 @pytest.mark.parametrize(("component", "effect", "other"), NEEDS)

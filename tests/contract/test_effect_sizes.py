@@ -131,9 +131,17 @@ def test_pitch_is_that_of_the_published_fit(degrees):
 @pytest.mark.parametrize(("torque", "limit"), [(1.5, 0.5), (-1.5, -0.4)])
 def test_a_hand_rests_where_its_limit_and_its_stiffness_bear_the_torque(torque, limit):
     """k a + 200 (a - limit) = torque: 5 mrad behind the limit of flexion with 1 N.m/rad of the wrist's own."""
-    wrist = Wrist(["interaction"], {"interaction.flexion_upper": 0.5, "interaction.flexion_lower": -0.4,
-                                    "interaction.contact_lower": -3.0, "interaction.contact_upper": 3.0,
-                                    "proximal_damping": 0.1, "distal_damping": 0.1})
+    wrist = Wrist(
+        ["interaction"],
+        {
+            "interaction.flexion_upper": 0.5,
+            "interaction.flexion_lower": -0.4,
+            "interaction.contact_lower": -3.0,
+            "interaction.contact_upper": 3.0,
+            "proximal_damping": 0.1,
+            "distal_damping": 0.1,
+        },
+    )
     wrist.set("tau_flexion", torque)
     wrist.initialize(0.0)
     for k in range(30):
@@ -142,8 +150,10 @@ def test_a_hand_rests_where_its_limit_and_its_stiffness_bear_the_torque(torque, 
     assert wrist["flexion"] == pytest.approx((torque + 200.0 * limit) / 201.0, rel=1e-9)
 
 
-@pytest.mark.parametrize(("law", "given"), [
-    ("smoothed_slip", {}), ("lugre_slip", {"viscous": 0.0, "static_ratio": 1.0}), ("exact_slip", {"static_ratio": 1.0})])
+@pytest.mark.parametrize(
+    ("law", "given"),
+    [("smoothed_slip", {}), ("lugre_slip", {"viscous": 0.0, "static_ratio": 1.0}), ("exact_slip", {"static_ratio": 1.0})],
+)
 def test_a_motor_bears_the_friction_of_its_contact_under_every_law(law, given):
     """Even plain wheels without load: R mu N sin a each, here 0.01 m * 6 N / 2, and the rate of a motor under that load."""
     drive = FrictionDrive([law], {f"{law}.{name}": value for name, value in given.items()})

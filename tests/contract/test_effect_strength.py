@@ -60,7 +60,10 @@ def test_a_vanishing_effect_tends_to_no_effect(component, strength):
 def test_every_number_of_every_effect_is_in_one_of_the_lists(component):
     """So that a new effect is either shown to vanish with its strength, or said to have none."""
     facts, cls = FACTS[component], component_class(component)
-    found = {n.partition("[")[0] for n, v in cls.variables.items()
-             if "." in n and v.causality is not Causality.OUTPUT and n.partition(".")[0] not in facts.structural}
+    found = {
+        n.partition("[")[0]
+        for n, v in cls.variables.items()
+        if "." in n and v.causality is not Causality.OUTPUT and n.partition(".")[0] not in facts.structural
+    }
     assert found == {n.partition("[")[0] for n in facts.strengths} | facts.form
     assert facts.structural <= cls.effects.keys()

@@ -17,8 +17,13 @@ from cosimo.tests.contract.test_effects_absent import SINGLE
 from cosimo.tests.contract.test_effects_absent import stripped as undeclared
 
 ROOT = str(Path(components.__file__).parent)
-CLASSIC = [c for c in CATALOGUE if issubclass(cls := component_class(c), OdeComponent) and cls.effects
-           and python(cls.kernels.step).__code__ is python(rk4).__code__]
+CLASSIC = [
+    c
+    for c in CATALOGUE
+    if issubclass(cls := component_class(c), OdeComponent)
+    and cls.effects
+    and python(cls.kernels.step).__code__ is python(rk4).__code__
+]
 MACHINE_CODE = ("Thruster", "PlanarLink")  # the compiler takes seconds over each
 
 

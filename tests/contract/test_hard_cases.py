@@ -20,8 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_contact_is_lost_and_regained():
     """The wire drops... upwards, out of reach for 0.3 s, and returns: a free flight between two contacts."""
     h = 1e-3
-    pantograph = Pantograph(["contact_loss"], {"substep": 1e-4, "frame_stiffness": 0.0, "frame_damping": 0.0,
-                                               "head_damping": 0.0})
+    pantograph = Pantograph(
+        ["contact_loss"], {"substep": 1e-4, "frame_stiffness": 0.0, "frame_damping": 0.0, "head_damping": 0.0}
+    )
     pantograph.initialize(0.0)
     p = pantograph.parameters
     mass = np.array([p["head_mass"], p["frame_mass"]])
@@ -44,8 +45,11 @@ def test_contact_is_lost_and_regained():
     assert (np.diff(np.sign(force)) != 0).sum() >= 3  # and it bounces
 
 
-@pytest.mark.parametrize("changed", [{"head_mass": m} for m in (1e-6, 1e-5, 1e-4, 1e-3)]
-                         + [{"contact_stiffness": k} for k in (1e7, 1e9, 1e12)], ids=str)
+@pytest.mark.parametrize(
+    "changed",
+    [{"head_mass": m} for m in (1e-6, 1e-5, 1e-4, 1e-3)] + [{"contact_stiffness": k} for k in (1e7, 1e9, 1e12)],
+    ids=str,
+)
 def test_stiff_pantographs_are_refused_or_stable(changed):
     """What is stable is said by `stable_step`: above it the default substep is refused, at it the run stays at rest."""
     # The highest frequency is that of the head between contact spring and head spring; RK4 is trusted up to 2.61 over it.
@@ -82,15 +86,18 @@ def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
 
 
 @pytest.mark.full  # one of each method is a hard case of the catalogue, too
-@pytest.mark.parametrize(("method", "effects", "ripple"), [
-    # Verlet conserves a neighbouring energy: E swings by (omega h)²/8 of the share of the modes that take part.
-    ("explicit", (), 2e-3),
-    ("explicit", ("dropper_slackening",), 2e-3),
-    # The midpoint rule conserves a quadratic energy exactly: rounding of 5000 steps.
-    ("implicit", (), 1e-8),
-    # A dropper that changes within a step costs or gains k (v h)²/2, 5e-4 J of 9 J at 0.1 m/s; ten in a row of one sign.
-    ("implicit", ("dropper_slackening",), 5e-4),
-])
+@pytest.mark.parametrize(
+    ("method", "effects", "ripple"),
+    [
+        # Verlet conserves a neighbouring energy: E swings by (omega h)²/8 of the share of the modes that take part.
+        ("explicit", (), 2e-3),
+        ("explicit", ("dropper_slackening",), 2e-3),
+        # The midpoint rule conserves a quadratic energy exactly: rounding of 5000 steps.
+        ("implicit", (), 1e-8),
+        # A dropper that changes within a step costs or gains k (v h)²/2, 5e-4 J of 9 J at 0.1 m/s; ten in a row of one sign.
+        ("implicit", ("dropper_slackening",), 5e-4),
+    ],
+)
 def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     """Released from a static load of 200 N and left alone for 5 s."""
     catenary = Catenary(effects, {"spans": 3, "element": 1.0, "method": method})
@@ -133,8 +140,9 @@ for k in range(200):
 peak = re.search(r"VmHWM:\\s+(\\d+) kB", open("/proc/self/status").read())  # getrusage would count the parent's memory
 print(json.dumps([c["wire_height"], c["static_residual"], int(peak[1]) / 1024]))
 """
-    done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT,
-                          env={**os.environ})
+    done = subprocess.run(
+        [sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT, env={**os.environ}
+    )
     height, residual, megabytes = json.loads(done.stdout)
     assert 0.01 < height < 0.2  # m; 120 N over 1.2 to 4.7 N/mm
     assert residual < 1e-10

@@ -43,7 +43,10 @@ def test_the_rest_without_the_compiler(files):
 
 def test_no_test_for_plain_python_is_left_out():
     started = " ".join((*SHORT, *REST))
-    files = [path for path in (ROOT / "tests").rglob("test_*.py")
-             if path != Path(__file__) and "in_plain_python(" in path.read_text(encoding="utf-8")]
+    files = [
+        path
+        for path in (ROOT / "tests").rglob("test_*.py")
+        if path != Path(__file__) and "in_plain_python(" in path.read_text(encoding="utf-8")
+    ]
     assert len(files) > 5
     assert [path.name for path in files if path.relative_to(ROOT).as_posix() not in started] == []

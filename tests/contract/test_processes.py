@@ -52,8 +52,14 @@ for name in CATALOGUE:
 
 def python(source: str, *arguments: str, **environment: str) -> str:
     """What a new process prints."""
-    done = subprocess.run([sys.executable, "-c", source, *arguments], capture_output=True, text=True, cwd=ROOT, timeout=1800,
-                          env={**os.environ, **environment})
+    done = subprocess.run(
+        [sys.executable, "-c", source, *arguments],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        timeout=1800,
+        env={**os.environ, **environment},
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -110,7 +116,8 @@ doubled(1)
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
 def test_processes_that_compile_one_kernel_at_once_do_not_get_each_others_code(tmp_path):
     (tmp_path / "doubled.py").write_text(
-        "from cosimo.components.core.kernels import kernel\n\n\n@kernel\ndef doubled(x):\n    return x + x\n")
+        "from cosimo.components.core.kernels import kernel\n\n\n@kernel\ndef doubled(x):\n    return x + x\n"
+    )
     other = tmp_path / "other.py"
     other.write_text(TWICE)
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}

@@ -50,8 +50,9 @@ def test_no_temperature_falls_below_zero_kelvin(effects):
     assert (np.array(states) > 0.0).all()
 
 
-@pytest.mark.parametrize(("name", "inputs"), in_plain_python([("ServoMotor", ("voltage",)),
-                                                              ("FrictionDrive", ("first_voltage", "second_voltage"))]))
+@pytest.mark.parametrize(
+    ("name", "inputs"), in_plain_python([("ServoMotor", ("voltage",)), ("FrictionDrive", ("first_voltage", "second_voltage"))])
+)
 def test_a_winding_with_inductance_starts_without_current_unless_one_is_given(name, inputs):
     for given, expected in (({}, 0.0), ({"inductance.start_current": 1.5}, 1.5)):
         motor = component_class(name)(("inductance",), given)

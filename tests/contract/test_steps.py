@@ -23,9 +23,14 @@ MACHINE_CODE = [c for c in EVERYTHING_ON if c.component in ONE_A_SYSTEM]
 
 def over(cases):
     """In every run nothing and everything on, in the complete one all; compiled: everything on, one a system."""
-    return pytest.mark.parametrize("configuration", [
-        pytest.param(c, id=c.label, marks=() if COMPILED or c.effects == () or c in EVERYTHING_ON else pytest.mark.full)
-        for c in cases if c in MACHINE_CODE or not COMPILED])
+    return pytest.mark.parametrize(
+        "configuration",
+        [
+            pytest.param(c, id=c.label, marks=() if COMPILED or c.effects == () or c in EVERYTHING_ON else pytest.mark.full)
+            for c in cases
+            if c in MACHINE_CODE or not COMPILED
+        ],
+    )
 
 
 configurations = over(CONFIGURATIONS)

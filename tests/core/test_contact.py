@@ -9,11 +9,21 @@ from cosimo.components.core.contact import stop_depth, stop_torque
 STOP = (-0.2, 0.5, 100.0, 0.3)  # lower, upper, stiffness, dissipation
 
 
-@pytest.mark.parametrize(("angle", "rate", "torque"), [
-    (0.1, 5.0, 0.0), (0.5, 5.0, 0.0), (0.6, 0.0, -10.0), (-0.3, 0.0, 10.0),
-    (0.6, 2.0, -16.0), (0.6, -2.0, -4.0), (-0.3, -2.0, 16.0), (-0.3, 2.0, 4.0),  # more into a stop than out of it
-    (0.6, -4.0, 0.0), (-0.3, 4.0, 0.0),  # never pulling
-])
+@pytest.mark.parametrize(
+    ("angle", "rate", "torque"),
+    [
+        (0.1, 5.0, 0.0),
+        (0.5, 5.0, 0.0),
+        (0.6, 0.0, -10.0),
+        (-0.3, 0.0, 10.0),
+        (0.6, 2.0, -16.0),
+        (0.6, -2.0, -4.0),
+        (-0.3, -2.0, 16.0),
+        (-0.3, 2.0, 4.0),  # more into a stop than out of it
+        (0.6, -4.0, 0.0),
+        (-0.3, 4.0, 0.0),  # never pulling
+    ],
+)
 def test_torque_of_a_stop(angle, rate, torque):
     assert stop_torque(angle, rate, *STOP) == pytest.approx(torque, abs=1e-12)
 

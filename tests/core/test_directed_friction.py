@@ -31,9 +31,18 @@ def test_two_levels_are_one_level_and_a_push(v, drive):
     assert drive - friction == pytest.approx(drive + PUSH - stick_friction(mode, drive + PUSH, LEVEL), abs=1e-14)
 
 
-@pytest.mark.parametrize(("mode", "drive", "after"), [
-    (0.0, 2.0 + 1e-6, 1.0), (0.0, -8.0 - 1e-6, -1.0), (1.0, 0.0, 0.0), (1.0, 2.0, 0.0), (-1.0, -8.0, 0.0), (1.0, -9.0, -1.0),
-    (-1.0, 3.0, 1.0)])
+@pytest.mark.parametrize(
+    ("mode", "drive", "after"),
+    [
+        (0.0, 2.0 + 1e-6, 1.0),
+        (0.0, -8.0 - 1e-6, -1.0),
+        (1.0, 0.0, 0.0),
+        (1.0, 2.0, 0.0),
+        (-1.0, -8.0, 0.0),
+        (1.0, -9.0, -1.0),
+        (-1.0, 3.0, 1.0),
+    ],
+)
 def test_what_follows_a_mode_that_has_ended(mode, drive, after):
     assert directed_switch(mode, drive, FORWARD, BACKWARD) == after
     assert stick_switch(mode, drive + PUSH, LEVEL) == after

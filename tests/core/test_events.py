@@ -85,20 +85,46 @@ def watched_switch(which, t, x, u, s, p, e):
         ball_switch(which, t, x, u, s, p, e)
 
 
-ball = bind(rk4_events, f"{__name__}_ball", derivatives=ball_derivatives, guards=ball_guards, switch=ball_switch,
-            outputs=state_outputs)
-puller = bind(rk4_events, f"{__name__}_puller", derivatives=puller_derivatives, guards=puller_guards, switch=puller_switch,
-              outputs=state_outputs)
-watched = bind(rk4_events, f"{__name__}_watched", derivatives=ball_derivatives, guards=watched_guards, switch=watched_switch,
-               outputs=state_outputs)
-restless = bind(rk4_events, f"{__name__}_restless", derivatives=ball_derivatives, guards=ball_guards, switch=restless_switch,
-                outputs=state_outputs)
+ball = bind(
+    rk4_events, f"{__name__}_ball", derivatives=ball_derivatives, guards=ball_guards, switch=ball_switch, outputs=state_outputs
+)
+puller = bind(
+    rk4_events,
+    f"{__name__}_puller",
+    derivatives=puller_derivatives,
+    guards=puller_guards,
+    switch=puller_switch,
+    outputs=state_outputs,
+)
+watched = bind(
+    rk4_events,
+    f"{__name__}_watched",
+    derivatives=ball_derivatives,
+    guards=watched_guards,
+    switch=watched_switch,
+    outputs=state_outputs,
+)
+restless = bind(
+    rk4_events,
+    f"{__name__}_restless",
+    derivatives=ball_derivatives,
+    guards=ball_guards,
+    switch=restless_switch,
+    outputs=state_outputs,
+)
 
 
 def run(advance, x, h, n, p, guards=1):
     """State after n substeps over h, the counters and the status."""
-    s = Memory(np.zeros((3, 0)), np.zeros(3), np.array(x, dtype=float), np.zeros(3, dtype=np.int64), np.array([h / n, math.inf]),
-               np.zeros((ROWS, 3)), np.zeros(guards))
+    s = Memory(
+        np.zeros((3, 0)),
+        np.zeros(3),
+        np.array(x, dtype=float),
+        np.zeros(3, dtype=np.int64),
+        np.array([h / n, math.inf]),
+        np.zeros((ROWS, 3)),
+        np.zeros(guards),
+    )
     status = advance(0.0, h, s, p, None)
     return s.x, s.counts, status
 

@@ -71,8 +71,9 @@ def block_outputs(t, s, p, e):
     return DONE
 
 
-BristleBlock.kernels = ode_kernels(__name__, start=bristle_start, derivatives=bristle_derivatives, outputs=block_outputs,
-                                   stable=bristle_stable)
+BristleBlock.kernels = ode_kernels(
+    __name__, start=bristle_start, derivatives=bristle_derivatives, outputs=block_outputs, stable=bristle_stable
+)
 
 
 class StickBlock(EventComponent):
@@ -130,8 +131,15 @@ def block_switch(which, t, x, u, s, p, e):
     x[2] = stick_switch(x[2], drive(t, x, p), p.static)
 
 
-StickBlock.kernels = event_kernels(f"{__name__}.Stick", start=block_start, derivatives=block_derivatives, guards=block_guards,
-                                   switch=block_switch, outputs=block_outputs, stable=block_stable)
+StickBlock.kernels = event_kernels(
+    f"{__name__}.Stick",
+    start=block_start,
+    derivatives=block_derivatives,
+    guards=block_guards,
+    switch=block_switch,
+    outputs=block_outputs,
+    stable=block_stable,
+)
 
 
 def course(block, duration: float, h: float) -> np.ndarray:
@@ -183,8 +191,9 @@ def test_bristles_before_sliding_are_a_spring_and_a_dashpot(z):
     """|F| far below the static level: z' = v, so that stiffness and damping are those of the bristles."""
     rate = bristle_rate(1e-9, z, math.inf)
     assert rate == pytest.approx(1e-9, rel=STIFFNESS * abs(z) / STATIC + 1e-12)
-    assert lugre_force(1e-9, z, rate, STIFFNESS, DAMPING, VISCOUS) == pytest.approx(STIFFNESS * z + (DAMPING + VISCOUS) * 1e-9,
-                                                                                   rel=1e-5, abs=1e-7)
+    assert lugre_force(1e-9, z, rate, STIFFNESS, DAMPING, VISCOUS) == pytest.approx(
+        STIFFNESS * z + (DAMPING + VISCOUS) * 1e-9, rel=1e-5, abs=1e-7
+    )
 
 
 def test_the_bristles_of_the_paper_are_not_passive_and_others_are():
@@ -213,8 +222,10 @@ def test_smoothed_friction_is_odd_and_saturates():
     assert smoothed_friction(-0.03, 2.0, 0.01) == -smoothed_friction(0.03, 2.0, 0.01)
 
 
-@pytest.mark.parametrize(("v", "force", "mode"), [(0.0, 0.9, 0.0), (0.0, -1.0, 0.0), (0.0, 1.1, 1.0), (0.0, -1.1, -1.0),
-                                                  (1e-300, -5.0, 1.0), (-1e-300, 5.0, -1.0)])
+@pytest.mark.parametrize(
+    ("v", "force", "mode"),
+    [(0.0, 0.9, 0.0), (0.0, -1.0, 0.0), (0.0, 1.1, 1.0), (0.0, -1.1, -1.0), (1e-300, -5.0, 1.0), (-1e-300, 5.0, -1.0)],
+)
 def test_a_mode_lasts_by_its_own_guard(v, force, mode):
     assert stick_mode(v, force, 1.0) == mode
     assert stick_guard(mode, v, force, 1.0) >= 0.0
@@ -271,6 +282,7 @@ def test_amplitude_falls_by_the_same_step_in_every_half_swing(substep):
 
 def reference_slips(until: float) -> tuple[np.ndarray, float]:
     """The block on bristles by SciPy's Radau method on equations written here once more: slip times and largest velocity."""
+
     def rates(t, x):
         level = KINETIC + (STATIC - KINETIC) * math.exp(-((x[1] / STRIBECK) ** 2))
         z_rate = x[1] - STIFFNESS * abs(x[1]) / level * x[2]

@@ -52,8 +52,17 @@ def slopes(errors):
 
 def test_a_pendulum_of_any_amplitude_converges_with_order_eight():
     """The chain with a second link whose mass is a billionth is a rod that swings: sin(q/2) = k sn(w t + K), exactly."""
-    given = {"first_mass": 1.0, "first_length": 1.0, "first_centre": 1.0, "first_inertia": 0.0, "second_mass": 0.0,
-             "second_inertia": 1.0, "second_centre": 0.0, "start_first_angle": 2.0, "start_second_angle": 0.0}
+    given = {
+        "first_mass": 1.0,
+        "first_length": 1.0,
+        "first_centre": 1.0,
+        "first_inertia": 0.0,
+        "second_mass": 0.0,
+        "second_inertia": 1.0,
+        "second_centre": 0.0,
+        "start_first_angle": 2.0,
+        "start_second_angle": 0.0,
+    }
     k, w, end = math.sin(1.0), math.sqrt(9.81), 4.0
     sn = ellipj(w * end + ellipk(k * k), k * k)[0]
     exact = 2.0 * math.asin(k * sn)
@@ -78,8 +87,9 @@ def test_a_rotor_in_free_motion_is_the_matrix_exponential():
         start = rotor.x[:4].copy()
         rotor.step(0.0, 1.0)
         m, k, c, ci, spin = 10.0, 1e5, 40.0, 30.0, 150.0
-        A = np.block([[np.zeros((2, 2)), np.eye(2)],
-                      [-np.array([[k, ci * spin], [-ci * spin, k]]) / m, -(c + ci) / m * np.eye(2)]])
+        A = np.block(
+            [[np.zeros((2, 2)), np.eye(2)], [-np.array([[k, ci * spin], [-ci * spin, k]]) / m, -(c + ci) / m * np.eye(2)]]
+        )
         errors.append(float(np.abs(rotor.x[:2] - (expm(A) @ start)[:2]).max()))
     assert min(slopes(errors)) > 7.3
     assert errors[-1] < 1e-9
@@ -97,8 +107,14 @@ def test_an_input_that_moves_within_the_step_is_followed_exactly():
     names = {"derivatives": derivatives, "outputs": outputs}
     parts = {part: plain(getattr(high_order, part), **names) for part in smooth_step.parts}
     method = plain(smooth_step, **parts)
-    s = types.SimpleNamespace(u=np.array([[2.0], [-3.0], [5.0]]), x=np.zeros(1), y=np.zeros(1), counts=np.zeros(2),
-                              work=np.zeros((ROWS, 1)), limits=np.array([2.0 / 3.0, math.inf]))
+    s = types.SimpleNamespace(
+        u=np.array([[2.0], [-3.0], [5.0]]),
+        x=np.zeros(1),
+        y=np.zeros(1),
+        counts=np.zeros(2),
+        work=np.zeros((ROWS, 1)),
+        limits=np.array([2.0 / 3.0, math.inf]),
+    )
     assert method(0.0, 2.0, s, None, types.SimpleNamespace(high_order=True)) == DONE
     assert s.y[0] == pytest.approx(2.0 * 2.0 - 3.0 * 2.0 + 5.0 * 8.0 / 3.0, rel=1e-14)
     assert s.counts.tolist() == [3, 36]

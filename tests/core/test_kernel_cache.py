@@ -159,8 +159,10 @@ def test_all_import_statements_of_all_sources_are_seen():
         return plain | {(n.level, n.module or "", tuple(a.name for a in n.names)) for n in nodes if isinstance(n, ast.ImportFrom)}
 
     sources = [path.read_bytes() for path in CORE.parent.rglob("*.py")]
-    sources.append(b"match 1:\n    case 1:\n        try:\n            pass\n        except ValueError:\n            import one\n"
-                   b"        else:\n            import two\n        finally:\n            async def f():\n"
-                   b"                from . import three\n")
+    sources.append(
+        b"match 1:\n    case 1:\n        try:\n            pass\n        except ValueError:\n            import one\n"
+        b"        else:\n            import two\n        finally:\n            async def f():\n"
+        b"                from . import three\n"
+    )
     assert all(set(imports(source)) == walked(source) for source in sources)
     assert len(imports(sources[-1])) == 3

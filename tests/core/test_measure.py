@@ -29,7 +29,8 @@ def test_parse(text, factor, powers):
     ("source", "target", "value", "result"),
     [
         ("km/h", "m/s", 36.0, 10.0),
-        ("mm", "m", 5.0, 5e-3), ("degC", "K", 20.0, 293.15),
+        ("mm", "m", 5.0, 5e-3),
+        ("degC", "K", 20.0, 293.15),
         ("K", "degC", 293.15, 20.0),
         ("rpm", "rad/s", 30.0, 3.141592653589793),
     ],

@@ -65,8 +65,14 @@ def test_along_a_line_the_bristles_are_the_scalar_ones(v, fastest):
 @pytest.mark.parametrize("speed", [1e-4, 1e-3, 0.1])
 def test_bristles_settle_in_the_direction_of_the_slip(speed):
     """At constant slip: z = level(|s|) / stiffness in its direction, whatever it was before."""
-    done = solve_ivp(lambda t, z: bristles_rate((speed * COSINE, speed * SINE), z, 1e9),
-                     (0.0, 100.0 * STATIC / STIFFNESS / speed), [-8e-6, 1e-6], method="Radau", rtol=1e-10, atol=1e-14)
+    done = solve_ivp(
+        lambda t, z: bristles_rate((speed * COSINE, speed * SINE), z, 1e9),
+        (0.0, 100.0 * STATIC / STIFFNESS / speed),
+        [-8e-6, 1e-6],
+        method="Radau",
+        rtol=1e-10,
+        atol=1e-14,
+    )
     settled = lugre_level(speed, KINETIC, STATIC, STRIBECK) / STIFFNESS
     assert done.y[:, -1] == pytest.approx([settled * COSINE, settled * SINE], rel=1e-8)
 
@@ -74,10 +80,13 @@ def test_bristles_settle_in_the_direction_of_the_slip(speed):
 @pytest.mark.parametrize("angle", [0.3, 2.0, -1.1])
 def test_no_direction_is_another(angle):
     s, z = np.array([0.03, -0.01]), np.array([2e-5, 4e-5])
-    laws = [lambda s, z: smoothed_planar(*s, 6.0, 600.0),
-            lambda s, z: bristles_rate(s, z, 1e4),
-            lambda s, z: planar_stick_rate(0.0, *s, *z, 1e4), lambda s, z: planar_stick_rate(SLIDES, *s, *z, 1e4),
-            lambda s, z: planar_stick_deflection(SLIDES, *z, 1e-4)]
+    laws = [
+        lambda s, z: smoothed_planar(*s, 6.0, 600.0),
+        lambda s, z: bristles_rate(s, z, 1e4),
+        lambda s, z: planar_stick_rate(0.0, *s, *z, 1e4),
+        lambda s, z: planar_stick_rate(SLIDES, *s, *z, 1e4),
+        lambda s, z: planar_stick_deflection(SLIDES, *z, 1e-4),
+    ]
     for law in laws:
         assert np.array(law(turned(s, angle), turned(z, angle))) == pytest.approx(turned(law(s, z), angle), rel=1e-12)
 
@@ -94,8 +103,13 @@ def test_at_rest_the_deflection_takes_the_slip_and_while_sliding_only_turns():
 def test_a_sliding_contact_turns_into_the_slip_as_in_closed_form(start):
     """Angle b of a deflection of length d to the slip s: b' = -(s / d) sin b, so tan(b / 2) = tan(b_0 / 2) exp(-s t / d)."""
     d, speed = 1e-4, 0.05
-    done = solve_ivp(lambda t, z: planar_stick_rate(SLIDES, speed, 0.0, *z, math.inf), (0.0, 3.0 * d / speed),
-                     [d * math.cos(start), d * math.sin(start)], rtol=1e-10, atol=1e-16)
+    done = solve_ivp(
+        lambda t, z: planar_stick_rate(SLIDES, speed, 0.0, *z, math.inf),
+        (0.0, 3.0 * d / speed),
+        [d * math.cos(start), d * math.sin(start)],
+        rtol=1e-10,
+        atol=1e-16,
+    )
     zx, zy = done.y[:, -1]
     assert math.hypot(zx, zy) == pytest.approx(d, rel=1e-8)
     assert math.atan2(zy, zx) == pytest.approx(2.0 * math.atan(math.tan(0.5 * start) * math.exp(-3.0)), rel=1e-6)
@@ -139,11 +153,18 @@ def test_a_contact_that_holds_or_slides_takes_power_up(mode):
 # -- the block of the LuGre paper, pulled at an angle -------------------------------------------------------------------------
 def test_the_published_block_slides_as_on_a_line():
     """Reference run of the scalar law, Radau at 1e-8: first slip at 7.458 s, then a period of 6.363 s, both +- 1 ms."""
+
     def course(t, x):
         rx, ry = bristles_rate(x[2:4], x[4:6], math.inf)
         pull = SPRING * PULL * t
-        return [x[2], x[3], (pull * COSINE - SPRING * x[0] - STIFFNESS * x[4] - DAMPING * rx - VISCOUS * x[2]) / MASS,
-                (pull * SINE - SPRING * x[1] - STIFFNESS * x[5] - DAMPING * ry - VISCOUS * x[3]) / MASS, rx, ry]
+        return [
+            x[2],
+            x[3],
+            (pull * COSINE - SPRING * x[0] - STIFFNESS * x[4] - DAMPING * rx - VISCOUS * x[2]) / MASS,
+            (pull * SINE - SPRING * x[1] - STIFFNESS * x[5] - DAMPING * ry - VISCOUS * x[3]) / MASS,
+            rx,
+            ry,
+        ]
 
     def fast(t, x):
         return x[2] * COSINE + x[3] * SINE - 0.05
@@ -216,8 +237,15 @@ def block_outputs(t, s, p, e):
     return DONE
 
 
-PlanarBlock.kernels = event_kernels(__name__, start=block_start, derivatives=block_derivatives, guards=block_guards,
-                                    switch=block_switch, outputs=block_outputs, stable=block_stable)
+PlanarBlock.kernels = event_kernels(
+    __name__,
+    start=block_start,
+    derivatives=block_derivatives,
+    guards=block_guards,
+    switch=block_switch,
+    outputs=block_outputs,
+    stable=block_stable,
+)
 
 
 def slips_of(deflection: float) -> tuple[list[float], float, float]:

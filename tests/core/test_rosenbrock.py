@@ -42,8 +42,14 @@ advance = bind(rodas3, __name__, derivatives=stiff_derivatives, jacobian=stiff_j
 
 def run(n, stiffness, h=1.0, rate=1.0, start=(1.0, 2.0, 0.0)):
     """State after n steps over h, x0 following cos(rate t), and the status."""
-    s = Memory(np.array([[0.0], [rate], [0.0]]), np.zeros(1), np.array(start), np.zeros(2, dtype=np.int64),
-               np.array([h / n, math.inf]), np.zeros((10, 5)))
+    s = Memory(
+        np.array([[0.0], [rate], [0.0]]),
+        np.zeros(1),
+        np.array(start),
+        np.zeros(2, dtype=np.int64),
+        np.array([h / n, math.inf]),
+        np.zeros((10, 5)),
+    )
     status = advance(0.0, h, s, (stiffness, rate), None)
     assert s.counts.tolist() == [n, 4 * n]
     assert s.u[:, 0].tolist() == [h * rate, 0.0, 0.0]

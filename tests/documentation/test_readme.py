@@ -46,8 +46,11 @@ def commands(page: Path) -> list[str]:
 
 def shown(language: str) -> list:
     """All blocks in a language: those of the README in every run, those of the other pages in the complete one."""
-    of_pages = [pytest.param(code, id=f"{name_of(page)}-{k}", marks=pytest.mark.full)
-                for page in PAGES for k, code in enumerate(blocks(page, language))]
+    of_pages = [
+        pytest.param(code, id=f"{name_of(page)}-{k}", marks=pytest.mark.full)
+        for page in PAGES
+        for k, code in enumerate(blocks(page, language))
+    ]
     return [*(pytest.param(code, id=f"README.md-{k}") for k, code in enumerate(blocks(README, language))), *of_pages]
 
 
@@ -61,8 +64,15 @@ def folders(tmp_path_factory):
 def shell(command: list[str] | str, folder: Path, **more: str) -> subprocess.CompletedProcess[str]:
     """The command as a reader runs it, with this environment's programs; `more`: of the environment."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env={**os.environ, "PATH": path, **more},
-                          capture_output=True, text=True, timeout=600)
+    return subprocess.run(
+        command,
+        shell=isinstance(command, str),
+        cwd=folder,
+        env={**os.environ, "PATH": path, **more},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
 
 
 def test_the_readme_shows_commands_python_and_a_scene():
@@ -120,8 +130,11 @@ def test_links_lead_somewhere(page):
 @pytest.mark.parametrize("page", [p for p in PAGES if p != ROOT / "docs" / "index.md"], ids=name_of)
 def test_every_page_is_reached_from_the_index(page):
     indices = [ROOT / "docs" / "index.md", *({page.parent / "index.md"} - {page})]  # a folder may have its own
-    assert any(f"({page.relative_to(index.parent).as_posix()})" in index.read_text(encoding="utf-8")
-               for index in indices if index.is_file() and page.is_relative_to(index.parent))
+    assert any(
+        f"({page.relative_to(index.parent).as_posix()})" in index.read_text(encoding="utf-8")
+        for index in indices
+        if index.is_file() and page.is_relative_to(index.parent)
+    )
 
 
 def test_every_scene_and_component_is_in_the_documentation_of_its_system():

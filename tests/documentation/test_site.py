@@ -18,8 +18,13 @@ from cosimo.orchestrator.scene.scene import scene_files
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn")
-pytestmark = [pytest.mark.full, pytest.mark.skipif(bool(missing := [n for n in NEEDED if find_spec(n) is None]),
-                                                   reason=f"not installed: {', '.join(missing)} (extras docs and test)")]
+pytestmark = [
+    pytest.mark.full,
+    pytest.mark.skipif(
+        bool(missing := [n for n in NEEDED if find_spec(n) is None]),
+        reason=f"not installed: {', '.join(missing)} (extras docs and test)",
+    ),
+]
 PICTURES = [p.stem for p in (DOCS / "pictures" / "scenes").glob("*.png")]
 
 
@@ -30,8 +35,13 @@ def site(tmp_path_factory):
     shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("generated", "__pycache__"))
     out = source.parent / "site"
     path = os.pathsep.join(p or os.curdir for p in sys.path)
-    done = subprocess.run([sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(source), str(out)],
-                          env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=900)
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(source), str(out)],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return out
 
@@ -59,8 +69,9 @@ def test_the_python_interface_is_searchable(site):
 @pytest.fixture(scope="module")
 def address(site):
     """The site on this machine's own interface."""
-    handler = functools.partial(type("Quiet", (http.server.SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}),
-                                directory=str(site))
+    handler = functools.partial(
+        type("Quiet", (http.server.SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}), directory=str(site)
+    )
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_address[1]}/"
@@ -106,33 +117,37 @@ class Visit:
 
     def close(self) -> None:
         """The page has to be without errors and requests to others."""
-        broken = self.page.evaluate("[...document.images].filter(i => i.complete && !i.naturalWidth && i.loading !== 'lazy')"
-                                    ".map(i => i.src)")
+        broken = self.page.evaluate(
+            "[...document.images].filter(i => i.complete && !i.naturalWidth && i.loading !== 'lazy').map(i => i.src)"
+        )
         self.page.close()
         assert (self.errors, self.elsewhere, broken) == ([], [], [])
 
 
-@pytest.mark.parametrize(("path", "selector", "least"), [
-    ("index.html", "nav, .sidebar-tree", 1),
-    ("start.html", "pre", 5),
-    ("coupling.html", "math", 3),
-    ("systems/railway.html", ".sd-card img", 6),
-    ("papers/index.html", "table", 10),
-    ("generated/scenes/index.html", ".sd-card img", len(PICTURES)),
-    ("generated/scenes/en50318-2002.html", "article img", 1),
-    ("generated/components/DeepGrooveBearing.html", ".sketch svg line", 10),
-    ("generated/reference/scene-keys.html", "table", 5),
-    ("generated/reference/analysis-keys.html", "table", 5),
-    ("generated/reference/command-line.html", "pre", 10),
-    ("generated/reference/python.html", "dl.py", 30),
-    ("tutorials/pantograph.html", ".plot .main-svg", 1),
-    ("tutorials/bearing.html", ".plot .main-svg", 1),
-    ("tutorials/classifier.html", ".plot .main-svg", 1),
-    ("tutorials/force-and-speed.html", ".plot .main-svg", 1),
-    ("tutorials/accuracy.html", ".plot .main-svg", 1),
-    ("tutorials/component.html", "math", 1),
-    ("tutorials/sweep.html", ".plot .main-svg", 1),
-])
+@pytest.mark.parametrize(
+    ("path", "selector", "least"),
+    [
+        ("index.html", "nav, .sidebar-tree", 1),
+        ("start.html", "pre", 5),
+        ("coupling.html", "math", 3),
+        ("systems/railway.html", ".sd-card img", 6),
+        ("papers/index.html", "table", 10),
+        ("generated/scenes/index.html", ".sd-card img", len(PICTURES)),
+        ("generated/scenes/en50318-2002.html", "article img", 1),
+        ("generated/components/DeepGrooveBearing.html", ".sketch svg line", 10),
+        ("generated/reference/scene-keys.html", "table", 5),
+        ("generated/reference/analysis-keys.html", "table", 5),
+        ("generated/reference/command-line.html", "pre", 10),
+        ("generated/reference/python.html", "dl.py", 30),
+        ("tutorials/pantograph.html", ".plot .main-svg", 1),
+        ("tutorials/bearing.html", ".plot .main-svg", 1),
+        ("tutorials/classifier.html", ".plot .main-svg", 1),
+        ("tutorials/force-and-speed.html", ".plot .main-svg", 1),
+        ("tutorials/accuracy.html", ".plot .main-svg", 1),
+        ("tutorials/component.html", "math", 1),
+        ("tutorials/sweep.html", ".plot .main-svg", 1),
+    ],
+)
 def test_a_kind_of_page_is_whole(browser, address, path, selector, least):
     visit = Visit(browser, address, path)
     visit.page.locator(selector).first.wait_for(state="attached")
@@ -150,6 +165,7 @@ def test_the_search_finds_a_component(browser, address):
 
 def test_dark_pages_are_dark(browser, address):
     """Paper and letters of both schemes, as luminance of their colours, 0 to 255."""
+
     def luminance(selector: str, what: str) -> float:
         colour = visit.page.evaluate(f"getComputedStyle(document.querySelector('{selector}')).{what}")
         red, green, blue = (float(v) for v in colour.strip("rgba()").split(",")[:3])

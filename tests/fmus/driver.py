@@ -26,11 +26,17 @@ class Driven:
         self.description = read_model_description(str(path), validate=False)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.log = []
-        self.fmu = FMU2Slave(guid=self.description.guid, modelIdentifier=self.description.coSimulation.modelIdentifier,
-                             unzipDirectory=str(folder or extract(str(path))), instanceName=name)
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            unzipDirectory=str(folder or extract(str(path))),
+            instanceName=name,
+        )
         self.callbacks = fmi2CallbackFunctions(
             fmi2CallbackLoggerTYPE(lambda env, name, status, category, message: self.log.append((status, message.decode()))),
-            fmi2CallbackAllocateMemoryTYPE(calloc), fmi2CallbackFreeMemoryTYPE(free))
+            fmi2CallbackAllocateMemoryTYPE(calloc),
+            fmi2CallbackFreeMemoryTYPE(free),
+        )
         self.fmu.instantiate(callbacks=self.callbacks, loggingOn=True)
 
     def start(self, values=(), at=0.0):

@@ -13,17 +13,20 @@ def messages(unit, status):
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered in dot")
-@pytest.mark.parametrize(("values", "reason"), [
-    ({"gain": -1.0}, "gain = -1.0; expected a value in [0, 10]"),
-    ({"gain": math.nan}, "gain = nan; expected"),
-    ({"count": 10}, "count = 10; expected a value in [1, 9]"),
-    ({"mode": "planar"}, "mode = 'planar'; expected one of plain, negative"),
-    ({"effects.needy": True}, "'needy' needs 'bias'"),
-    ({"gain": 7.0}, "gain 7 cannot be initialized"),
-    ({"signal": math.nan}, "signal = nan"),
-    ({"signal": math.inf}, "signal = inf"),
-    ({"der(signal)": math.nan}, "der(signal) = nan"),
-])
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"gain": -1.0}, "gain = -1.0; expected a value in [0, 10]"),
+        ({"gain": math.nan}, "gain = nan; expected"),
+        ({"count": 10}, "count = 10; expected a value in [1, 9]"),
+        ({"mode": "planar"}, "mode = 'planar'; expected one of plain, negative"),
+        ({"effects.needy": True}, "'needy' needs 'bias'"),
+        ({"gain": 7.0}, "gain 7 cannot be initialized"),
+        ({"signal": math.nan}, "signal = nan"),
+        ({"signal": math.inf}, "signal = inf"),
+        ({"der(signal)": math.nan}, "der(signal) = nan"),
+    ],
+)
 def test_a_bad_start_is_told_and_the_first_step_is_discarded(new_probe, values, reason):
     unit = new_probe().start(values)
 
@@ -72,11 +75,14 @@ def test_parameters_are_fixed_after_initialization(new_probe):
     assert unit.step(0.0, 0.1) == OK
 
 
-@pytest.mark.parametrize(("signal", "reason"), [
-    (30.0, "output total = nan"),
-    (40.0, "forty"),
-    (50.0, "unit failed at t = 1 s: the iteration inside the step did not converge"),
-])
+@pytest.mark.parametrize(
+    ("signal", "reason"),
+    [
+        (30.0, "output total = nan"),
+        (40.0, "forty"),
+        (50.0, "unit failed at t = 1 s: the iteration inside the step did not converge"),
+    ],
+)
 def test_a_failing_step_is_discarded_with_its_reason(new_probe, signal, reason):
     unit = new_probe().start()
     assert unit.step(0.0, 1.0) == OK
@@ -131,7 +137,8 @@ def test_unknown_references_and_wrong_types(new_probe):
 
 def test_failures_do_not_hurt_the_process(probe):
     """Every failure, often, then reset or not, and free: the exit code tells."""
-    run_script("""
+    run_script(
+        """
 import sys
 from cosimo.tests.fmus.driver import Driven
 for n in range(200):
@@ -146,4 +153,6 @@ for n in range(200):
         assert unit.step(0.0, 0.1) == 2
     unit["level"]
     unit.free()
-""", *probe)
+""",
+        *probe,
+    )

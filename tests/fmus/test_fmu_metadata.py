@@ -69,8 +69,10 @@ def test_derivatives_of_inputs_are_listed_on_request(tmp_path):
     assert set(references[1]) - set(references[0]) == {f"der({i}{more})" for i in inputs for more in ("", ",2")}
     assert references[0].items() <= references[1].items()
     outputs = [[u.get("index") for u in root.find("ModelStructure/Outputs")] for root in (without, all_)]
-    names = [[list(root.find("ModelVariables"))[int(i) - 1].get("name") for i in indices]
-             for root, indices in zip((without, all_), outputs, strict=True)]
+    names = [
+        [list(root.find("ModelVariables"))[int(i) - 1].get("name") for i in indices]
+        for root, indices in zip((without, all_), outputs, strict=True)
+    ]
     assert names[0] == names[1]
 
     path = build("Pantograph", tmp_path)
@@ -98,8 +100,10 @@ def test_terminals_fit_the_schema_and_name_variables_of_the_fmu(name):
 
 def test_a_rotor_and_a_bearing_match_member_by_member():
     """All that the rotor gives to and takes from a bearing is in one terminal of the bearing, as scenes connect them."""
-    ends = {n: [s for s in interface(component_class(n)) if s.causality != "parameter" and not s.order]
-            for n in ("BeamRotor", "DeepGrooveBearing")}
+    ends = {
+        n: [s for s in interface(component_class(n)) if s.causality != "parameter" and not s.order]
+        for n in ("BeamRotor", "DeepGrooveBearing")
+    }
     rotor, bearing = (terminals((s.name for s in group), component_class(n).ports) for n, group in ends.items())
     causality = {n: {s.name: s.causality for s in group} for n, group in ends.items()}
     port = rotor["bearing_a"]
@@ -113,8 +117,10 @@ def test_a_rotor_and_a_bearing_match_member_by_member():
 
 def test_a_pantograph_and_a_catenary_match_member_by_member():
     pantograph, catenary = ({s.name: s.causality for s in interface(component_class(n))} for n in ("Pantograph", "Catenary"))
-    ends = [terminals((n for n, c in i.items() if c != "parameter"), component_class(name).ports)["contact"]
-            for name, i in (("Pantograph", pantograph), ("Catenary", catenary))]
+    ends = [
+        terminals((n for n, c in i.items() if c != "parameter"), component_class(name).ports)["contact"]
+        for name, i in (("Pantograph", pantograph), ("Catenary", catenary))
+    ]
     assert set(ends[0]) == set(ends[1]) == {"contact_position", "contact_force", "wire_height"}
     assert all({pantograph[ends[0][m]], catenary[ends[1][m]]} == {"input", "output"} for m in ends[0])
 

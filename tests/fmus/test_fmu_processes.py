@@ -34,7 +34,9 @@ def pantograph():
 
 
 def test_many_instances_leave_no_trace(pantograph):
-    lines = run_script(RUN + """
+    lines = run_script(
+        RUN
+        + """
 import gc
 path, folder = sys.argv[1:]
 def resident():
@@ -52,7 +54,10 @@ for n in range(2000):
     if n == 500:
         before = resident()
 print(len(sys.path) - entries, resident() - before)
-""", pantograph, extract(str(pantograph)))
+""",
+        pantograph,
+        extract(str(pantograph)),
+    )
     entries, growth = map(int, lines[-1].split())
 
     assert entries == 0
@@ -62,7 +67,9 @@ print(len(sys.path) - entries, resident() - before)
 
 def test_two_bundles_of_one_name_keep_their_code(pantograph, tmp_path):
     """Here the FMU comes before its changed copy; the other order is one of the checks every FMU passes."""
-    run_script(RUN + """
+    run_script(
+        RUN
+        + """
 import os
 from pathlib import Path
 from cosimo.fmus.check_worker import changed_copy
@@ -71,11 +78,16 @@ own = answers(path)
 os.environ["COSIMO_CACHE"] = directory
 assert set(answers(changed_copy(Path(path), Path(directory)))) == {1.0}
 assert answers(path) == own != [1.0] * len(own)
-""", pantograph, tmp_path)
+""",
+        pantograph,
+        tmp_path,
+    )
 
 
 def test_a_hosts_own_checkout_is_not_used(pantograph):
-    run_script(RUN + """
+    run_script(
+        RUN
+        + """
 path = sys.argv[1]
 from cosimo.components.railway import pantograph
 class Broken:
@@ -83,19 +95,25 @@ class Broken:
 for name in ("Pantograph", "pantograph_outputs", "pantograph_derivatives"):
     setattr(pantograph, name, Broken())
 assert all(map(math.isfinite, answers(path)))
-""", pantograph)
+""",
+        pantograph,
+    )
 
 
 def test_the_second_process_compiles_nothing(pantograph, tmp_path):
-    script = RUN + """
+    script = (
+        RUN
+        + """
 import gc
 answers(sys.argv[1])
 kernels = [o for o in gc.get_objects() if type(o).__name__ == "KernelDispatcher" and o.__module__.startswith("bundle_")]
 bundle = next(m for m in sys.modules if m.startswith("bundle_") and m.endswith(".core.kernels"))
 print(*sys.modules[bundle].compiled_from_cache(*kernels))
 """
-    first, second = (run_script(script, pantograph, COSIMO_CACHE=tmp_path, NUMBA_CACHE_DIR=tmp_path)[-1].split()
-                     for _ in range(2))
+    )
+    first, second = (
+        run_script(script, pantograph, COSIMO_CACHE=tmp_path, NUMBA_CACHE_DIR=tmp_path)[-1].split() for _ in range(2)
+    )
 
     assert int(first[1]) > 0  # misses
     assert int(second[0]) > 0
@@ -104,22 +122,28 @@ print(*sys.modules[bundle].compiled_from_cache(*kernels))
 
 @pytest.mark.full
 def test_without_numba_the_answers_are_nearly_the_same(pantograph):
-    lines = [run_script(block + RUN + "print(*answers(sys.argv[1]))", pantograph)[-1].split()
-             for block in ("", "import sys; sys.modules['numba'] = None\n")]
+    lines = [
+        run_script(block + RUN + "print(*answers(sys.argv[1]))", pantograph)[-1].split()
+        for block in ("", "import sys; sys.modules['numba'] = None\n")
+    ]
 
     # same equations; the compiler may order and contract operations: a few rounding errors a step, over 50 steps
     assert [float(v) for v in lines[1]] == pytest.approx([float(v) for v in lines[0]], rel=1e-9, abs=1e-12)
 
 
 def test_the_only_imports_of_an_fmu_are_numpy_and_the_standard_library(pantograph):
-    run_script(RUN + """
+    run_script(
+        RUN
+        + """
 class Refused:
     def find_spec(self, name, path=None, target=None):
         if name.split(".")[0] in {"cosimo", "scipy", "pydantic", "numba"}:
             raise ImportError(name)
 sys.meta_path.insert(0, Refused())
 answers(sys.argv[1], steps=3)
-""", pantograph)
+""",
+        pantograph,
+    )
 
 
 LIBPYTHON = Path(sysconfig.get_config_var("LIBDIR") or "", sysconfig.get_config_var("LDLIBRARY") or "none")
@@ -131,19 +155,23 @@ def run_host(name, folder, *more, path=""):
     subprocess.run(["cc", "-w", "-o", program, HERE / "host.c", "-ldl"], check=True)
     fmu = Path(extract(str(built(name))))
     environment = os.environ | {
-        "LD_PRELOAD": str(LIBPYTHON), "PYTHONHOME": sys.base_prefix,
-        "PYTHONPATH": os.pathsep.join(filter(None, (str(path), str(Path(np.__file__).parent.parent))))}
+        "LD_PRELOAD": str(LIBPYTHON),
+        "PYTHONHOME": sys.base_prefix,
+        "PYTHONPATH": os.pathsep.join(filter(None, (str(path), str(Path(np.__file__).parent.parent)))),
+    }
     command = [program, fmu / "binaries" / "linux64" / f"{name}.so", (fmu / "resources").as_uri(), *more]
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=240)
 
 
-in_a_host = pytest.mark.skipif(not shutil.which("cc") or LIBPYTHON.suffix != ".so",
-                               reason="needs a C compiler and a shared libpython")
+in_a_host = pytest.mark.skipif(
+    not shutil.which("cc") or LIBPYTHON.suffix != ".so", reason="needs a C compiler and a shared libpython"
+)
 
 
 @in_a_host
-@pytest.mark.parametrize("name", ["Pantograph", *(pytest.param(n, marks=pytest.mark.full) for n in (
-    "DeepGrooveBearing", "AngularContactConductance"))])
+@pytest.mark.parametrize(
+    "name", ["Pantograph", *(pytest.param(n, marks=pytest.mark.full) for n in ("DeepGrooveBearing", "AngularContactConductance"))]
+)
 def test_a_host_in_c_ends_in_order(name, tmp_path):
     """Without the loader's `end_in_order` this ends in "free(): corrupted unsorted chunks", or in a segmentation fault."""
     done = run_host(name, tmp_path)

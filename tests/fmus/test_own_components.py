@@ -100,15 +100,20 @@ def test_an_own_class_goes_wherever_a_name_goes(module, tmp_path):
     assert list(load_scene("TorqueMotor").units) == ["torque_motor"]
 
 
-@pytest.mark.parametrize(("line", "words"), [
-    ("import pandas", "an import of 'pandas'"),
-    ("from cosimo import run", "names that components use"),
-    ("from cosimo.orchestrator.run import run", "public names or of its components"),
-    ("import numpy, cosimo", "an import statement of its own"),
-])
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("import pandas", "an import of 'pandas'"),
+        ("from cosimo import run", "names that components use"),
+        ("from cosimo.orchestrator.run import run", "public names or of its components"),
+        ("import numpy, cosimo", "an import statement of its own"),
+    ],
+)
 def test_what_an_fmu_could_not_import_is_refused(module, tmp_path, line, words):
-    name = module("refused_imports", f"from cosimo import StatelessComponent\nif False:\n    {line}\n\n\n"
-                                     "class Part(StatelessComponent):\n    title = 'a'\n")
+    name = module(
+        "refused_imports",
+        f"from cosimo import StatelessComponent\nif False:\n    {line}\n\n\nclass Part(StatelessComponent):\n    title = 'a'\n",
+    )
     with pytest.raises(BadInput, match=words):
         build(f"{name}:Part", tmp_path)
 
@@ -116,16 +121,25 @@ def test_what_an_fmu_could_not_import_is_refused(module, tmp_path, line, words):
 HEAD = "from cosimo import Component, Effect, Preset, input_, integer, output, parameter\n\n\nclass Part(Component):\n"
 
 
-@pytest.mark.parametrize(("declared", "words"), [
-    ("mass = parameter(1.0, 'kgg', 'mass')", "unit 'kgg'"),
-    ("mass = parameter(1.0, '', 'mass')", "unit ''"),
-    ("mass = parameter(-1.0, 'kg', 'mass', low=0.0)", "starts at -1.0"),
-    ("mass = parameter(1.0, 'kg', 'mass', low=2.0, high=1.0)", "low at or below high"),
-    ("mass = parameter((1.0, 2.0), 'kg', 'mass', size=3)", "size=2"),
-    ("step = parameter(1.0, 'kg', 'mass')", "no method of Component"),
-    ("force = output('N', 'force', feedthrough=('place',))\n    position = input_(0.0, 'm', 'place')", "feedthrough of 'place'"),
-    ("presets = {'a': Preset({'mas': 1.0}, 'book', 'recalled')}\n    mass = parameter(1.0, 'kg', 'mass')", "did you mean 'mass'"),
-])
+@pytest.mark.parametrize(
+    ("declared", "words"),
+    [
+        ("mass = parameter(1.0, 'kgg', 'mass')", "unit 'kgg'"),
+        ("mass = parameter(1.0, '', 'mass')", "unit ''"),
+        ("mass = parameter(-1.0, 'kg', 'mass', low=0.0)", "starts at -1.0"),
+        ("mass = parameter(1.0, 'kg', 'mass', low=2.0, high=1.0)", "low at or below high"),
+        ("mass = parameter((1.0, 2.0), 'kg', 'mass', size=3)", "size=2"),
+        ("step = parameter(1.0, 'kg', 'mass')", "no method of Component"),
+        (
+            "force = output('N', 'force', feedthrough=('place',))\n    position = input_(0.0, 'm', 'place')",
+            "feedthrough of 'place'",
+        ),
+        (
+            "presets = {'a': Preset({'mas': 1.0}, 'book', 'recalled')}\n    mass = parameter(1.0, 'kg', 'mass')",
+            "did you mean 'mass'",
+        ),
+    ],
+)
 def test_a_mistake_in_a_declaration_has_file_and_line(module, declared, words):
     stem = "mistaken_" + str(abs(hash(declared)))
     file = module(stem, f"{HEAD}    {declared}\n")

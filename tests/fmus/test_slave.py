@@ -9,6 +9,7 @@ from cosimo.fmus.slave import KEPT, WIDE, ComponentSlave
 class Rotor(ComponentSlave):
     component_class = BeamRotor
 
+
 pytestmark = pytest.mark.interpreted
 
 

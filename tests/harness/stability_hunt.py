@@ -109,8 +109,11 @@ class Hunt:
             if not unit.component:
                 continue
             opened = open_unit(name, unit, in_process=True)
-            names += [f"{name}.{key}" for key, value in opened.parameters().items()
-                      if "stiffness" in key and "[" not in key and isinstance(value, int | float) and value]
+            names += [
+                f"{name}.{key}"
+                for key, value in opened.parameters().items()
+                if "stiffness" in key and "[" not in key and isinstance(value, int | float) and value
+            ]
             opened.close()
         return names[:STIFFNESSES]
 
@@ -128,8 +131,11 @@ class Hunt:
 
     def changes(self, choice: Choice) -> dict[str, Any]:
         """Changes of the scene to those of a choice; rows at most at every macro step of the scene's own."""
-        return {**coupling_changes(self.scene, choice.algorithm, choice.extrapolation), **self._stiffer(choice),
-                "master.step": choice.coarser * self.scene.master.step}
+        return {
+            **coupling_changes(self.scene, choice.algorithm, choice.extrapolation),
+            **self._stiffer(choice),
+            "master.step": choice.coarser * self.scene.master.step,
+        }
 
     def _stiffer(self, choice: Choice) -> dict[str, Any]:
         if not choice.stiffness:
@@ -146,8 +152,9 @@ class Hunt:
         if key not in self.references:
             own = {**self._stiffer(choice), "master.control": None, "record.interval": self.scene.master.step}
             try:
-                runs = [quietly(run_once, self.scene.with_changes({**own, "master.step": self.scene.master.step / k}))
-                        for k in FINER]
+                runs = [
+                    quietly(run_once, self.scene.with_changes({**own, "master.step": self.scene.master.step / k})) for k in FINER
+                ]
                 bad = next((r for r in runs if r.outcome != "done"), None)
                 self.references[key] = Reference(*runs) if bad is None else f"{bad.outcome}: {bad.message}"
             except BadInput as error:
@@ -199,8 +206,11 @@ def compared(choice: Choice, result: Result, reference: Reference, seconds: floa
         return Run(asdict(choice), result.outcome, warned, "said", seconds=seconds)
     if not info["verification"]["done"]:
         return Run(asdict(choice), result.outcome, info["verification"]["why"], "said", seconds=seconds)
-    gaps = [(name, true, info["verification"]["signals"][name]["rms"] or 0.0, reference.errors[name])
-            for name, true in true_errors(result, reference.result).items() if name in info["verification"]["signals"]]
+    gaps = [
+        (name, true, info["verification"]["signals"][name]["rms"] or 0.0, reference.errors[name])
+        for name, true in true_errors(result, reference.result).items()
+        if name in info["verification"]["signals"]
+    ]
     gaps += list(figures(result, reference))
     clear = [(name, true - own, said) for name, true, said, own in gaps if own <= UNCLEAR * true or true < FLOOR]
     if not clear:
@@ -251,8 +261,11 @@ def table(runs: list[Run]) -> str:
         counts = (sum(one.verdict == verdict for one in mine) for verdict in VERDICTS)
         lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} |")
     lines += ["", "| missed | settings | worst | true error | stated |", "|---|---|---|---|---|"]
-    lines += [f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {one.true:.2%} | {one.said:.2%} |"
-              for one in runs if one.verdict == "missed"]
+    lines += [
+        f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {one.true:.2%} | {one.said:.2%} |"
+        for one in runs
+        if one.verdict == "missed"
+    ]
     return "\n".join(lines)
 
 
@@ -281,8 +294,11 @@ def main() -> None:
                 found = hunt.judged(choice)
                 file.write(json.dumps(asdict(found)) + "\n")
                 file.flush()
-                print(f"{name:30} {choice!s:70} {found.verdict:12} {100 * found.true:8.3g} % stated {100 * found.said:8.3g} % "
-                      f"{found.worst[:50]}", flush=True)
+                print(
+                    f"{name:30} {choice!s:70} {found.verdict:12} {100 * found.true:8.3g} % stated {100 * found.said:8.3g} % "
+                    f"{found.worst[:50]}",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

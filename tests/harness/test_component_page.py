@@ -12,12 +12,14 @@ def test_every_declared_variable_effect_and_preset_is_on_a_page():
     for page in component_pages(count_states=False):
         cls = component_class(page.name)
         scalars = {f"{v.name}[{k}]" for v in page.variables for k in range(1, v.size + 1)} | {
-            v.name for v in page.variables if not v.size}
+            v.name for v in page.variables if not v.size
+        }
         assert scalars == set(cls.variables)
         assert [e.name for e in page.effects] == list(cls.effects)
         assert [p.name for p in page.presets] == list(cls.presets)
         assert {n for port in page.ports for n in (*port.inputs, *port.outputs)} == {
-            v.name for v in page.variables if v.causality != "parameter"}
+            v.name for v in page.variables if v.causality != "parameter"
+        }
         assert page.states is None
         assert json.loads(json.dumps(page.to_json()))["name"] == page.name
     assert len(CATALOGUE) > 40
@@ -44,7 +46,11 @@ def test_what_a_page_knows_from_elsewhere():
 def test_passages_of_a_docstring():
     parts = list(passages("Title.\n\n    a = b\n      + c\n\nText\ngoes on.\nSource: a paper,\np. 3."))
     assert [(p.kind, p.text) for p in parts] == [
-        ("text", "Title."), ("equations", "a = b\n  + c"), ("text", "Text goes on."), ("source", "a paper, p. 3.")]
+        ("text", "Title."),
+        ("equations", "a = b\n  + c"),
+        ("text", "Text goes on."),
+        ("source", "a paper, p. 3."),
+    ]
 
 
 def test_an_unknown_component_is_one_message():

@@ -50,12 +50,15 @@ def test_near_the_wave_speed_the_run_ends_and_stays_bounded():
     assert force.mean() == pytest.approx(lift, abs=1.0)
 
 
-@pytest.mark.parametrize(("algorithm", "degree", "step"), [
-    ("jacobi", 0, 0.02), ("jacobi", 1, 0.02), ("jacobi", 2, 0.02), ("gauss-seidel", 0, 0.04), ("gauss-seidel", 1, 0.05)])
+@pytest.mark.parametrize(
+    ("algorithm", "degree", "step"),
+    [("jacobi", 0, 0.02), ("jacobi", 1, 0.02), ("jacobi", 2, 0.02), ("gauss-seidel", 0, 0.04), ("gauss-seidel", 1, 0.05)],
+)
 def test_past_the_couplings_limit_a_linear_contact_fails_with_a_message(scene, algorithm, degree, step):
     """Without contact loss the coupling is linear, so past its limit it grows without bound."""
-    wild = scene.with_changes({"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step,
-                               "units.pantograph.effects": []})
+    wild = scene.with_changes(
+        {"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step, "units.pantograph.effects": []}
+    )
     result = run(wild, in_process=True)
     assert result.outcome == "unstable"
     assert "Reduce the macro step" in result.message
@@ -119,9 +122,13 @@ def test_without_static_force_nothing_pulls_and_nothing_breaks(scene):
 def test_the_error_of_a_moving_window_grows_as_it_shrinks(scene, reference):
     deviation = []
     for length in (120.0, 60.0, 30.0, 15.0):
-        cut = scene.with_changes({"units.catenary.effects": [*EFFECTS, "moving_window"],
-                                  "units.catenary.parameters.moving_window.ahead": length,
-                                  "units.catenary.parameters.moving_window.behind": length})
+        cut = scene.with_changes(
+            {
+                "units.catenary.effects": [*EFFECTS, "moving_window"],
+                "units.catenary.parameters.moving_window.ahead": length,
+                "units.catenary.parameters.moving_window.behind": length,
+            }
+        )
         result = run(cut, in_process=True)
         assert result.outcome == "done"
         assert np.isfinite(values(result)).all()

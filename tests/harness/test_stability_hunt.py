@@ -52,8 +52,11 @@ def test_choices_are_the_same_for_the_same_seed_and_differ_for_another():
 
 def test_the_table_counts_and_names_what_was_missed(tmp_path, capsys, monkeypatch):
     one = asdict(Choice("a", "jacobi", 1, 2))
-    runs = [Run(one, "done", "", "right", 0.01, 0.02, "q", 0.01), Run(one, "done", "!", "said", 0.05, 0.05, "q", 0.05),
-            Run(one | {"scene": "b", "coarser": 7}, "done", "", "missed", 0.5, 0.1, "q", 0.5)]
+    runs = [
+        Run(one, "done", "", "right", 0.01, 0.02, "q", 0.01),
+        Run(one, "done", "!", "said", 0.05, 0.05, "q", 0.05),
+        Run(one | {"scene": "b", "coarser": 7}, "done", "", "missed", 0.5, 0.1, "q", 0.5),
+    ]
     (tmp_path / "hunt.jsonl").write_text("\n".join(json.dumps(vars(run)) for run in runs))
     monkeypatch.setattr("sys.argv", ["hunt", "-o", str(tmp_path / "hunt.jsonl"), "--table"])
     main()

@@ -58,9 +58,13 @@ def test_every_combination_is_run_and_measured():
 
 
 def test_a_section_takes_the_signal_at_equal_angles():
-    scene = {"stop_time": 9.0, "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}}, "master": {"step": 1e-2},
-             "sweep": {"w.multiple": [1.0, 0.5, 1.0 / 3.0]},
-             "analysis": {"transient": 1.0, "section": {"signal": "w.height", "angle": "w.angle", "turns": 1}}}
+    scene = {
+        "stop_time": 9.0,
+        "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}},
+        "master": {"step": 1e-2},
+        "sweep": {"w.multiple": [1.0, 0.5, 1.0 / 3.0]},
+        "analysis": {"transient": 1.0, "section": {"signal": "w.height", "angle": "w.angle", "turns": 1}},
+    }
     one, two, three = sweep(read_scene(scene)).section
     assert one.size == two.size == three.size == 9  # whole turns from angle 7 to angle 63
     # cubic interpolation of a cosine over steps of 0.07 rad: 0.07^4 / 384 * 9, below 1e-6
@@ -70,8 +74,12 @@ def test_a_section_takes_the_signal_at_equal_angles():
 
 
 def test_a_failing_point_keeps_its_reason_and_the_others_go_on(tmp_path):
-    scene = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1},
-             "sweep": {"p.fail_at": [0.5, 9.0]}}
+    scene = {
+        "stop_time": 1.0,
+        "units": {"p": {"component": "cosimo.tests.support:Probe"}},
+        "master": {"step": 0.1},
+        "sweep": {"p.fail_at": [0.5, 9.0]},
+    }
     found = sweep(read_scene(scene), directory=tmp_path)
     assert "finite" in found.outcomes[0]
     assert found.outcomes[1] == "done"
@@ -82,28 +90,47 @@ def test_a_failing_point_keeps_its_reason_and_the_others_go_on(tmp_path):
     assert [row[-1] == "done" for row in rows[1:]] == [False, True]
 
 
-@pytest.mark.parametrize(("table", "named"), [
-    ({"m": {"kk": [1.0]}}, "'k'"), ({"n.k": [1.0]}, "unit 'n'"), ({"m": [1.0]}, "unit.parameter"), ({"m.k": []}, "at least one"),
-    ({"m.m": [1.0, -1.0]}, "m = -1.0"), ({"m.k": {"from": 0.0, "to": 1.0}}, "points"),
-    ({"m.k": {"from": 0.0, "to": 1.0, "points": 1}}, "points"), ({}, "sweep"),
-])
+@pytest.mark.parametrize(
+    ("table", "named"),
+    [
+        ({"m": {"kk": [1.0]}}, "'k'"),
+        ({"n.k": [1.0]}, "unit 'n'"),
+        ({"m": [1.0]}, "unit.parameter"),
+        ({"m.k": []}, "at least one"),
+        ({"m.m": [1.0, -1.0]}, "m = -1.0"),
+        ({"m.k": {"from": 0.0, "to": 1.0}}, "points"),
+        ({"m.k": {"from": 0.0, "to": 1.0, "points": 1}}, "points"),
+        ({}, "sweep"),
+    ],
+)
 def test_bad_sweeps_start_nothing(table, named):
     with pytest.raises(BadInput, match=named):
         points(read_scene(MASS | {"sweep": table}))
 
 
-@pytest.mark.parametrize(("analysis", "named"), [
-    ({"transient": 5.0}, "transient"), ({"section": {"signal": "m.x_out"}}, "section"), ({"section": "m.x_out"}, "section"),
-    ({"section": {"signal": "m.x_ot", "angle": "m.x_out"}}, "'m.x_out'"), ({"section": {"angle": "m.x_out"}}, "section.signal"),
-])
+@pytest.mark.parametrize(
+    ("analysis", "named"),
+    [
+        ({"transient": 5.0}, "transient"),
+        ({"section": {"signal": "m.x_out"}}, "section"),
+        ({"section": "m.x_out"}, "section"),
+        ({"section": {"signal": "m.x_ot", "angle": "m.x_out"}}, "'m.x_out'"),
+        ({"section": {"angle": "m.x_out"}}, "section.signal"),
+    ],
+)
 def test_bad_analysis_is_named_before_the_first_run(analysis, named):
     with pytest.raises(BadInput, match=named):
         sweep(read_scene(MASS | {"analysis": analysis}))
 
 
 def test_a_point_without_a_section_keeps_its_measures():
-    scene = {"stop_time": 9.0, "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}}, "master": {"step": 1e-2},
-             "sweep": {"w.speed": [7.0, 0.0]}, "analysis": {"section": {"signal": "w.height", "angle": "w.angle"}}}
+    scene = {
+        "stop_time": 9.0,
+        "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}},
+        "master": {"step": 1e-2},
+        "sweep": {"w.speed": [7.0, 0.0]},
+        "analysis": {"section": {"signal": "w.height", "angle": "w.angle"}},
+    }
     found = sweep(read_scene(scene))
     assert found.outcomes[0] == "done"
     assert "stands" in found.outcomes[1]
@@ -112,8 +139,12 @@ def test_a_point_without_a_section_keeps_its_measures():
 
 @pytest.mark.interpreted
 def test_a_point_that_cannot_start_keeps_its_reason():
-    scene = {"stop_time": 0.01, "units": {"b": {"component": "BallBearing"}}, "master": {"step": 1e-3},
-             "sweep": {"b.substep": [1e-5, 1.0]}}
+    scene = {
+        "stop_time": 0.01,
+        "units": {"b": {"component": "BallBearing"}},
+        "master": {"step": 1e-3},
+        "sweep": {"b.substep": [1e-5, 1.0]},
+    }
     found = sweep(read_scene(scene))
     assert found.outcomes[0] == "done"
     assert "substep" in found.outcomes[1]
@@ -151,8 +182,10 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
     monkeypatch.setattr(Stopping, "raised", [])
     monkeypatch.setattr(Stopping, "number", number)
     path, out = tmp_path / "s.toml", tmp_path / "out"
-    path.write_text(f'stop_time = 1.0\nunits.w.component = "{__name__}:Stopping"\nmaster.step = 0.1\n'
-                    "sweep.\"w.multiple\" = [1.0, 2.0, 3.0, 4.0]\n")
+    path.write_text(
+        f'stop_time = 1.0\nunits.w.component = "{__name__}:Stopping"\nmaster.step = 0.1\n'
+        'sweep."w.multiple" = [1.0, 2.0, 3.0, 4.0]\n'
+    )
     handlers = [signal.getsignal(one) for one in STOPPING]
     with pytest.raises(SystemExit) as end:
         main(["sweep", str(path), "-o", str(out)])

@@ -72,8 +72,13 @@ def run_in(master: str, package: Path, step: float, looks: int, every: int, sign
     """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing."""
     require(master)
     numbers = [repr(step), str(looks), str(every), json.dumps(signals)]
-    done = subprocess.run([PYTHON, "-c", CLIENTS[master][1], str(package), *numbers],
-                          capture_output=True, text=True, timeout=600, env=surroundings())
+    done = subprocess.run(
+        [PYTHON, "-c", CLIENTS[master][1], str(package), *numbers],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env=surroundings(),
+    )
     rows = [line.removeprefix("found ") for line in done.stdout.splitlines() if line.startswith("found ")]
     assert rows, f"{master} ended with {done.returncode}: {done.stderr[-2000:]}"
     return np.array(json.loads(rows[0]))

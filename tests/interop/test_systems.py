@@ -21,8 +21,11 @@ LOOKS = 10
 SCENES = {"en50318-2002": 0.5, "rov-station-keeping": 10.0, "rotor-run-up": 0.02, "wind-pump-start": 10.0}  # s
 PACKAGES = [*((name, "native") for name in SCENES), ("en50318-2002", "pythonfmu")]
 ROUNDING = 1e-10  # of a signal's range: rounding of sums of transformations and of time, over some hundred steps
-pytestmark = [pytest.mark.full, pytest.mark.filterwarnings("ignore"),
-              pytest.mark.skipif(own_target() != "linux64", reason="the masters are installed and compared on Linux")]
+pytestmark = [
+    pytest.mark.full,
+    pytest.mark.filterwarnings("ignore"),
+    pytest.mark.skipif(own_target() != "linux64", reason="the masters are installed and compared on Linux"),
+]
 
 
 @pytest.fixture(scope="module", params=CLIENTS)

@@ -30,10 +30,17 @@ def own_cache(tmp_path, monkeypatch) -> Path:
     return tmp_path / "cache"
 
 
-@pytest.mark.parametrize("damage", [
-    lambda whole: whole[: len(whole) // 2], lambda whole: b"", lambda whole: b"no archive", lambda whole: whole[:-30],
-    lambda whole: whole[:5000] + bytes(255 - b for b in whole[5000:5010]) + whole[5010:],
-], ids=["half", "empty", "another", "end", "inside"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda whole: whole[: len(whole) // 2],
+        lambda whole: b"",
+        lambda whole: b"no archive",
+        lambda whole: whole[:-30],
+        lambda whole: whole[:5000] + bytes(255 - b for b in whole[5000:5010]) + whole[5010:],
+    ],
+    ids=["half", "empty", "another", "end", "inside"],
+)
 def test_a_damaged_fmu_is_built_anew(own_cache, damage):
     path = build.built("Pantograph")
     whole, changed = path.read_bytes(), path.stat().st_mtime_ns
@@ -145,9 +152,18 @@ def test_folders_of_killed_processes_go_and_those_of_living_ones_stay(tmp_path, 
         os.utime(folder, (1e9, 1e9))
     release = lock_folder(living)
     # another process: locks of one process would not meet
-    done = subprocess.run([sys.executable, "-c", "from cosimo.orchestrator.units.folders import process_folder\n"
-                           "import os; p = process_folder(); print(p); assert os.path.isdir(p)"],
-                          env=os.environ | {"TMPDIR": str(tmp_path)}, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "from cosimo.orchestrator.units.folders import process_folder\n"
+            "import os; p = process_folder(); print(p); assert os.path.isdir(p)",
+        ],
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     release()
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in (young, living, other))
     assert not Path(done.stdout.strip()).exists()  # its own went with it
@@ -159,10 +175,16 @@ def test_temporary_folders_with_any_letters(letters, tmp_path):
     """pythonfmu's library crashes the process there."""
     place = tmp_path / letters
     place.mkdir()
-    program = ("from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
-               "r = run(load_scene('en50318-2002').with_changes({'stop_time': 0.1})); print(r.outcome, r.rows, r.message)")
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
-                          env=os.environ | {"TMPDIR": str(place), "NUMBA_DISABLE_JIT": "1"})
+    program = (
+        "from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+        "r = run(load_scene('en50318-2002').with_changes({'stop_time': 0.1})); print(r.outcome, r.rows, r.message)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"TMPDIR": str(place), "NUMBA_DISABLE_JIT": "1"},
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("done 101"), done.stdout
 
@@ -181,14 +203,21 @@ def test_where_no_folder_has_plain_letters_it_is_said(tmp_path, monkeypatch):
 @pytest.mark.full
 def test_damaged_byte_code_of_a_bundle_is_noticed(own_cache):
     """Cut, emptied, of another kind: the sources are whole, and the byte code is made anew."""
-    program = ("from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
-               "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); print(r.outcome, r['mass.base_x'][-1])")
+    program = (
+        "from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+        "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); print(r.outcome, r['mass.base_x'][-1])"
+    )
 
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
 
     def result() -> str:
-        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True,
-                              env=environment | {"NUMBA_DISABLE_JIT": "1"})
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=environment | {"NUMBA_DISABLE_JIT": "1"},
+        )
         return done.stdout
 
     whole = result()

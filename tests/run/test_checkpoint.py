@@ -38,22 +38,33 @@ class Waves(OfTime):
 
 def wide():
     """Many inputs; whole arrays are recorded."""
-    return read_scene({
-        "stop_time": 1.0, "connections": ["a.wave* -> b.wave*"], "master": {"step": 0.01, "extrapolation": 2},
-        "units": {"a": {"component": f"{__name__}:Waves"}, "b": {"component": "cosimo.tests.engine.algorithms.test_rows:Sink"}},
-        "record": {"signals": ["b.area[1]"], "interval": 0.03, "snapshots": ["b.area"], "snapshot_interval": 0.07},
-    })
+    return read_scene(
+        {
+            "stop_time": 1.0,
+            "connections": ["a.wave* -> b.wave*"],
+            "master": {"step": 0.01, "extrapolation": 2},
+            "units": {
+                "a": {"component": f"{__name__}:Waves"},
+                "b": {"component": "cosimo.tests.engine.algorithms.test_rows:Sink"},
+            },
+            "record": {"signals": ["b.area[1]"], "interval": 0.03, "snapshots": ["b.area"], "snapshot_interval": 0.07},
+        }
+    )
 
 
 def contact():
     """Components of the catalogue, which run as FMUs."""
-    return read_scene({
-        "stop_time": 0.4, "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
-        "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass",
-                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
-        "master": {"step": 2e-3},
-    })
+    return read_scene(
+        {
+            "stop_time": 0.4,
+            "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+            "units": {
+                "pantograph": {"component": "Pantograph"},
+                "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+            },
+            "master": {"step": 2e-3},
+        }
+    )
 
 
 SCENES = {
@@ -64,12 +75,17 @@ SCENES = {
     "intervals": lambda: oscillator(record={"interval": 0.0125}),
     "milne": lambda: oscillator(control={"method": "milne", "absolute": 0.01}),
     "doubling and events": lambda: oscillator(control={"method": "doubling"}, events=["a.v_out"]),
-    "energy, corrected": lambda: read_scene(bonded("Link", "jacobi", 0.05, 0, energy_correction=True,
-                                                   control={"method": "energy", "relative": 0.05})),
+    "energy, corrected": lambda: read_scene(
+        bonded("Link", "jacobi", 0.05, 0, energy_correction=True, control={"method": "energy", "relative": 0.05})
+    ),
     "events": lambda: read_scene(relay(0.07, 1, ["mass.x_out"], slope=0.3)),
-    "faults": lambda: oscillator(faults=[{"signal": "a.v_out", "kind": "freeze", "begin": 0.21, "end": 0.83},
-                                         {"signal": "b.force", "kind": "offset", "value": 3.0, "begin": 0.5},
-                                         {"unit": "b", "kind": "lost", "begin": 0.9}]),
+    "faults": lambda: oscillator(
+        faults=[
+            {"signal": "a.v_out", "kind": "freeze", "begin": 0.21, "end": 0.83},
+            {"signal": "b.force", "kind": "offset", "value": 3.0, "begin": 0.5},
+            {"unit": "b", "kind": "lost", "begin": 0.9},
+        ]
+    ),
     "wide": wide,
 }
 
@@ -146,8 +162,9 @@ def test_a_file_holds_numbers_and_texts_only(tmp_path):
         assert json.loads(arrays["text"].tobytes())
 
 
-@pytest.mark.parametrize("change", [{"master.step": 4e-3}, {"units.a.parameters.k": 11.0}, {"stop_time": 2.0},
-                                    {"record.interval": 0.1}])
+@pytest.mark.parametrize(
+    "change", [{"master.step": 4e-3}, {"units.a.parameters.k": 11.0}, {"stop_time": 2.0}, {"record.interval": 0.1}]
+)
 def test_a_checkpoint_of_another_scene_is_refused(change, tmp_path):
     file = tmp_path / "run.checkpoint"
     run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
@@ -234,12 +251,17 @@ def test_a_damaged_checkpoint_is_one_message_wherever_the_damage_is(tmp_path):
     assert refused > 250
 
 
-@pytest.mark.parametrize(("every", "to", "message"), [
-    (0.5, None, "checkpoint_every: 0.5 alone; expected both"), (None, "a", "checkpoint_to: 'a' alone; expected both"),
-    (0.0, "a", "checkpoint_every: 0 s; expected a time within the run"), (1.0, "a", "checkpoint_every: 1 s; expected"),
-    (float("nan"), "a", "checkpoint_every: nan s; expected a time within"),
-    (0.5, "no/such/place", "checkpoint_to: 'no/such/place'; expected a file in a directory that can be written"),
-])
+@pytest.mark.parametrize(
+    ("every", "to", "message"),
+    [
+        (0.5, None, "checkpoint_every: 0.5 alone; expected both"),
+        (None, "a", "checkpoint_to: 'a' alone; expected both"),
+        (0.0, "a", "checkpoint_every: 0 s; expected a time within the run"),
+        (1.0, "a", "checkpoint_every: 1 s; expected"),
+        (float("nan"), "a", "checkpoint_every: nan s; expected a time within"),
+        (0.5, "no/such/place", "checkpoint_to: 'no/such/place'; expected a file in a directory that can be written"),
+    ],
+)
 def test_wishes_that_cannot_be_met_are_refused(every, to, message):
     with pytest.raises(BadInput, match=message):
         run(oscillator(), checkpoint_every=every, checkpoint_to=to)

@@ -29,9 +29,17 @@ def csv_of(folder) -> np.ndarray:
     return np.loadtxt(folder / "result.csv", delimiter=",", skiprows=1, ndmin=2)
 
 
-@pytest.mark.parametrize(("name", "where"), [
-    ("jacobi", "the same"), ("wide", "the same"), ("wide", "another"), ("intervals", "memory"), ("jacobi", "moved"),
-    *(pytest.param("milne", where, marks=pytest.mark.full) for where in ("the same", "another", "memory", "moved"))])
+@pytest.mark.parametrize(
+    ("name", "where"),
+    [
+        ("jacobi", "the same"),
+        ("wide", "the same"),
+        ("wide", "another"),
+        ("intervals", "memory"),
+        ("jacobi", "moved"),
+        *(pytest.param("milne", where, marks=pytest.mark.full) for where in ("the same", "another", "memory", "moved")),
+    ],
+)
 def test_a_resumed_run_gives_the_same_bits_wherever_it_writes(name, where, tmp_path):
     scene, out = SCENES[name](), tmp_path / "out"
     whole = run(scene)
@@ -83,7 +91,8 @@ def test_a_run_without_files_goes_on_into_a_directory(tmp_path):
     whole = run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "c")
     (tmp_path / "out" / UNFINISHED / "result.parquet").mkdir(parents=True)
     StoredTable(tmp_path / "out" / UNFINISHED / "result.parquet", ["x"]).append(  # of a run that was killed
-        np.zeros(1), np.zeros((1, 1)), np.zeros((1, 0), dtype=object))
+        np.zeros(1), np.zeros((1, 1)), np.zeros((1, 0), dtype=object)
+    )
     same(whole, run(scene, resume=tmp_path / "c", output=tmp_path / "out"))
     same(whole, read_result(tmp_path / "out"))
 

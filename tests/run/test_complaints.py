@@ -22,9 +22,11 @@ from cosimo.tests.units.native import STATE, native_fmu
 
 PROBE = {"component": "cosimo.tests.support:Probe"}
 BEHIND = {  # a free mass, and what sees its position in mm
-    "stop_time": 1.0, "connections": ["m.x_out -> p.length"],
+    "stop_time": 1.0,
+    "connections": ["m.x_out -> p.length"],
     "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}, "p": PROBE},
-    "master": {"algorithm": "jacobi", "step": 0.1}, "record": {"signals": ["m.x_out", "p.profile[1]"]},
+    "master": {"algorithm": "jacobi", "step": 0.1},
+    "record": {"signals": ["m.x_out", "p.profile[1]"]},
 }
 
 
@@ -80,10 +82,14 @@ def test_outputs_follow_inputs_within_the_instant():
 
 def test_an_unstable_setup_is_told_before_the_run_and_by_the_run():
     """A failure far into a run that was an instability of the setup: https://github.com/modelon-community/PyFMI/issues/115"""
-    scene = read_scene({
-        "stop_time": 2000.0, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass"}, "s": {"component": "cosimo.tests.support:SpringDamper"}},
-        "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0}})
+    scene = read_scene(
+        {
+            "stop_time": 2000.0,
+            "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+            "units": {"m": {"component": "cosimo.tests.support:Mass"}, "s": {"component": "cosimo.tests.support:SpringDamper"}},
+            "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0},
+        }
+    )
     (warning,) = advise(scene).warnings(scene)
     assert "stable up to 0.02 s" in warning
     result = run(scene)
@@ -94,19 +100,28 @@ def test_an_unstable_setup_is_told_before_the_run_and_by_the_run():
 
 def test_algebraic_loops_are_solved_and_shown(tmp_path, capsys):
     """Loops over FMUs that were not solved: https://github.com/OpenModelica/OMSimulator/issues/808"""
-    loop = {"stop_time": 0.2, "units": {"p": PROBE, "q": PROBE}, "master": {"step": 0.1},
-            "connections": [{"source": "p.profile[1]", "target": "q.length", "factor": 0.25, "offset": 3.0},
-                            {"source": "q.profile[1]", "target": "p.length", "factor": -1.0, "offset": 1.0}],
-            "record": {"signals": ["p.profile[1]", "q.profile[1]"]}}
+    loop = {
+        "stop_time": 0.2,
+        "units": {"p": PROBE, "q": PROBE},
+        "master": {"step": 0.1},
+        "connections": [
+            {"source": "p.profile[1]", "target": "q.length", "factor": 0.25, "offset": 3.0},
+            {"source": "q.profile[1]", "target": "p.length", "factor": -1.0, "offset": 1.0},
+        ],
+        "record": {"signals": ["p.profile[1]", "q.profile[1]"]},
+    }
     result = run(read_scene(loop))
     p, q = np.linalg.solve([[1.0, 1.0], [-0.25, 1.0]], [1.0, 3.0])  # p = 1 - q, q = p/4 + 3
     np.testing.assert_allclose([result["p.profile[1]"][-1], result["q.profile[1]"][-1]], [p, q], rtol=1e-11)
-    scene = toml(tmp_path / "loop.toml", """
+    scene = toml(
+        tmp_path / "loop.toml",
+        """
 stop_time = 0.2
 connections = ["p.profile[1] -> q.length", { source = "q.profile[1]", target = "p.length", factor = 0.5 }]
 units = { p = { component = "cosimo.tests.support:Probe" }, q = { component = "cosimo.tests.support:Probe" } }
 master = { step = 0.1 }
-""")
+""",
+    )
     assert cosimo("run", scene, "--dry-run") == 0
     assert "algebraic loops: p.profile[1], q.profile[1]" in capsys.readouterr().out
 
@@ -132,11 +147,19 @@ def test_a_restored_fmu_steps_on_as_it_did(fmi):
 def test_model_exchange_goes_back_with_the_others_or_the_scene_is_refused():
     """Adaptive steps that did not roll model exchange back: https://github.com/OpenModelica/OMSimulator/issues/603"""
     allowed = 1e-5
-    scene = {"stop_time": 1.0, "connections": ["m.v_out -> f.u"],
-             "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 100.0}},
-                       "f": {"fmu": exchange_fmu(), "parameters": {"k": 5.0}, "tolerance": 1e-10}},
-             "master": {"algorithm": "jacobi", "step": 0.5,
-                        "control": {"method": "doubling", "relative": allowed, "absolute": allowed}}}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["m.v_out -> f.u"],
+        "units": {
+            "m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 100.0}},
+            "f": {"fmu": exchange_fmu(), "parameters": {"k": 5.0}, "tolerance": 1e-10},
+        },
+        "master": {
+            "algorithm": "jacobi",
+            "step": 0.5,
+            "control": {"method": "doubling", "relative": allowed, "absolute": allowed},
+        },
+    }
     result = run(read_scene(scene))
     assert result.outcome == "done", result.message
     assert result.info["counters"]["stepping"]["rejected"] > 0
@@ -176,8 +199,10 @@ def test_the_command_line_goes_before_the_file(tmp_path):
 
 def test_the_missing_mode_is_the_one_that_is_named():
     """A message that named the wrong missing mode: https://github.com/OpenModelica/OMSimulator/issues/1314"""
-    for fmu, wanted, has in ((exchange_fmu(), "co-simulation", "model exchange"),
-                             (native_fmu("dahlquist", 2), "model-exchange", "co-simulation")):
+    for fmu, wanted, has in (
+        (exchange_fmu(), "co-simulation", "model exchange"),
+        (native_fmu("dahlquist", 2), "model-exchange", "co-simulation"),
+    ):
         with pytest.raises(BadInput) as caught:
             read_scene({"stop_time": 1.0, "units": {"f": {"fmu": fmu, "interface": wanted}}, "master": {"step": 0.1}})
         assert f"'{wanted}'" in str(caught.value)
@@ -185,9 +210,13 @@ def test_the_missing_mode_is_the_one_that_is_named():
 
 
 def test_unknown_signals_come_with_the_near_ones():
-    """"Unknown signal" and no word of those there are: https://github.com/OpenModelica/OMSimulator/issues/1222"""
-    for connection, near in (("m.x_ou -> p.length", "'x_out'"), ("m.x_out -> p.lenght", "'length'"),
-                             ("n.x_out -> p.length", "m, p"), ("p.profile[4] -> m.force", "'profile[3]'")):
+    """ "Unknown signal" and no word of those there are: https://github.com/OpenModelica/OMSimulator/issues/1222"""
+    for connection, near in (
+        ("m.x_ou -> p.length", "'x_out'"),
+        ("m.x_out -> p.lenght", "'length'"),
+        ("n.x_out -> p.length", "m, p"),
+        ("p.profile[4] -> m.force", "'profile[3]'"),
+    ):
         with pytest.raises(BadInput) as caught:
             read_scene({**BEHIND, "connections": [connection]})
         assert near in str(caught.value)
@@ -214,7 +243,9 @@ def test_two_fmus_are_connected_by_a_few_lines(tmp_path):
     https://github.com/CATIA-Systems/FMPy/issues/704
     """
     source, follower = native_fmu("van_der_pol", 2), native_fmu("feedthrough", 3)
-    scene = toml(tmp_path / "two.toml", f"""
+    scene = toml(
+        tmp_path / "two.toml",
+        f"""
 stop_time = 1.0
 connections = ["oscillator.x0 -> follower.Float64_continuous_input"]
 [units]
@@ -224,7 +255,8 @@ follower.fmu = "{follower}"
 step = 0.01
 [record]
 signals = ["oscillator.x0", "follower.Float64_continuous_output"]
-""")
+""",
+    )
     assert cosimo("run", scene, "-o", tmp_path / "out") == 0
     table = np.loadtxt(tmp_path / "out" / "result.csv", delimiter=",", skiprows=1)
     assert table.shape == (101, 3)
@@ -281,8 +313,11 @@ def test_no_step_is_longer_than_allowed_or_passes_the_end(step, control):
 def test_options_without_effect_are_refused():
     """A step of a solver that the chosen kind of FMU does not have: https://github.com/CATIA-Systems/FMPy/issues/111"""
     fmu = {"fmu": native_fmu("dahlquist", 2)}
-    for unit, named in (({**fmu, "solver": "CVode"}, "solver"), ({**PROBE, "tolerance": 1e-6}, "tolerance"),
-                        ({**PROBE, "time_limit": 1.0}, "time_limit")):
+    for unit, named in (
+        ({**fmu, "solver": "CVode"}, "solver"),
+        ({**PROBE, "tolerance": 1e-6}, "tolerance"),
+        ({**PROBE, "time_limit": 1.0}, "time_limit"),
+    ):
         with pytest.raises(BadInput, match=named):
             read_scene({"stop_time": 1.0, "units": {"f": unit}, "master": {"step": 0.1}})
     for master in ({"order": ["m", "p"]}, {"iteration": {}}, {"energy_correction": True}):
@@ -293,8 +328,12 @@ def test_options_without_effect_are_refused():
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_a_slow_unit_is_never_ahead_of_time(algorithm):
     """Several rates, and values from ahead of time: https://github.com/open-simulation-platform/libcosim/issues/175, /pull/179"""
-    scene = {**BEHIND, "units": {**BEHIND["units"], "p": {**PROBE, "every": 3}}, "record": {"signals": ["p.time"]},
-             "master": {"algorithm": algorithm, "step": 0.05}}
+    scene = {
+        **BEHIND,
+        "units": {**BEHIND["units"], "p": {**PROBE, "every": 3}},
+        "record": {"signals": ["p.time"]},
+        "master": {"algorithm": algorithm, "step": 0.05},
+    }
     result = run(read_scene(scene))
     own = np.floor(np.round(result.time / 0.15, 9)) * 0.15
     own[-1] = 1.0  # its last step is cut by the end of the run
@@ -306,12 +345,17 @@ def test_a_run_of_fmus_goes_on_from_a_file_to_the_same_bits(tmp_path):
 
     https://github.com/open-simulation-platform/libcosim/pull/785, https://github.com/open-simulation-platform/libcosim/pull/777
     """
-    scene = read_scene({
-        "stop_time": 0.2, "master": {"step": 2e-3, "extrapolation": 2},
-        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
-        "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass",
-                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}}})
+    scene = read_scene(
+        {
+            "stop_time": 0.2,
+            "master": {"step": 2e-3, "extrapolation": 2},
+            "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+            "units": {
+                "pantograph": {"component": "Pantograph"},
+                "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+            },
+        }
+    )
     whole = run(scene, checkpoint_every=0.15, checkpoint_to=tmp_path / "checkpoint")
     resumed = run(scene, resume=tmp_path / "checkpoint")
     assert (whole.outcome, resumed.info["resumed"]["at"]) == ("done", pytest.approx(0.15, abs=2e-3))

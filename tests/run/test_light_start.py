@@ -9,8 +9,20 @@ import sys
 import pytest
 from cosimo.components.core.kernels import COMPILED
 
-HEAVY = ("fmpy", "lxml", "pandas", "plotly", "jinja2", "pyarrow", "typer", "rich", "scipy.linalg", "numba.np.arraymath",
-         "email.parser", "cosimo.fmus.build")
+HEAVY = (
+    "fmpy",
+    "lxml",
+    "pandas",
+    "plotly",
+    "jinja2",
+    "pyarrow",
+    "typer",
+    "rich",
+    "scipy.linalg",
+    "numba.np.arraymath",
+    "email.parser",
+    "cosimo.fmus.build",
+)
 PROGRAM = """
 import json, sys
 from cosimo.components.core.closure import imports

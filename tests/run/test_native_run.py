@@ -55,11 +55,18 @@ def test_two_units_one_in_a_process_of_its_own(tmp_path):
 
 
 def test_an_own_component_and_faults_from_the_start():
-    scene = read_scene({
-        "stop_time": 0.1, "connections": ["one.total -> two.first"], "master": {"step": 0.01},
-        "units": {"one": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"first": 0.5}},
-                  "two": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"second": -3.5}}},
-        "faults": [{"signal": "two.first", "kind": "offset", "value": 0.5, "begin": 0.0}]})
+    scene = read_scene(
+        {
+            "stop_time": 0.1,
+            "connections": ["one.total -> two.first"],
+            "master": {"step": 0.01},
+            "units": {
+                "one": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"first": 0.5}},
+                "two": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"second": -3.5}},
+            },
+            "faults": [{"signal": "two.first", "kind": "offset", "value": 0.5, "begin": 0.0}],
+        }
+    )
     assert_same_bits(scene)
 
 

@@ -24,8 +24,12 @@ from cosimo.tests.support import Oscillator, two_masses
 
 PATIENCE = 120.0  # s until a busy machine must have written a chunk
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
-PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 4.0}}},
-         "master": {"step": 0.1}, "record": {"signals": ["p.time"], "snapshots": ["p.profile"], "snapshot_interval": 0.5}}
+PROBE = {
+    "stop_time": 1.0,
+    "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 4.0}}},
+    "master": {"step": 0.1},
+    "record": {"signals": ["p.time"], "snapshots": ["p.profile"], "snapshot_interval": 0.5},
+}
 
 
 def masses(stop: float = 2.0):
@@ -36,8 +40,9 @@ def same(one, other):
     assert one.time.tobytes() == other.time.tobytes()
     assert list(one.columns) == list(other.columns)
     assert all(one[name].tobytes() == other[name].tobytes() for name in one.columns)
-    assert {n: (s.time.tolist(), s.values.tolist()) for n, s in one.snapshots.items()} == \
-           {n: (s.time.tolist(), s.values.tolist()) for n, s in other.snapshots.items()}
+    assert {n: (s.time.tolist(), s.values.tolist()) for n, s in one.snapshots.items()} == {
+        n: (s.time.tolist(), s.values.tolist()) for n, s in other.snapshots.items()
+    }
     assert (one.outcome, one.message, dict(one.measures)) == (other.outcome, other.message, dict(other.measures))
 
 
@@ -92,14 +97,14 @@ def test_a_result_that_fills_the_memory_stays_on_disk(tmp_path, monkeypatch):
 def test_texts_are_kept_as_well(tmp_path):
     """Units without texts are the rule; the table takes them with numbers whose names start alike."""
     table = StoredTable(tmp_path / "t", ["a.x", "a.x.y"], ["a.s"], {"a.x": "m"}, "title")
-    texts = np.array([["one"], ["zwölf, \"\n"]], dtype=object)
+    texts = np.array([["one"], ['zwölf, "\n']], dtype=object)
     for k in range(3):
         table.append(np.array([k, k + 0.5]), np.array([[1.0, np.nan], [2.0, np.inf]]) * (k + 1), texts)
     again = StoredTable.read(tmp_path / "t")
     assert (again.names, again.texts, again.title, again.rows) == (["a.x", "a.x.y"], ["a.s"], "title", 6)
     assert again.units["a.x"] == "m"
     assert again.column("a.x").tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
-    assert again.column("a.s").tolist() == ["one", "zwölf, \"\n"] * 3
+    assert again.column("a.s").tolist() == ["one", 'zwölf, "\n'] * 3
     with pytest.raises(KeyError):
         again.column("a")
 
@@ -110,8 +115,14 @@ def command(folder, *options: str) -> list[str]:
 
 def started(folder, *options: str, **named):
     """A long run in a process of its own, in plain Python."""
-    return subprocess.Popen(command(folder, "--stop", "1e5", *options), env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-                            stderr=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL, **named)
+    return subprocess.Popen(
+        command(folder, "--stop", "1e5", *options),
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        stderr=subprocess.PIPE,
+        text=True,
+        stdout=subprocess.DEVNULL,
+        **named,
+    )
 
 
 def until_written(process, folder) -> int:
@@ -217,8 +228,13 @@ resource.setrlimit(resource.RLIMIT_AS, (taken + 400_000_000,) * 2)
 result = run(scene, output={str(tmp_path)!r})
 print(result.outcome, result.message)
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE,
-                          env=os.environ | {"NUMBA_DISABLE_JIT": "1"})
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("failed"), done.stdout
     assert "memory" in done.stdout.lower()
@@ -262,8 +278,10 @@ def test_runs_of_threads_do_not_meet(tmp_path):
     same(read_result(tmp_path / "0"), read_result(tmp_path / "1"))
 
 
-@pytest.mark.parametrize(("name", "inside"), [("report.html", ""), ("result.csv", "mine.txt"), ("snapshots", "holiday.jpg"),
-                                              ("result.parquet", "notes.txt")])
+@pytest.mark.parametrize(
+    ("name", "inside"),
+    [("report.html", ""), ("result.csv", "mine.txt"), ("snapshots", "holiday.jpg"), ("result.parquet", "notes.txt")],
+)
 def test_what_somebody_else_put_there_is_not_replaced(name, inside, tmp_path):
     """A folder with the name of a file of the result, or with files that are none of a result: refused before the run."""
     (tmp_path / name).mkdir()

@@ -14,8 +14,12 @@ from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.orchestrator.views.sparkline import HEIGHT, sparkline
 from cosimo.tests.support import two_masses
 
-PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 4.0}}},
-         "master": {"step": 0.1}, "record": {"signals": ["p.time"], "snapshots": ["p.profile"], "snapshot_interval": 0.5}}
+PROBE = {
+    "stop_time": 1.0,
+    "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 4.0}}},
+    "master": {"step": 0.1},
+    "record": {"signals": ["p.time"], "snapshots": ["p.profile"], "snapshot_interval": 0.5},
+}
 
 
 @pytest.fixture(scope="module")

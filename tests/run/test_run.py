@@ -64,8 +64,12 @@ def test_array_elements_are_recorded_only_on_request():
 
 
 def test_units_of_measure_are_converted():
-    scene = {**PROBE, "connections": ["m.x_out -> p.length"], "record": {"signals": ["m.x_out", "p.profile[1]"]},
-             "units": {**PROBE["units"], "m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}}}
+    scene = {
+        **PROBE,
+        "connections": ["m.x_out -> p.length"],
+        "record": {"signals": ["m.x_out", "p.profile[1]"]},
+        "units": {**PROBE["units"], "m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}},
+    }
     result = run(read_scene(scene))
     # the mass moves freely: x = 2 t in m, and the probe sees it in mm; one rounding of the conversion
     np.testing.assert_allclose(result["p.profile[1]"], 2000.0 * result.time, rtol=1e-14)
@@ -152,8 +156,15 @@ def test_progress_shows_only_on_a_terminal(monkeypatch):
 def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
     """Each probe gives what it gets, and one way adds 1 mm: x = x + 1 mm has no solution."""
     back = {"source": "q.profile[1]", "target": "p.length", "offset": 1.0}
-    result = run(read_scene({**PROBE, "units": {"p": PROBE["units"]["p"], "q": PROBE["units"]["p"]},
-                             "connections": ["p.profile[1] -> q.length", back]}))
+    result = run(
+        read_scene(
+            {
+                **PROBE,
+                "units": {"p": PROBE["units"]["p"], "q": PROBE["units"]["p"]},
+                "connections": ["p.profile[1] -> q.length", back],
+            }
+        )
+    )
     assert result.outcome == "failed"
     assert "did not converge in 30 sweeps" in result.message
     assert "no common equilibrium" in result.message
@@ -186,6 +197,7 @@ def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
 
 def test_compilation_is_no_part_of_the_times_of_starting_and_running(monkeypatch):
     """Compile events around waits of known length, nested as Numba has them: all of it is `compile`, and nothing twice."""
+
     def compiles(seconds):
         with event.trigger_event("numba:compile"), event.trigger_event("numba:compile"):
             sleep(seconds)
@@ -215,9 +227,15 @@ def test_missing_column_names_the_near_ones():
         run(read_scene(PROBE))["p.tine"]
 
 
-@pytest.mark.parametrize(("name", "least"), in_plain_python([
-    *((name, 0.0) for name in SCENES.values()),
-    *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in covering_scenes())]))
+@pytest.mark.parametrize(
+    ("name", "least"),
+    in_plain_python(
+        [
+            *((name, 0.0) for name in SCENES.values()),
+            *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in covering_scenes()),
+        ]
+    ),
+)
 def test_shipped_scenes_run_alike_as_fmus_and_in_process(name, least):
     """One a system over 20 macro steps, and scenes that have all components over 50 ms or 100 macro steps."""
     scene = load_scene(name)
@@ -232,16 +250,21 @@ def test_shipped_scenes_run_alike_as_fmus_and_in_process(name, least):
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_fmu_equals_in_process_to_the_last_bit(algorithm, degree):
     """A mass under a pantograph's contact force, which moves the wire: the pantograph as FMU and in process."""
-    scene = read_scene({
-        "stop_time": 0.2,
-        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
-        "units": {
-            "pantograph": {"component": "Pantograph", "effects": ["contact_loss", "bump_stops"],
-                           "parameters": {"bump_stops.travel": 0.03, "speed": 50.0}},
-            "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
-        },
-        "master": {"algorithm": algorithm, "step": 2e-3, "extrapolation": degree},
-    })
+    scene = read_scene(
+        {
+            "stop_time": 0.2,
+            "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+            "units": {
+                "pantograph": {
+                    "component": "Pantograph",
+                    "effects": ["contact_loss", "bump_stops"],
+                    "parameters": {"bump_stops.travel": 0.03, "speed": 50.0},
+                },
+                "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+            },
+            "master": {"algorithm": algorithm, "step": 2e-3, "extrapolation": degree},
+        }
+    )
     fmu, here = run(scene), run(scene, in_process=True)
     assert fmu.outcome == here.outcome == "done"
     for name in here.columns:

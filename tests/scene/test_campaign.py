@@ -30,8 +30,10 @@ def test_mutations_follow_from_the_seed():
     assert len(set(several)) > 40
 
 
-@pytest.mark.parametrize(("kind", "count"), [*((kind, 12) for kind in ("scenes", "checkpoints")),
-                                             *(pytest.param(kind, 300, marks=pytest.mark.full) for kind in KINDS)])
+@pytest.mark.parametrize(
+    ("kind", "count"),
+    [*((kind, 12) for kind in ("scenes", "checkpoints")), *(pytest.param(kind, 300, marks=pytest.mark.full) for kind in KINDS)],
+)
 def test_mutated_files_are_used_or_refused_with_one_message(kind, count):
     outcome = campaign.campaign(kind, count, 7)
     assert outcome["texts"] == {}

@@ -25,8 +25,10 @@ SCENE = 'units.p.component = "cosimo.tests.support:Probe"\nmaster.step = 0.1\nst
 DESCRIPTION = """<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}" modelName="m" guid="g" instantiationToken="g">
 <CoSimulation modelIdentifier="m"/><ModelVariables>{variables}</ModelVariables><ModelStructure/></fmiModelDescription>"""
 SCALAR = '<ScalarVariable name="{name}" valueReference="{reference}" causality="output"><Real/></ScalarVariable>'
-ARRAY = ('<Float64 name="a" valueReference="1" causality="output" start="0"><Dimension start="100000"/>'
-         '<Dimension start="100000"/></Float64>')
+ARRAY = (
+    '<Float64 name="a" valueReference="1" causality="output" start="0"><Dimension start="100000"/>'
+    '<Dimension start="100000"/></Float64>'
+)
 
 
 def refused(path, *words: str) -> str:
@@ -41,10 +43,16 @@ def refused(path, *words: str) -> str:
     return message
 
 
-@pytest.mark.parametrize("text", [
-    "x = " + "[" * 5000 + "]" * 5000, "x = " + "{a = " * 3000 + "1" + "}" * 3000, ".".join(["a"] * 5000) + " = 1",
-    "units.p.parameters.length = " + "[" * 150 + "1" + "]" * 150,
-], ids=["lists", "tables", "keys", "parameter"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = " + "[" * 5000 + "]" * 5000,
+        "x = " + "{a = " * 3000 + "1" + "}" * 3000,
+        ".".join(["a"] * 5000) + " = 1",
+        "units.p.parameters.length = " + "[" * 150 + "1" + "]" * 150,
+    ],
+    ids=["lists", "tables", "keys", "parameter"],
+)
 def test_nesting_has_a_limit(tmp_path, text):
     path = tmp_path / "deep.toml"
     path.write_text(SCENE + text + "\n")
@@ -98,14 +106,18 @@ def test_damaged_and_swollen_packages(tmp_path):
     refused(swollen, f"at most {loading.RATIO} times as many")
 
 
-@pytest.mark.parametrize(("version", "variables", "words"), [
-    ("2.0", SCALAR.format(name="y", reference=2**40), ["valueReference", str(loading.MOST_REFERENCE)]),
-    ("2.0", SCALAR.format(name="y", reference=-1), ["valueReference", str(loading.MOST_REFERENCE)]),
-    ("2.0", SCALAR.format(name="y", reference="abc"), ["an FMU"]),
-    ("3.0", ARRAY, [f"at most {loading.MOST_ELEMENTS}"]),
-    ("2.0", "<x valueReference=''/>" * (loading.MOST_VARIABLES + 1), [f"at most {loading.MOST_VARIABLES}"]),
-    ("2.0", "<!DOCTYPE m [<!ENTITY a 'b'>]>", ["plain XML"]),
-], ids=["beyond 32 bits", "negative", "no number", "array", "variables", "entities"])
+@pytest.mark.parametrize(
+    ("version", "variables", "words"),
+    [
+        ("2.0", SCALAR.format(name="y", reference=2**40), ["valueReference", str(loading.MOST_REFERENCE)]),
+        ("2.0", SCALAR.format(name="y", reference=-1), ["valueReference", str(loading.MOST_REFERENCE)]),
+        ("2.0", SCALAR.format(name="y", reference="abc"), ["an FMU"]),
+        ("3.0", ARRAY, [f"at most {loading.MOST_ELEMENTS}"]),
+        ("2.0", "<x valueReference=''/>" * (loading.MOST_VARIABLES + 1), [f"at most {loading.MOST_VARIABLES}"]),
+        ("2.0", "<!DOCTYPE m [<!ENTITY a 'b'>]>", ["plain XML"]),
+    ],
+    ids=["beyond 32 bits", "negative", "no number", "array", "variables", "entities"],
+)
 def test_model_descriptions_have_limits(tmp_path, version, variables, words):
     text = DESCRIPTION.format(version=version, variables=variables).encode()
     (tmp_path / "m.fmu").write_bytes(archive({"modelDescription.xml": text}))
@@ -154,8 +166,11 @@ def test_a_component_of_a_user_that_raises_ends_the_run_with_its_name(tmp_path):
 def test_on_the_command_line_it_is_a_failed_run(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(f'units.mine.component = "{__name__}:Faulty"\nmaster.step = 0.1\nstop_time = 1.0\n')
-    done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(path), "-o", str(tmp_path / "out")],
-                          capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(path), "-o", str(tmp_path / "out")],
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 3, done.stderr
     assert "Traceback" not in done.stderr
     assert "its component has raised AttributeError" in done.stderr

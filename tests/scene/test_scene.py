@@ -21,6 +21,7 @@ PROBE = {"component": "cosimo.tests.support:Probe"}
 SHELF = {"component": "cosimo.tests.scene.test_scene:Shelf"}
 NAN, INF = float("nan"), float("inf")
 
+
 class Shelf(Linear):
     """Takes an array."""
 
@@ -176,8 +177,12 @@ def test_changes_are_checked_and_leave_the_scene_alone():
     other = scene.with_changes({"units.a.parameters.k": 5.0, "stop_time": 6, "master.step": 5e-4, "record.interval": 0.1})
     assert (other.units["a"].parameters["k"], other.stop_time, other.master.step, other.name) == (5.0, 6.0, 5e-4, "two")
     assert (scene.units["a"].parameters["k"], scene.stop_time) == (10.0, 1.0)
-    for change, named in [({"units.c.parameters.k": 1.0}, "'c'"), ({"master.stp": 1.0}, "stp"),
-                          ({"stop_time.x": 1.0}, "stop_time.x"), ({"units.a.parameters.k": "x"}, "'x'")]:
+    for change, named in [
+        ({"units.c.parameters.k": 1.0}, "'c'"),
+        ({"master.stp": 1.0}, "stp"),
+        ({"stop_time.x": 1.0}, "stop_time.x"),
+        ({"units.a.parameters.k": "x"}, "'x'"),
+    ]:
         with pytest.raises(BadInput, match=named):
             scene.with_changes(change)
     with pytest.raises(ValidationError, match="frozen"):
@@ -222,10 +227,15 @@ def test_shipped_scenes_are_good(name):
     assert read_scene(scene.settings(), name) == scene
 
 
-@pytest.mark.parametrize(("component", "why"), [
-    (":X", "ValueError: Empty module name"), ("..a:X", "TypeError: "), ("no_such_module:X", "ModuleNotFoundError: .* PYTHONPATH"),
-    ("faulty_module:X", "ZeroDivisionError: division by zero"),
-])
+@pytest.mark.parametrize(
+    ("component", "why"),
+    [
+        (":X", "ValueError: Empty module name"),
+        ("..a:X", "TypeError: "),
+        ("no_such_module:X", "ModuleNotFoundError: .* PYTHONPATH"),
+        ("faulty_module:X", "ZeroDivisionError: division by zero"),
+    ],
+)
 def test_modules_that_cannot_be_imported_are_bad_input(component, why, tmp_path, monkeypatch):
     (tmp_path / "faulty_module.py").write_text("1 / 0\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -244,12 +254,19 @@ def test_schema_fits_what_scenes_may_say():
     schema = Scene.model_json_schema()
     jsonschema.Draft202012Validator.check_schema(schema)
     validator = jsonschema.Draft202012Validator(schema)
-    assert {name: [e.message for e in validator.iter_errors(read_toml(path))] for name, path in scene_files().items()} \
-        == {name: [] for name in scene_files()}
+    assert {name: [e.message for e in validator.iter_errors(read_toml(path))] for name, path in scene_files().items()} == {
+        name: [] for name in scene_files()
+    }
     plain = {"stop_time": 1.0, "units": {"a": {"component": "X"}, "b": {"scene": "b.toml"}}, "master": {"step": 0.1}}
     assert validator.is_valid(plain)
-    for wrong in ({"foo": 1}, {"master": {"step": -1.0}}, {"stop_time": "1"}, {"units": {"1a": {"component": "X"}}},
-                  {"sweep": {"a.p": []}}, {"units": {"a": {"component": "X", "parameter": {}}}}):
+    for wrong in (
+        {"foo": 1},
+        {"master": {"step": -1.0}},
+        {"stop_time": "1"},
+        {"units": {"1a": {"component": "X"}}},
+        {"sweep": {"a.p": []}},
+        {"units": {"a": {"component": "X", "parameter": {}}}},
+    ):
         assert not validator.is_valid(plain | wrong), wrong
 
 

@@ -19,7 +19,10 @@ def test_a_scene_of_classes_is_that_of_their_names():
     scene = cosimo.build_scene(
         {"a": cosimo.unit(Mass, k=10.0, c=0.01, v0=100.0), "b": Oscillator},
         {"b.force": "a.force", "a.x_out": "b.position", "a.v_out": "b.velocity"},
-        stop_time=1, step=1e-2, master={"algorithm": "jacobi", "extrapolation": 0, "feedthrough": "immediate"})
+        stop_time=1,
+        step=1e-2,
+        master={"algorithm": "jacobi", "extrapolation": 0, "feedthrough": "immediate"},
+    )
     assert scene.settings() == read_scene(two_masses()).settings()
 
 
@@ -52,10 +55,18 @@ def test_changes_by_attributes():
     edit.master.step = 5e-4
     assert edit.units.pantograph.speed == 70.0
     changed = edit.scene
-    assert changed.settings() == scene.with_changes({
-        "units.pantograph.parameters.speed": 70.0, "units.pantograph.effects": (*scene.units["pantograph"].effects, "bump_stops"),
-        "units.pantograph.parameters.bump_stops.travel": 0.04, "master.step": 5e-4,
-        "units.catenary.parameters.dropper_position": edit.changes["units.catenary.parameters.dropper_position"]}).settings()
+    assert (
+        changed.settings()
+        == scene.with_changes(
+            {
+                "units.pantograph.parameters.speed": 70.0,
+                "units.pantograph.effects": (*scene.units["pantograph"].effects, "bump_stops"),
+                "units.pantograph.parameters.bump_stops.travel": 0.04,
+                "master.step": 5e-4,
+                "units.catenary.parameters.dropper_position": edit.changes["units.catenary.parameters.dropper_position"],
+            }
+        ).settings()
+    )
     assert changed.units["catenary"].parameters["dropper_position[1]"] == pytest.approx(5.1)
     assert scene.settings() == load_scene("en50318-2002").settings()
 
@@ -94,8 +105,10 @@ def test_a_drawing_has_every_unit_and_every_connection(name):
 def test_boxes_do_not_overlap():
     assert len(scene_files()) > 40
     for name in ("rov-waves-eight-thrusters", "wrist-what-if"):
-        boxes = [tuple(float(r.get(k)) for k in ("x", "y", "width", "height"))
-                 for r in xml.fromstring(load_scene(name).show()).iter(f"{SVG}rect")]
+        boxes = [
+            tuple(float(r.get(k)) for k in ("x", "y", "width", "height"))
+            for r in xml.fromstring(load_scene(name).show()).iter(f"{SVG}rect")
+        ]
         for i, (x, y, w, h) in enumerate(boxes):
             assert not [b for b in boxes[:i] if x < b[0] + b[2] and b[0] < x + w and y < b[1] + b[3] and b[1] < y + h]
 

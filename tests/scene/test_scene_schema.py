@@ -30,29 +30,35 @@ def test_every_shipped_scene_fits_and_names_the_schema(validator):
         assert text.startswith("#:schema ../../../../scene.schema.json\n"), name
 
 
-@pytest.mark.parametrize("unit", [
-    {"component": "Pantograph", "parameters": {"speed": 70, "bump_stops": {"travel": 0.04}, "bump_stops.stiffness": 1e5}},
-    {"component": "Catenary", "parameters": {"dropper_position": [5.0, 10.5], "dropper_position[1]": 6.0}},
-    {"component": "Pantograph", "preset": "DSA380", "effects": ["lower_frame"]},
-    {"component": "mine:Own", "parameters": {"anything": [[1, 2], [3, 4]]}, "effects": ["any"]},
-    {"fmu": "box.fmu", "parameters": {"k": True}},
-    {"scene": "other.toml", "parameters": {"p.speed": 1.0}},
-])
+@pytest.mark.parametrize(
+    "unit",
+    [
+        {"component": "Pantograph", "parameters": {"speed": 70, "bump_stops": {"travel": 0.04}, "bump_stops.stiffness": 1e5}},
+        {"component": "Catenary", "parameters": {"dropper_position": [5.0, 10.5], "dropper_position[1]": 6.0}},
+        {"component": "Pantograph", "preset": "DSA380", "effects": ["lower_frame"]},
+        {"component": "mine:Own", "parameters": {"anything": [[1, 2], [3, 4]]}, "effects": ["any"]},
+        {"fmu": "box.fmu", "parameters": {"k": True}},
+        {"scene": "other.toml", "parameters": {"p.speed": 1.0}},
+    ],
+)
 def test_what_may_be_said(validator, unit):
     assert [e.message for e in validator.iter_errors({**SCENE, "units": {"u": unit}})] == []
 
 
-@pytest.mark.parametrize(("unit", "place"), [
-    ({"component": "Pantagraph"}, "component"),
-    ({"component": "Pantograph", "parameters": {"sped": 70}}, "parameters"),
-    ({"component": "Pantograph", "parameters": {"speed": -1}}, "speed"),
-    ({"component": "Pantograph", "parameters": {"speed": "fast"}}, "speed"),
-    ({"component": "Pantograph", "parameters": {"bump_stops": {"trawel": 1}}}, "bump_stops"),
-    ({"component": "Pantograph", "effects": ["bump_stop"]}, "effects"),
-    ({"component": "Pantograph", "preset": "DSA381"}, "preset"),
-    ({"component": "Pantograph", "efects": []}, "u"),
-    ({"scene": "other.toml", "effects": []}, "u"),
-])
+@pytest.mark.parametrize(
+    ("unit", "place"),
+    [
+        ({"component": "Pantagraph"}, "component"),
+        ({"component": "Pantograph", "parameters": {"sped": 70}}, "parameters"),
+        ({"component": "Pantograph", "parameters": {"speed": -1}}, "speed"),
+        ({"component": "Pantograph", "parameters": {"speed": "fast"}}, "speed"),
+        ({"component": "Pantograph", "parameters": {"bump_stops": {"trawel": 1}}}, "bump_stops"),
+        ({"component": "Pantograph", "effects": ["bump_stop"]}, "effects"),
+        ({"component": "Pantograph", "preset": "DSA381"}, "preset"),
+        ({"component": "Pantograph", "efects": []}, "u"),
+        ({"scene": "other.toml", "effects": []}, "u"),
+    ],
+)
 def test_what_is_marked_at_its_place(validator, unit, place):
     errors = list(validator.iter_errors({**SCENE, "units": {"u": unit}}))
     assert errors
@@ -130,12 +136,16 @@ def warnings_of(capsys, *arguments):
     return [line for line in capsys.readouterr().err.splitlines() if "schema" in line]
 
 
-@pytest.mark.parametrize("edit", [
-    lambda schema: schema.update({"$comment": "written by cosimo 0.0.1"}),
-    lambda schema: schema.pop("$comment"),  # as before there was a mark
-    lambda schema: schema["$defs"].pop("component.Catenary"),
-    lambda schema: schema["$defs"]["component.PlanarLink"]["properties"]["parameters"]["properties"].pop("mass"),
-], ids=["version", "no mark", "list of components", "a component of the scene"])
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda schema: schema.update({"$comment": "written by cosimo 0.0.1"}),
+        lambda schema: schema.pop("$comment"),  # as before there was a mark
+        lambda schema: schema["$defs"].pop("component.Catenary"),
+        lambda schema: schema["$defs"]["component.PlanarLink"]["properties"]["parameters"]["properties"].pop("mass"),
+    ],
+    ids=["version", "no mark", "list of components", "a component of the scene"],
+)
 def test_a_person_is_told_of_a_stale_schema_and_how_to_mend_it(beside, edit, capsys):
     scene, change = beside
     assert warnings_of(capsys, "show", scene) == []
@@ -153,11 +163,16 @@ def test_a_file_that_is_no_schema_of_scenes_is_left_alone(beside, content, capsy
     assert warnings_of(capsys, "show", beside[0]) == []
 
 
-@pytest.mark.parametrize(("name", "content", "message"), [
-    ("missing.toml", None, "a scene file"), ("scene.ssd", b"<a/>", "a scene file"), ("latin.toml", b"title = '\xb5'", "UTF-8"),
-    ("far.toml", b"#:schema https://example.org/a.json\n", "the path of a file"),
-    ("none.toml", b"#:schema \n", "the path of a file"),
-])
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("missing.toml", None, "a scene file"),
+        ("scene.ssd", b"<a/>", "a scene file"),
+        ("latin.toml", b"title = '\xb5'", "UTF-8"),
+        ("far.toml", b"#:schema https://example.org/a.json\n", "the path of a file"),
+        ("none.toml", b"#:schema \n", "the path of a file"),
+    ],
+)
 def test_what_has_no_place_for_it_is_refused(name, content, message, tmp_path, capsys):
     if content is not None:
         (tmp_path / name).write_bytes(content)

@@ -16,9 +16,14 @@ def test_a_shipped_scene_comes_back(name, tmp_path):
 
 
 def test_a_scene_with_changes_comes_back(tmp_path):
-    scene = load_scene("gimbal-scan").with_changes({
-        "units.body.effects": ["gravity"], "units.body.parameters": {"gravity.mass": 1e-17, "start_inner_angle": -0.1},
-        "record.interval": None, "master.step": 1e-3})
+    scene = load_scene("gimbal-scan").with_changes(
+        {
+            "units.body.effects": ["gravity"],
+            "units.body.parameters": {"gravity.mass": 1e-17, "start_inner_angle": -0.1},
+            "record.interval": None,
+            "master.step": 1e-3,
+        }
+    )
     assert load_scene(write_scene(scene, tmp_path / "deep" / "again.toml")).model_dump() == scene.model_dump()
 
 
@@ -32,9 +37,9 @@ def test_texts_keep_every_sign(title):
 
 def test_subsystems_are_written_as_their_units(tmp_path):
     (tmp_path / "inner.toml").write_text('stop_time = 1.0\n[units]\nlink = { component = "PlanarLink" }\n[master]\nstep = 0.1\n')
-    (tmp_path / "outer.toml").write_text('stop_time = 1.0\n[units]'
-                                         '\npart = { scene = "inner.toml", parameters = { link.mass = 2.0 } }\n'
-                                         "[master]\nstep = 0.1\n")
+    (tmp_path / "outer.toml").write_text(
+        'stop_time = 1.0\n[units]\npart = { scene = "inner.toml", parameters = { link.mass = 2.0 } }\n[master]\nstep = 0.1\n'
+    )
     scene = load_scene(tmp_path / "outer.toml")
     again = load_scene(write_scene(scene, tmp_path / "elsewhere" / "again.toml"))
     assert again.units == scene.units

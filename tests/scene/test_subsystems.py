@@ -44,8 +44,13 @@ def test_a_scene_as_a_subsystem_gives_the_same_bits_as_alone(folder):
 
 def test_connections_reach_into_subsystems_and_parameters_change_them(folder):
     (folder / "outer.toml").write_text('[units]\ninner = { scene = "parts/masses.toml", parameters = { a.v0 = 7.0 } }\n')
-    scene = including(folder, connections=["left.inner.a.x_out -> p.length"], p=PROBE, left={"scene": "outer.toml"},
-                      right={"scene": "parts/masses.toml", "parameters": {"a": {"v0": 3.0}, "b.k": 5.0}})
+    scene = including(
+        folder,
+        connections=["left.inner.a.x_out -> p.length"],
+        p=PROBE,
+        left={"scene": "outer.toml"},
+        right={"scene": "parts/masses.toml", "parameters": {"a": {"v0": 3.0}, "b.k": 5.0}},
+    )
     assert list(scene.units) == ["p", "left.inner.a", "left.inner.b", "right.a", "right.b"]
     assert [scene.units[n].parameters.get("v0") for n in ("left.inner.a", "right.a")] == [7.0, 3.0]
     assert scene.units["right.b"].parameters == {"k": 5.0}
@@ -58,14 +63,15 @@ def test_connections_reach_into_subsystems_and_parameters_change_them(folder):
 
 
 def test_paths_are_relative_to_the_file_that_names_them(folder):
-    packed = write(read_scene({"stop_time": 1.0, "units": {"p": {"component": "Pantograph"}}, "master": {"step": 0.1}}, "rigid"),
-                   folder / "parts" / "rigid.ssp")
+    packed = write(
+        read_scene({"stop_time": 1.0, "units": {"p": {"component": "Pantograph"}}, "master": {"step": 0.1}}, "rigid"),
+        folder / "parts" / "rigid.ssp",
+    )
     fmu = load_scene(packed).units["p"].fmu
     (folder / "parts" / "own.fmu").write_bytes(Path(fmu).read_bytes())
     (folder / "parts" / "own.toml").write_text('[units]\np = { fmu = "own.fmu" }\nq = { scene = "rigid.ssp" }\n')
     scene = including(folder, s={"scene": "parts/own.toml"}, t={"scene": "parts/rigid.ssp", "parameters": {"p.speed": 50.0}})
-    assert {n: u.fmu for n, u in scene.units.items()} == {
-        "s.p": str(folder / "parts" / "own.fmu"), "s.q.p": fmu, "t.p": fmu}
+    assert {n: u.fmu for n, u in scene.units.items()} == {"s.p": str(folder / "parts" / "own.fmu"), "s.q.p": fmu, "t.p": fmu}
     assert scene.units["t.p"].parameters == {"speed": 50.0}
 
 

@@ -46,13 +46,21 @@ def damped_chain(t):
         a, b, u, v = x
         d, relative = a - b, 0.05 * (u - v)
         mass = [[2.0, math.cos(d)], [math.cos(d), 1.0]]
-        torque = [-math.sin(d) * v**2 - 2.0 * G * math.sin(a) - 0.1 * u - relative,
-                  math.sin(d) * u**2 - G * math.sin(b) + relative]
+        torque = [
+            -math.sin(d) * v**2 - 2.0 * G * math.sin(a) - 0.1 * u - relative,
+            math.sin(d) * u**2 - G * math.sin(b) + relative,
+        ]
         return [u, v, *np.linalg.solve(mass, torque)]
 
     a, b, u, v = solved(rates, [0.08, -0.05, 0.0, 0.0], t)
-    return {"chain.first_angle": a, "chain.second_angle": b, "chain.first_rate": u, "chain.second_rate": v,
-            "chain.tip_x": np.sin(a) + np.sin(b), "chain.tip_y": -np.cos(a) - np.cos(b)}
+    return {
+        "chain.first_angle": a,
+        "chain.second_angle": b,
+        "chain.first_rate": u,
+        "chain.second_rate": v,
+        "chain.tip_x": np.sin(a) + np.sin(b),
+        "chain.tip_y": -np.cos(a) - np.cos(b),
+    }
 
 
 def link_split(t):
@@ -80,10 +88,18 @@ def link_split(t):
     start = [0.8, *(base + 0.5 * along(1.2)[0]), 1.2, 0.0, 0.0, 0.0, 0.0]
     x = solved(rates, start, t, rtol=1e-9, atol=1e-11)
     first_force = np.array([force(state) for state in x.T])
-    return {"first.angle": x[0], "second.angle": x[3], "first.rate": x[4], "second.rate": x[7],
-            "second.tip_x": x[1] + 0.5 * np.sin(x[3]), "second.tip_y": x[2] - 0.5 * np.cos(x[3]),
-            "first.tip_x": np.sin(x[0]), "first.tip_y": -np.cos(x[0]),
-            "joint.first_force_x": first_force[:, 0], "joint.first_force_y": first_force[:, 1]}
+    return {
+        "first.angle": x[0],
+        "second.angle": x[3],
+        "first.rate": x[4],
+        "second.rate": x[7],
+        "second.tip_x": x[1] + 0.5 * np.sin(x[3]),
+        "second.tip_y": x[2] - 0.5 * np.cos(x[3]),
+        "first.tip_x": np.sin(x[0]),
+        "first.tip_y": -np.cos(x[0]),
+        "joint.first_force_x": first_force[:, 0],
+        "joint.first_force_y": first_force[:, 1],
+    }
 
 
 def rov_added_mass(t):
@@ -93,7 +109,8 @@ def rov_added_mass(t):
     acceleration = final * rate * np.exp(-rate * t)
     columns = {"depth": depth, "heave": speed, "external.acceleration_z": acceleration}
     return {f"{unit}.{name}": values for unit in ("hull", "whole") for name, values in columns.items()} | {
-        "water.force_z": -14.57 * acceleration}
+        "water.force_z": -14.57 * acceleration
+    }
 
 
 def rov_tumbling(t):
@@ -103,17 +120,30 @@ def rov_tumbling(t):
     def rates(_, x):
         v, w, (a, b, c, d) = x[:3], x[3:6], x[6:10]
         p, h = masses * v, inertias * w
-        turn = 0.5 * np.array([-b * w[0] - c * w[1] - d * w[2], a * w[0] + c * w[2] - d * w[1],
-                               a * w[1] + d * w[0] - b * w[2], a * w[2] + b * w[1] - c * w[0]])
-        matrix = np.array([[1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
-                           [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
-                           [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)]])
+        turn = 0.5 * np.array(
+            [
+                -b * w[0] - c * w[1] - d * w[2],
+                a * w[0] + c * w[2] - d * w[1],
+                a * w[1] + d * w[0] - b * w[2],
+                a * w[2] + b * w[1] - c * w[0],
+            ]
+        )
+        matrix = np.array(
+            [
+                [1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
+                [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
+                [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)],
+            ]
+        )
         return [*(np.cross(p, w) / masses), *((np.cross(h, w) + np.cross(p, v)) / inertias), *turn, *(matrix @ v)]
 
     x = solved(rates, [0.7, -0.4, 0.5, 1.0, -0.5, 0.75, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 10.0], t)
     names = ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")
     return {f"hull.{n}": x[k] for k, n in enumerate(names)} | {
-        "hull.position_north": x[10], "hull.position_east": x[11], "hull.depth": x[12]}
+        "hull.position_north": x[10],
+        "hull.position_east": x[11],
+        "hull.depth": x[12],
+    }
 
 
 def lumped_catenary(t):
@@ -128,16 +158,25 @@ def lumped_catenary(t):
         wire, head, frame, wire_rate, head_rate, frame_rate = x
         contact = max(50e3 * (head - wire), 0.0)
         between = 4200.0 * (head - frame) + 10.0 * (head_rate - frame_rate)
-        return [wire_rate, head_rate, frame_rate,
-                (contact - 328.6 * wire_rate - stiffness(30.0 + 69.444444 * s) * wire) / 8.775,
-                (-between - contact) / 7.2, (between - 50.0 * frame - 90.0 * frame_rate + 120.0) / 15.0]
+        return [
+            wire_rate,
+            head_rate,
+            frame_rate,
+            (contact - 328.6 * wire_rate - stiffness(30.0 + 69.444444 * s) * wire) / 8.775,
+            (-between - contact) / 7.2,
+            (between - 50.0 * frame - 90.0 * frame_rate + 120.0) / 15.0,
+        ]
 
     soft = 1.0 / stiffness(30.0) + 1.0 / 50e3 + 1.0 / 4200.0  # at rest: the frame's spring takes a share of the 120 N
     force = 120.0 / (1.0 + 50.0 * soft)
     wire, head, frame = force / stiffness(30.0), force * (soft - 1.0 / 4200.0), force * soft
     x = solved(rates, [wire, head, frame, 0.0, 0.0, 0.0], t, max_step=2e-3)
-    return {"catenary.wire_height": x[0], "pantograph.head_height": x[1], "pantograph.frame_height": x[2],
-            "pantograph.contact_force": np.maximum(50e3 * (x[1] - x[0]), 0.0)}
+    return {
+        "catenary.wire_height": x[0],
+        "pantograph.head_height": x[1],
+        "pantograph.frame_height": x[2],
+        "pantograph.contact_force": np.maximum(50e3 * (x[1] - x[0]), 0.0),
+    }
 
 
 def ball_bearing(t):
@@ -191,16 +230,33 @@ def railway(speed_kmh, stop_time):
     speed = speed_kmh / 3.6
     scene = load_scene("en50318-2002")
     parameters = {**scene.units["catenary"].parameters, "spans": 6, "first_watched_support": 0}
-    return pantograph_and_catenary(speed, stop_time), lambda: scene.with_changes({
-        "stop_time": stop_time, "units.pantograph.parameters.speed": speed, "units.catenary.parameters": parameters,
-        "record.snapshots": [], "record.snapshot_interval": None})
+    return pantograph_and_catenary(speed, stop_time), lambda: scene.with_changes(
+        {
+            "stop_time": stop_time,
+            "units.pantograph.parameters.speed": speed,
+            "units.catenary.parameters": parameters,
+            "record.snapshots": [],
+            "record.snapshot_interval": None,
+        }
+    )
 
 
-ROTOR = {"stop_time": 2.0, "master": {"step": 5e-3},
-         "units": {"rotor": {"component": "JeffcottRotor", "effects": ["unbalance"], "parameters": {"start_speed": 80.0}}},
-         "record": {"signals": [f"rotor.{n}_{a}" for n in ("displacement", "velocity") for a in "xy"]}}
-BEARING = {"stop_time": 0.1, "analysis": {}, "sweep": {}, "units.bearing.parameters": {
-    "speed": 104.71975511965978, "clearance.radial_clearance": BEARING_CLEARANCE, "load": BEARING_LOAD}}
+ROTOR = {
+    "stop_time": 2.0,
+    "master": {"step": 5e-3},
+    "units": {"rotor": {"component": "JeffcottRotor", "effects": ["unbalance"], "parameters": {"start_speed": 80.0}}},
+    "record": {"signals": [f"rotor.{n}_{a}" for n in ("displacement", "velocity") for a in "xy"]},
+}
+BEARING = {
+    "stop_time": 0.1,
+    "analysis": {},
+    "sweep": {},
+    "units.bearing.parameters": {
+        "speed": 104.71975511965978,
+        "clearance.radial_clearance": BEARING_CLEARANCE,
+        "load": BEARING_LOAD,
+    },
+}
 SYSTEMS = {
     "mass-on-spring": (mass_on_spring, lambda: load_scene("mass-on-spring").with_changes({"stop_time": 3.0})),
     "damped-chain": (damped_chain, lambda: load_scene("damped-chain").with_changes({"stop_time": 10.0})),

@@ -16,44 +16,69 @@ import pytest
 
 HERE = Path(__file__).parent
 REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "crash", "mu", "rest")
-PARAMETERS = {"k": "1", "e": "0.7", "period": "1e9", "saw": "1e9", "limit": "1e9", "end": "1e9", "crash": "1e9",
-              "mu": "0", "rest": "0"}
+PARAMETERS = {
+    "k": "1",
+    "e": "0.7",
+    "period": "1e9",
+    "saw": "1e9",
+    "limit": "1e9",
+    "end": "1e9",
+    "crash": "1e9",
+    "mu": "0",
+    "rest": "0",
+}
 WHOLES = ("bounces", "ticks", "passages", "resets")
 CAPABILITIES = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" providesDirectionalDerivative="true"'
-CAPABILITIES3 = 'canGetAndSetFMUState="true" canSerializeFMUState="true" providesDirectionalDerivatives="true" ' \
-                'needsCompletedIntegratorStep="true"'
+CAPABILITIES3 = (
+    'canGetAndSetFMUState="true" canSerializeFMUState="true" providesDirectionalDerivatives="true" '
+    'needsCompletedIntegratorStep="true"'
+)
 WHOLE, SINGLE = 50, 200  # first value references of wholes and of the input of single precision in FMI 3
 BINARIES = {2: "linux64", 3: "x86_64-linux"}
 
 
 def _variables(bare: bool) -> list[str]:
     found = ['<ScalarVariable name="u" valueReference="0" causality="input"><Real start="0"/></ScalarVariable>']
-    found += [f'<ScalarVariable name="{n}" valueReference="{REALS.index(n)}" causality="output"><Real/></ScalarVariable>'
-              for n in ("x", "h", "v", "y")]
+    found += [
+        f'<ScalarVariable name="{n}" valueReference="{REALS.index(n)}" causality="output"><Real/></ScalarVariable>'
+        for n in ("x", "h", "v", "y")
+    ]
     if not bare:
-        found += [f'<ScalarVariable name="der({n})" valueReference="{100 + k}" causality="local">'
-                  f'<Real derivative="{2 + k}"/></ScalarVariable>' for k, n in enumerate("xhv")]
-    found += [f'<ScalarVariable name="{n}" valueReference="{REALS.index(n)}" causality="parameter" variability="fixed">'
-              f'<Real start="{start}"/></ScalarVariable>' for n, start in PARAMETERS.items()]
-    found += [f'<ScalarVariable name="{n}" valueReference="{k}" causality="output" variability="discrete"><Integer/>'
-              '</ScalarVariable>' for k, n in enumerate(WHOLES)]
-    return [*found, '<ScalarVariable name="reversed" valueReference="4" causality="input" variability="discrete">'
-                    '<Boolean start="false"/></ScalarVariable>']
+        found += [
+            f'<ScalarVariable name="der({n})" valueReference="{100 + k}" causality="local">'
+            f'<Real derivative="{2 + k}"/></ScalarVariable>'
+            for k, n in enumerate("xhv")
+        ]
+    found += [
+        f'<ScalarVariable name="{n}" valueReference="{REALS.index(n)}" causality="parameter" variability="fixed">'
+        f'<Real start="{start}"/></ScalarVariable>'
+        for n, start in PARAMETERS.items()
+    ]
+    found += [
+        f'<ScalarVariable name="{n}" valueReference="{k}" causality="output" variability="discrete"><Integer/></ScalarVariable>'
+        for k, n in enumerate(WHOLES)
+    ]
+    return [
+        *found,
+        '<ScalarVariable name="reversed" valueReference="4" causality="input" variability="discrete">'
+        '<Boolean start="false"/></ScalarVariable>',
+    ]
 
 
 def _description2(bare: bool, capabilities: str) -> str:
     variables = _variables(bare)
     names = [v.split('"')[1] for v in variables]
-    outputs = [f'<Unknown index="{names.index(n) + 1}" dependencies="{1 if n == "y" else ""}"/>'
-               for n in ("x", "h", "v", "y", *WHOLES)]
+    outputs = [
+        f'<Unknown index="{names.index(n) + 1}" dependencies="{1 if n == "y" else ""}"/>' for n in ("x", "h", "v", "y", *WHOLES)
+    ]
     rates = [f'<Unknown index="{k}"/>' for k, n in enumerate(names, 1) if n.startswith("der(")]
     derivatives = f"<Derivatives>{''.join(rates)}</Derivatives>" if rates else ""
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Exchange" guid="{{exchange}}" numberOfEventIndicators="{1 if bare else 2}">
   <ModelExchange modelIdentifier="exchange" {capabilities}/>
-  <ModelVariables>{''.join(variables)}</ModelVariables>
-  <ModelStructure><Outputs>{''.join(outputs)}</Outputs>{derivatives}
-    <InitialUnknowns>{''.join([*outputs, *rates])}</InitialUnknowns></ModelStructure>
+  <ModelVariables>{"".join(variables)}</ModelVariables>
+  <ModelStructure><Outputs>{"".join(outputs)}</Outputs>{derivatives}
+    <InitialUnknowns>{"".join([*outputs, *rates])}</InitialUnknowns></ModelStructure>
 </fmiModelDescription>"""
 
 
@@ -64,10 +89,14 @@ def _description3(bare: bool, capabilities: str, u: str) -> str:
     variables = [f'<{kind} name="u" valueReference="{reference}" causality="input" start="0">{inside}</{kind}>']
     variables += [f'<Float64 name="{n}" valueReference="{REALS.index(n)}" causality="output"/>' for n in ("x", "h", "v", "y")]
     if not bare:
-        variables += [f'<Float64 name="der({n})" valueReference="{100 + k}" causality="local" derivative="{REALS.index(n)}"/>'
-                      for k, n in enumerate("xhv")]
-    variables += [f'<Float64 name="{n}" valueReference="{REALS.index(n)}" causality="parameter" variability="fixed" '
-                  f'start="{start}"/>' for n, start in PARAMETERS.items()]
+        variables += [
+            f'<Float64 name="der({n})" valueReference="{100 + k}" causality="local" derivative="{REALS.index(n)}"/>'
+            for k, n in enumerate("xhv")
+        ]
+    variables += [
+        f'<Float64 name="{n}" valueReference="{REALS.index(n)}" causality="parameter" variability="fixed" start="{start}"/>'
+        for n, start in PARAMETERS.items()
+    ]
     variables += [f'<Int32 name="{n}" valueReference="{WHOLE + k}" causality="output"/>' for k, n in enumerate(WHOLES)]
     variables += [f'<Boolean name="reversed" valueReference="{WHOLE + 4}" causality="input" start="false"/>']
     outputs = [(REALS.index(n), reference if n == "y" else "") for n in ("x", "h", "v", "y")]
@@ -77,8 +106,8 @@ def _description3(bare: bool, capabilities: str, u: str) -> str:
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="Exchange" instantiationToken="{{exchange}}">
   <ModelExchange modelIdentifier="exchange" {capabilities}/>
-  <ModelVariables>{''.join(variables)}</ModelVariables>
-  <ModelStructure>{''.join(structure)}</ModelStructure>
+  <ModelVariables>{"".join(variables)}</ModelVariables>
+  <ModelStructure>{"".join(structure)}</ModelStructure>
 </fmiModelDescription>"""
 
 
@@ -91,13 +120,27 @@ def exchange_fmu(bare: bool = False, capabilities: str | None = None, version: i
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     headers = Path(fmpy.__file__).parent / "c-code"
     sources = [HERE / name for name in (("exchange.c",) if version == 2 else ("exchange3.c", "exchange3_absent.c"))]
-    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-w", f"-I{headers}", *(["-DBARE"] if bare else []), "-o",
-                    folder / "exchange.so", *sources], check=True)
+    subprocess.run(
+        [
+            "cc",
+            "-shared",
+            "-fPIC",
+            "-O1",
+            "-w",
+            f"-I{headers}",
+            *(["-DBARE"] if bare else []),
+            "-o",
+            folder / "exchange.so",
+            *sources,
+        ],
+        check=True,
+    )
     if capabilities is None:
         capabilities = CAPABILITIES if version == 2 else CAPABILITIES3
     path = folder / "exchange.fmu"
     with zipfile.ZipFile(path, "w") as file:
-        file.writestr("modelDescription.xml", _description2(bare, capabilities) if version == 2
-                      else _description3(bare, capabilities, u))
+        file.writestr(
+            "modelDescription.xml", _description2(bare, capabilities) if version == 2 else _description3(bare, capabilities, u)
+        )
         file.write(folder / "exchange.so", f"binaries/{BINARIES[version]}/exchange.so")
     return str(path)

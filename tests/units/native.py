@@ -24,8 +24,10 @@ from cosimo.orchestrator.units import describe, open_unit
 SOURCES = Path(__file__).with_name("native")
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 FMI2_TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String", "Enumeration": "Enumeration"}
-STATE = {2: 'canGetAndSetFMUstate="true" canSerializeFMUstate="true"',
-         3: 'canGetAndSetFMUState="true" canSerializeFMUState="true"'}
+STATE = {
+    2: 'canGetAndSetFMUstate="true" canSerializeFMUstate="true"',
+    3: 'canGetAndSetFMUState="true" canSerializeFMUState="true"',
+}
 EVENTS = 'hasEventMode="true" mightReturnEarlyFromDoStep="true"'
 SMALL = ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 
@@ -48,8 +50,10 @@ TIME = V("time", 0, "Float64", "independent", "continuous")
 
 
 def _both(name: str, reference: int, type_: str, start: str, more: str = "") -> list[V]:
-    return [V(f"{name}_in", reference, type_, "input", "discrete", start, more),
-            V(f"{name}_out", reference + 1, type_, "output", "discrete", None, more, (), (reference,))]
+    return [
+        V(f"{name}_in", reference, type_, "input", "discrete", start, more),
+        V(f"{name}_out", reference + 1, type_, "output", "discrete", None, more, (), (reference,)),
+    ]
 
 
 MODELS: dict[str, list[V]] = {
@@ -57,7 +61,8 @@ MODELS: dict[str, list[V]] = {
         V("h", 1, "Float64", "output", "continuous", "1", 'unit="m"'),
         V("v", 3, "Float64", "output", "continuous", "0", 'unit="m/s"'),
         V("g", 5, "Float64", "parameter", "fixed", "-9.81"),
-        V("e", 6, "Float64", "parameter", "tunable", "0.7", 'min="0.5" max="1"')],
+        V("e", 6, "Float64", "parameter", "tunable", "0.7", 'min="0.5" max="1"'),
+    ],
     "dahlquist": [V("x", 1, "Float64", "output", "continuous", "1"), V("k", 3, "Float64", "parameter", "fixed", "1")],
     "feedthrough": [
         V("Float64_fixed_parameter", 5, "Float64", "parameter", "fixed", "0"),
@@ -69,15 +74,23 @@ MODELS: dict[str, list[V]] = {
         V("Float32_continuous_input", 1, "Float32", "input", "continuous", "0"),
         V("Float32_continuous_output", 2, "Float32", "output", "continuous", None, "", (), (1,)),
         *(v for k, name in enumerate(SMALL) for v in _both(name, 11 + 2 * k, name, "0")),
-        *_both("Boolean", 27, "Boolean", "false"), *_both("String", 29, "String", "Set me!"),
+        *_both("Boolean", 27, "Boolean", "false"),
+        *_both("String", 29, "String", "Set me!"),
         *_both("Binary", 31, "Binary", "666f6f"),
-        *_both("Enumeration", 33, "Enumeration", "1", 'declaredType="Option"')],
-    "integrator": [V("u", 1, "Float64", "input", "continuous", "0"), V("x", 2, "Float64", "output", "continuous"),
-                   V("z", 3, "Float64", "output", "continuous")],
+        *_both("Enumeration", 33, "Enumeration", "1", 'declaredType="Option"'),
+    ],
+    "integrator": [
+        V("u", 1, "Float64", "input", "continuous", "0"),
+        V("x", 2, "Float64", "output", "continuous"),
+        V("z", 3, "Float64", "output", "continuous"),
+    ],
     "resource": [V("y", 1, "Int32", "output", "discrete")],
     "stair": [V("counter", 1, "Int32", "output", "discrete")],
-    "van_der_pol": [V("x0", 1, "Float64", "output", "continuous", "2"), V("x1", 3, "Float64", "output", "continuous", "0"),
-                    V("mu", 5, "Float64", "parameter", "fixed", "1")],
+    "van_der_pol": [
+        V("x0", 1, "Float64", "output", "continuous", "2"),
+        V("x1", 3, "Float64", "output", "continuous", "0"),
+        V("mu", 5, "Float64", "parameter", "fixed", "1"),
+    ],
     "state_space": [
         *(V(name, k, "UInt64", "structuralParameter", "fixed", "3") for k, name in enumerate("mnr", 1)),
         V("A", 4, "Float64", "parameter", "fixed", "1 0 0 0 1 0 0 0 1", "", (2, 2)),
@@ -86,23 +99,33 @@ MODELS: dict[str, list[V]] = {
         V("D", 7, "Float64", "parameter", "fixed", "1 0 0 0 1 0 0 0 1", "", (3, 1)),
         V("x0", 8, "Float64", "parameter", "fixed", "0", "", (2,)),
         V("u", 9, "Float64", "input", "continuous", "1 2 3", "", (1,)),
-        V("y", 10, "Float64", "output", "continuous", None, "", (3,), (9,))],
-    "resetting": [*(V(n, k, "Float64", "parameter", "fixed", "1")
-                    for k, n in enumerate(("early", "late", "never", "limited"), 1)),
-                  V("sum", 5, "Float64", "output", "continuous"), V("whole", 6, "Int32", "parameter", "fixed", "1"),
-                  V("choice", 7, "Boolean", "parameter", "fixed", "false"),
-                  V("text", 8, "String", "parameter", "fixed", "start")],
-    "moody": [V("now", 6, "Float64", "output", "continuous"), V("tolerance", 7, "Float64", "output", "discrete"),
-              *(V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
-                for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)),
-              V("exit_at", 8, "Float64", "parameter", "fixed", "1e9"), V("words", 9, "String", "output", "discrete"),
-              V("mischief", 10, "Int32", "parameter", "fixed", "0"),
-              V("restless", 5, "Boolean", "parameter", "fixed", "false")],
+        V("y", 10, "Float64", "output", "continuous", None, "", (3,), (9,)),
+    ],
+    "resetting": [
+        *(V(n, k, "Float64", "parameter", "fixed", "1") for k, n in enumerate(("early", "late", "never", "limited"), 1)),
+        V("sum", 5, "Float64", "output", "continuous"),
+        V("whole", 6, "Int32", "parameter", "fixed", "1"),
+        V("choice", 7, "Boolean", "parameter", "fixed", "false"),
+        V("text", 8, "String", "parameter", "fixed", "start"),
+    ],
+    "moody": [
+        V("now", 6, "Float64", "output", "continuous"),
+        V("tolerance", 7, "Float64", "output", "discrete"),
+        *(
+            V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
+            for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)
+        ),
+        V("exit_at", 8, "Float64", "parameter", "fixed", "1e9"),
+        V("words", 9, "String", "output", "discrete"),
+        V("mischief", 10, "Int32", "parameter", "fixed", "0"),
+        V("restless", 5, "Boolean", "parameter", "fixed", "false"),
+    ],
 }
 OPTIONS = {"one": 1, "two": 2, "far": 7}  # members of the enumeration
 ITEMS = "".join(f'<Item name="{n}" value="{v}"/>' for n, v in OPTIONS.items())
-UNITS = ('<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>'
-         "</UnitDefinitions>")
+UNITS = (
+    '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit></UnitDefinitions>'
+)
 
 
 def description(model: str, fmi: int, flags: str) -> str:
@@ -124,17 +147,24 @@ def _fmi2(model: str, flags: str) -> str:
     index = {(v.reference, v.type): k for k, v in enumerate(variables, 1)}
     rows = "".join(
         f'<ScalarVariable name="{v.name}" valueReference="{v.reference}" causality="{v.causality}" variability="{v.variability}"'
-        f"{_initial(v)}><{FMI2_TYPES[v.type]}{_attributes(v)}/></ScalarVariable>" for v in variables)
-    unknowns = [f'<Unknown index="{k}" dependencies="{" ".join(str(index[r, v.type]) for r in v.depends)}"/>'
-                for k, v in enumerate(variables, 1) if v.causality == "output"]
+        f"{_initial(v)}><{FMI2_TYPES[v.type]}{_attributes(v)}/></ScalarVariable>"
+        for v in variables
+    )
+    unknowns = [
+        f'<Unknown index="{k}" dependencies="{" ".join(str(index[r, v.type]) for r in v.depends)}"/>'
+        for k, v in enumerate(variables, 1)
+        if v.causality == "output"
+    ]
     calculated = [u for u, v in zip(unknowns, (v for v in variables if v.causality == "output"), strict=True) if v.start is None]
     initial = f"<InitialUnknowns>{''.join(calculated)}</InitialUnknowns>" if calculated else ""
-    return (f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0" modelName="{model}" guid="{{native}}">'
-            f'<CoSimulation modelIdentifier="{model}" {flags}/>{UNITS}<TypeDefinitions>'
-            '<SimpleType name="Length"><Real unit="m" nominal="5"/></SimpleType>'
-            f'<SimpleType name="Option"><Enumeration>{ITEMS}</Enumeration></SimpleType></TypeDefinitions>'
-            f"<ModelVariables>{rows}</ModelVariables><ModelStructure><Outputs>{''.join(unknowns)}</Outputs>{initial}"
-            "</ModelStructure></fmiModelDescription>")
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="2.0" modelName="{model}" guid="{{native}}">'
+        f'<CoSimulation modelIdentifier="{model}" {flags}/>{UNITS}<TypeDefinitions>'
+        '<SimpleType name="Length"><Real unit="m" nominal="5"/></SimpleType>'
+        f'<SimpleType name="Option"><Enumeration>{ITEMS}</Enumeration></SimpleType></TypeDefinitions>'
+        f"<ModelVariables>{rows}</ModelVariables><ModelStructure><Outputs>{''.join(unknowns)}</Outputs>{initial}"
+        "</ModelStructure></fmiModelDescription>"
+    )
 
 
 def _fmi3(model: str, flags: str) -> str:
@@ -143,18 +173,23 @@ def _fmi3(model: str, flags: str) -> str:
     for v in variables:
         inside = f'<Start value="{v.start}"/>' if v.type in ("String", "Binary") and v.start is not None else ""
         sizes = "".join(f'<Dimension valueReference="{r}"/>' for r in v.sizes)
-        rows += (f'<{v.type} name="{v.name}" valueReference="{v.reference}" causality="{v.causality}" '
-                 f'variability="{v.variability}"{_initial(v)}{_attributes(v, not inside)}>{inside}{sizes}</{v.type}>')
+        rows += (
+            f'<{v.type} name="{v.name}" valueReference="{v.reference}" causality="{v.causality}" '
+            f'variability="{v.variability}"{_initial(v)}{_attributes(v, not inside)}>{inside}{sizes}</{v.type}>'
+        )
     outputs = [v for v in variables if v.causality == "output"]
     unknown = '<{} valueReference="{}" dependencies="{}"/>'
     structure = "".join(unknown.format("Output", v.reference, " ".join(map(str, v.depends))) for v in outputs)
-    structure += "".join(unknown.format("InitialUnknown", v.reference, " ".join(map(str, v.depends)))
-                         for v in outputs if v.start is None)
-    return (f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="3.0" modelName="{model}" '
-            f'instantiationToken="{{native}}"><CoSimulation modelIdentifier="{model}" {flags}/>{UNITS}<TypeDefinitions>'
-            '<Float64Type name="Length" unit="m" nominal="5"/>'
-            f'<EnumerationType name="Option">{ITEMS}</EnumerationType></TypeDefinitions>'
-            f"<ModelVariables>{rows}</ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>")
+    structure += "".join(
+        unknown.format("InitialUnknown", v.reference, " ".join(map(str, v.depends))) for v in outputs if v.start is None
+    )
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?><fmiModelDescription fmiVersion="3.0" modelName="{model}" '
+        f'instantiationToken="{{native}}"><CoSimulation modelIdentifier="{model}" {flags}/>{UNITS}<TypeDefinitions>'
+        '<Float64Type name="Length" unit="m" nominal="5"/>'
+        f'<EnumerationType name="Option">{ITEMS}</EnumerationType></TypeDefinitions>'
+        f"<ModelVariables>{rows}</ModelVariables><ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
+    )
 
 
 @lru_cache
@@ -171,8 +206,24 @@ def _library(model: str, fmi: int) -> Path:
     if compiler is None or not sys.platform.startswith("linux"):
         pytest.skip("needs a C compiler on Linux")
     path = _folder() / f"{model}{fmi}.so"
-    subprocess.run([compiler, "-O1", "-shared", "-fPIC", "-w", f'-DMODEL="{model}.h"', f"-I{SOURCES}", f"-I{HEADERS}", "-o", path,
-                    SOURCES / f"fmi{fmi}.c", SOURCES / f"absent{fmi}.c", "-lm"], check=True)
+    subprocess.run(
+        [
+            compiler,
+            "-O1",
+            "-shared",
+            "-fPIC",
+            "-w",
+            f'-DMODEL="{model}.h"',
+            f"-I{SOURCES}",
+            f"-I{HEADERS}",
+            "-o",
+            path,
+            SOURCES / f"fmi{fmi}.c",
+            SOURCES / f"absent{fmi}.c",
+            "-lm",
+        ],
+        check=True,
+    )
     return path
 
 
@@ -192,8 +243,9 @@ def native_fmu(model: str, fmi: int, flags: str = "", *changes: tuple[str, str])
     return str(path)
 
 
-def started(model: str, fmi: int, flags: str = "", inputs: tuple[str, ...] = (), outputs: tuple[str, ...] | None = None,
-            **parameters):
+def started(
+    model: str, fmi: int, flags: str = "", inputs: tuple[str, ...] = (), outputs: tuple[str, ...] | None = None, **parameters
+):
     """A unit of a native FMU, initialized at the start values of its inputs; by default all outputs but texts are read."""
     settings = UnitSettings(fmu=native_fmu(model, fmi, flags), parameters=parameters)
     interface = describe("f", settings)

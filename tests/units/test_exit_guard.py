@@ -24,8 +24,13 @@ step = 0.1
 
 def ended(tmp_path: Path, fmi: int, at: float) -> tuple[subprocess.CompletedProcess, Path]:
     (tmp_path / "scene.toml").write_text(SCENE.format(fmu=native_fmu("moody", fmi), at=at))
-    done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(tmp_path / "scene.toml"), "-o",
-                           str(tmp_path / "out")], capture_output=True, text=True, cwd=ROOT, timeout=600)
+    done = subprocess.run(
+        [sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "out")],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        timeout=600,
+    )
     return done, tmp_path / "out"
 
 
@@ -51,8 +56,10 @@ def test_a_run_without_such_a_unit_ends_as_ever(tmp_path):
 
 def test_a_guard_that_was_left_does_nothing():
     """The registration is taken out again: neither many guards nor the end of the process call anything."""
-    code = ("from cosimo.orchestrator.units.exit_guard import ExitGuard\n"
-            "for _ in range(100):\n    with ExitGuard(['u'], print): pass\n")
+    code = (
+        "from cosimo.orchestrator.units.exit_guard import ExitGuard\n"
+        "for _ in range(100):\n    with ExitGuard(['u'], print): pass\n"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, timeout=600)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     with ExitGuard([]):
@@ -60,8 +67,13 @@ def test_a_guard_that_was_left_does_nothing():
 
 
 def test_a_component_that_calls_sys_exit_fails_the_run():
-    scene = read_scene({"stop_time": 1.0, "master": {"step": 0.1}, "units": {
-        "a": {"component": "cosimo.tests.units.troubled:Troubled", "parameters": {"trouble": "sys exit"}}}})
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 0.1},
+            "units": {"a": {"component": "cosimo.tests.units.troubled:Troubled", "parameters": {"trouble": "sys exit"}}},
+        }
+    )
     result = run(scene, in_process=True)
     assert (result.outcome, result.message) == ("failed", "a unit has called sys.exit(0)")
     assert result.time[-1] == pytest.approx(0.2)

@@ -5,8 +5,12 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems.wrist.cases.four_bar import scenes
 
 REASON = "the toggle, where coupler and rocker are in one line. Keep the crank within its range, or change the lengths"
-PACKAGINGS = [({"in_process": True}, "none"), ({}, "none"), ({}, "process"),
-              pytest.param({"native": True}, "none", marks=pytest.mark.full)]
+PACKAGINGS = [
+    ({"in_process": True}, "none"),
+    ({}, "none"),
+    ({}, "process"),
+    pytest.param({"native": True}, "none", marks=pytest.mark.full),
+]
 
 
 @pytest.mark.parametrize(("options", "isolation"), PACKAGINGS)

@@ -22,8 +22,11 @@ G, E, H0, LIES = 9.81, 0.7, 1.0, 0.1  # m/s², restitution, m, m/s: the ball lie
 
 
 def scene(model: str, fmi: int = 3, flags: str = "", step: float = 0.1, stop: float = 1.0, **parameters) -> dict:
-    return {"stop_time": stop, "units": {"f": {"fmu": native_fmu(model, fmi, flags), "parameters": parameters}},
-            "master": {"step": step}}
+    return {
+        "stop_time": stop,
+        "units": {"f": {"fmu": native_fmu(model, fmi, flags), "parameters": parameters}},
+        "master": {"step": step},
+    }
 
 
 def bounces() -> list[tuple[float, float]]:
@@ -68,10 +71,19 @@ def test_the_first_event_inside_a_step_is_told():
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_with_rollback_all_units_meet_at_the_events_of_one(algorithm):
     flags = f"{EVENTS} {STATE[3]}"
-    result = run(read_scene({
-        "stop_time": 3.0, "connections": ["ball.h -> other.Float64_continuous_input"],
-        "units": {"ball": {"fmu": native_fmu("bouncing_ball", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}},
-        "master": {"algorithm": algorithm, "step": 0.05}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 3.0,
+                "connections": ["ball.h -> other.Float64_continuous_input"],
+                "units": {
+                    "ball": {"fmu": native_fmu("bouncing_ball", 3, flags)},
+                    "other": {"fmu": native_fmu("feedthrough", 3, flags)},
+                },
+                "master": {"algorithm": algorithm, "step": 0.05},
+            }
+        )
+    )
     grid = np.arange(61) * 0.05
     assert np.abs(result.time[:, None] - grid).min(axis=0).max() < 1e-15  # every time of the grid has its row
     late = [min(t for t in result.time if t >= at) - at for at, _ in bounces()]
@@ -118,9 +130,16 @@ def test_an_fmu_that_ends_the_simulation_is_no_failure(isolation):
 
 @pytest.mark.parametrize("flags", [EVENTS, f"{EVENTS} {STATE[3]}"])
 def test_units_that_are_coupled_end_with_the_one_that_ends(flags):
-    result = run(read_scene({
-        "stop_time": 20.0, "connections": ["stair.counter -> other.Int32_in"], "master": {"algorithm": "jacobi", "step": 0.5},
-        "units": {"stair": {"fmu": native_fmu("stair", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 20.0,
+                "connections": ["stair.counter -> other.Int32_in"],
+                "master": {"algorithm": "jacobi", "step": 0.5},
+                "units": {"stair": {"fmu": native_fmu("stair", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}},
+            }
+        )
+    )
     assert (result.outcome, result.message) == ("done", "stair ended the simulation at t = 10 s of 20 s")
     assert (result.time[-1], result["other.Int32_out"][-1]) == (10.0, 11.0)
 
@@ -132,10 +151,21 @@ def test_all_units_have_a_row_where_one_ends_inside_or_at_the_end_of_a_step(algo
     """Compiled steps of FMI 2 as well. Without states to go back to, units may already have passed an end inside of a step."""
     record = {"signals": ["f.now", "first.Float64_continuous_output", "last.Float64_continuous_output"]}
     other = {"fmu": native_fmu("feedthrough", fmi, flags)}
-    result = run(read_scene({
-        "stop_time": 1.0, "master": {"algorithm": algorithm, "step": 0.1}, "record": record,
-        "connections": ["f.now -> first.Float64_continuous_input", "f.now -> last.Float64_continuous_input"],
-        "units": {"first": other, "f": {"fmu": native_fmu("moody", fmi, flags), "parameters": {"end_at": end}}, "last": other}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 1.0,
+                "master": {"algorithm": algorithm, "step": 0.1},
+                "record": record,
+                "connections": ["f.now -> first.Float64_continuous_input", "f.now -> last.Float64_continuous_input"],
+                "units": {
+                    "first": other,
+                    "f": {"fmu": native_fmu("moody", fmi, flags), "parameters": {"end_at": end}},
+                    "last": other,
+                },
+            }
+        )
+    )
     stays = (fmi, flags) == (3, "")  # it completes the step
     ended, last = (0.4, 0.4) if stays else (end, 0.3 if end == 0.35 and STATE[3] not in flags else end)
     assert (result.outcome, result.time[-1]) == ("done", last)
@@ -175,8 +205,15 @@ def test_after_a_failed_step_an_earlier_state_goes_on(fmi):
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_tolerance_of_a_scene_is_handed_over(fmi):
     for given, told in ((None, -1.0), (1e-5, 1e-5)):  # the FMU's sign for none
-        result = run(read_scene({"stop_time": 0.1, "master": {"step": 0.1}, "units": {
-            "f": {"fmu": native_fmu("moody", fmi), **({} if given is None else {"tolerance": given})}}}))
+        result = run(
+            read_scene(
+                {
+                    "stop_time": 0.1,
+                    "master": {"step": 0.1},
+                    "units": {"f": {"fmu": native_fmu("moody", fmi), **({} if given is None else {"tolerance": given})}},
+                }
+            )
+        )
         assert result["f.tolerance"][-1] == told
 
 
@@ -211,8 +248,15 @@ def test_steps_are_multiples_of_a_fixed_internal_step():
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_van_der_pol_follows_the_equation(fmi):
     result = run(read_scene(scene("van_der_pol", fmi, step=0.01, stop=10.0, mu=2.0)))
-    exact = solve_ivp(lambda _, x: [x[1], 2.0 * (1.0 - x[0] ** 2) * x[1] - x[0]], (0.0, 10.0), [2.0, 0.0], "DOP853",
-                      t_eval=result.time, rtol=1e-12, atol=1e-12)
+    exact = solve_ivp(
+        lambda _, x: [x[1], 2.0 * (1.0 - x[0] ** 2) * x[1] - x[0]],
+        (0.0, 10.0),
+        [2.0, 0.0],
+        "DOP853",
+        t_eval=result.time,
+        rtol=1e-12,
+        atol=1e-12,
+    )
     np.testing.assert_allclose([result["f.x0"], result["f.x1"]], exact.y, atol=1e-9)
 
 
@@ -253,8 +297,16 @@ def test_inputs_follow_their_polynomials_where_the_fmu_asks_for_them(asked):
 
 # States
 
-MODELS = [("bouncing_ball", 2, ""), ("bouncing_ball", 3, ""), ("bouncing_ball", 3, EVENTS), ("dahlquist", 2, ""),
-          ("stair", 3, EVENTS), ("van_der_pol", 2, ""), ("van_der_pol", 3, ""), ("state_space", 3, "")]
+MODELS = [
+    ("bouncing_ball", 2, ""),
+    ("bouncing_ball", 3, ""),
+    ("bouncing_ball", 3, EVENTS),
+    ("dahlquist", 2, ""),
+    ("stair", 3, EVENTS),
+    ("van_der_pol", 2, ""),
+    ("van_der_pol", 3, ""),
+    ("state_space", 3, ""),
+]
 
 
 def walk(unit, first: int, steps: int) -> list:
@@ -338,9 +390,14 @@ def test_what_an_fmu_cannot_is_known_before_the_run():
     assert (plain.saves_state, plain.packs_state) == (False, False)
     assert (able.saves_state, able.packs_state) == (True, True)
     with pytest.raises(BadInput, match=r"master\.control\.method: 'doubling'.*save their state; .*f"):
-        read_scene({**scene("feedthrough"), "connections": ["f.Float64_continuous_output -> g.Float64_continuous_input"],
-                    "units": {n: {"fmu": native_fmu("feedthrough", 3)} for n in "fg"},
-                    "master": {"step": 0.1, "control": {"method": "doubling"}}})
+        read_scene(
+            {
+                **scene("feedthrough"),
+                "connections": ["f.Float64_continuous_output -> g.Float64_continuous_input"],
+                "units": {n: {"fmu": native_fmu("feedthrough", 3)} for n in "fg"},
+                "master": {"step": 0.1, "control": {"method": "doubling"}},
+            }
+        )
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -361,6 +418,7 @@ def test_derivatives_of_arrays():
 
 
 # What cannot start
+
 
 def changed(model: str, fmi: int, old: str, new: str) -> UnitSettings:
     return UnitSettings(fmu=native_fmu(model, fmi, "", (old, new)))
@@ -404,10 +462,14 @@ def test_a_file_that_cannot_be_unpacked_is_bad_input_and_leaves_no_folder(tmp_pa
     assert list(folder.iterdir()) == []
 
 
-@pytest.mark.parametrize(("old", "new", "named"), [
-    ('start="1"', 'start="one"', "start of 'h' is 'one'"), ('nominal="5"', 'nominal="x"', "nominal of 'Length' is 'x'"),
-    ('min="0.5"', 'min="0,5"', "min of 'e' is '0,5'"),
-])
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('start="1"', 'start="one"', "start of 'h' is 'one'"),
+        ('nominal="5"', 'nominal="x"', "nominal of 'Length' is 'x'"),
+        ('min="0.5"', 'min="0,5"', "min of 'e' is '0,5'"),
+    ],
+)
 def test_numbers_that_are_none_in_a_description_are_told_with_their_variable(old, new, named):
     with pytest.raises(BadInput, match=named):
         describe("f", changed("bouncing_ball", 3, old, new))

@@ -11,8 +11,10 @@ from cosimo.tests.units.native import EVENTS, MODELS, SMALL, STATE, native_fmu, 
 from fmpy import read_model_description
 from scipy.linalg import expm
 
-RANGES = {name: (0 if name[0] == "U" else -(2 ** (int(name.strip("UInt")) - 1)),
-                 2 ** (int(name.strip("UInt")) - (name[0] != "U")) - 1) for name in SMALL}
+RANGES = {
+    name: (0 if name[0] == "U" else -(2 ** (int(name.strip("UInt")) - 1)), 2 ** (int(name.strip("UInt")) - (name[0] != "U")) - 1)
+    for name in SMALL
+}
 VERSIONS = [(2, ""), (3, ""), (3, EVENTS)]  # with event mode discrete inputs must not be set outside it: the FMU would complain
 
 
@@ -35,8 +37,13 @@ def test_every_type_goes_in_and_comes_out(fmi, flags):
     if fmi == 3:
         assert len(inputs) == 4 + len(SMALL) + 1  # three reals, truth value, enumeration: one more than in the list below
     unit = started("feedthrough", fmi, flags, tuple(inputs), tuple(outputs))
-    special = {"Float64_continuous_input": 0.1, "Float64_discrete_input": -1e300, "Float32_continuous_input": 0.5,
-               "Boolean_in": 1.0, "Enumeration_in": 7.0}
+    special = {
+        "Float64_continuous_input": 0.1,
+        "Float64_discrete_input": -1e300,
+        "Float32_continuous_input": 0.5,
+        "Boolean_in": 1.0,
+        "Enumeration_in": 7.0,
+    }
     for end in (0, 1):  # lowest and highest value of each type; 64 bits as far as floats are exact
         wanted = [special.get(n) or float(max(min(RANGES[n[:-3]][end], 2**53), -(2**53))) for n in inputs]
         unit.drive(wanted, None, None, 0.1)
@@ -74,8 +81,10 @@ def test_units_that_only_the_fmu_knows_are_converted_by_its_definition():
     cubit = '<Unit name="cubit"><BaseUnit m="1" factor="{}"/></Unit></UnitDefinitions>'
 
     def fmu(length: str) -> dict:
-        change = (' unit="m" nominal="5"', ' unit="cubit"'), ("</UnitDefinitions>", cubit.format(length) if length else
-                                                              "</UnitDefinitions>")
+        change = (
+            (' unit="m" nominal="5"', ' unit="cubit"'),
+            ("</UnitDefinitions>", cubit.format(length) if length else "</UnitDefinitions>"),
+        )
         return {"fmu": native_fmu("feedthrough", 3, "", *change), "parameters": {"Float64_fixed_parameter": 3.0}}
 
     arrow = "a.Float64_continuous_output -> b.Float64_continuous_input"  # cubits for metres
@@ -112,12 +121,21 @@ def test_whole_numbers_that_floats_cannot_tell_apart_are_refused():
         started("feedthrough", 3, "", (), ("Int64_out",), Int64_in=2**53 + 1)
 
 
-@pytest.mark.parametrize(("parameters", "named"), [
-    ({"Int8_in": 128}, ["Int8_in = 128", "[-128, 127]"]), ({"UInt16_in": -1}, ["[0, 65535]"]), ({"Int32_in": 1.0}, ["Int32"]),
-    ({"Float32_continuous_input": 1e39}, ["finite"]), ({"Boolean_in": 1}, ["Boolean"]), ({"String_in": 1}, ["String"]),
-    ({"Enumeration_in": "tow"}, ["'tow'", "'two'"]), ({"Enumeration_in": 3}, ["one (1), two (2), far (7)"]),
-    ({"Binary_in": "0"}, ["Binary_in = '0'", "hexadecimal"]), ({"UInt64_in": -1}, ["[0, 18446744073709551615]"]),
-])
+@pytest.mark.parametrize(
+    ("parameters", "named"),
+    [
+        ({"Int8_in": 128}, ["Int8_in = 128", "[-128, 127]"]),
+        ({"UInt16_in": -1}, ["[0, 65535]"]),
+        ({"Int32_in": 1.0}, ["Int32"]),
+        ({"Float32_continuous_input": 1e39}, ["finite"]),
+        ({"Boolean_in": 1}, ["Boolean"]),
+        ({"String_in": 1}, ["String"]),
+        ({"Enumeration_in": "tow"}, ["'tow'", "'two'"]),
+        ({"Enumeration_in": 3}, ["one (1), two (2), far (7)"]),
+        ({"Binary_in": "0"}, ["Binary_in = '0'", "hexadecimal"]),
+        ({"UInt64_in": -1}, ["[0, 18446744073709551615]"]),
+    ],
+)
 def test_bad_values_of_parameters_name_what_the_type_holds(parameters, named):
     with pytest.raises(BadInput) as caught:
         described("feedthrough", **parameters)
@@ -152,14 +170,23 @@ def scene(*connections: str, **units) -> dict:
 
 def test_kinds_are_connected_through_a_run_of_two_versions_of_fmi():
     """A counter of FMI 3 through an FMU of FMI 2 and back to one of FMI 3, each a step of 0.1 s later."""
-    loaded = read_scene({
-        "stop_time": 3.0,
-        "connections": ["stair.counter -> two.Int32_in", "two.Int32_out -> three.Float64_discrete_input",
-                        "two.String_out -> three.String_in", "two.Enumeration_out -> three.Enumeration_in"],
-        "units": {"stair": {"fmu": native_fmu("stair", 3, EVENTS)},
-                  "two": {"fmu": native_fmu("feedthrough", 2), "parameters": {"String_in": "hello", "Enumeration_in": "two"}},
-                  "three": {"fmu": native_fmu("feedthrough", 3, EVENTS)}},
-        "master": {"algorithm": "jacobi", "step": 0.1}})
+    loaded = read_scene(
+        {
+            "stop_time": 3.0,
+            "connections": [
+                "stair.counter -> two.Int32_in",
+                "two.Int32_out -> three.Float64_discrete_input",
+                "two.String_out -> three.String_in",
+                "two.Enumeration_out -> three.Enumeration_in",
+            ],
+            "units": {
+                "stair": {"fmu": native_fmu("stair", 3, EVENTS)},
+                "two": {"fmu": native_fmu("feedthrough", 2), "parameters": {"String_in": "hello", "Enumeration_in": "two"}},
+                "three": {"fmu": native_fmu("feedthrough", 3, EVENTS)},
+            },
+            "master": {"algorithm": "jacobi", "step": 0.1},
+        }
+    )
     result = run(loaded)
     assert result.outcome == "done", result.message
     exact = np.floor(result.time + 1e-9) + 1.0
@@ -168,12 +195,15 @@ def test_kinds_are_connected_through_a_run_of_two_versions_of_fmi():
     assert set(result["three.Enumeration_out"]) == {2.0}
 
 
-@pytest.mark.parametrize(("connection", "named"), [
-    ("a.Float64_continuous_output -> b.Binary_in", "a real output for a binary input"),
-    ("a.String_out -> b.Binary_in", "a string output for a binary input"),
-    ("a.Float64_continuous_output -> b.Int32_in", "a real output for an integer input"),
-    ("a.String_out -> b.Int32_in", "a string output for an integer input"),
-])
+@pytest.mark.parametrize(
+    ("connection", "named"),
+    [
+        ("a.Float64_continuous_output -> b.Binary_in", "a real output for a binary input"),
+        ("a.String_out -> b.Binary_in", "a string output for a binary input"),
+        ("a.Float64_continuous_output -> b.Int32_in", "a real output for an integer input"),
+        ("a.String_out -> b.Int32_in", "a string output for an integer input"),
+    ],
+)
 def test_connections_of_kinds_that_do_not_fit_are_refused(connection, named):
     unit = {"fmu": native_fmu("feedthrough", 3)}
     with pytest.raises(BadInput, match=named):
@@ -182,8 +212,13 @@ def test_connections_of_kinds_that_do_not_fit_are_refused(connection, named):
 
 # Arrays
 
-MATRICES = {"A": [[0.0, 1.0], [-4.0, -0.5]], "B": [[0.0, 1.0, 0.0], [2.0, 0.0, 0.0]], "C": [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0],
-            [2.0, 0.0]], "D": [[0.0, 0.0, 1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]], "x0": [1.0, 0.5]}
+MATRICES = {
+    "A": [[0.0, 1.0], [-4.0, -0.5]],
+    "B": [[0.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+    "C": [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 0.0]],
+    "D": [[0.0, 0.0, 1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
+    "x0": [1.0, 0.5],
+}
 SIZES = {"m": 3, "n": 2, "r": 4}
 
 
@@ -240,9 +275,14 @@ def test_one_element_of_an_array_can_be_set():
 
 
 def test_nested_lists_of_a_scene_are_matrices():
-    loaded = read_scene({"stop_time": 1.0, "master": {"step": 0.1}, "units": {"f": {
-        "fmu": native_fmu("state_space", 3), "parameters": {**SIZES, **MATRICES, "u": [0.0, 0.0, 0.0]}}},
-        "record": {"signals": ["f.y"]}})
+    loaded = read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 0.1},
+            "units": {"f": {"fmu": native_fmu("state_space", 3), "parameters": {**SIZES, **MATRICES, "u": [0.0, 0.0, 0.0]}}},
+            "record": {"signals": ["f.y"]},
+        }
+    )
     result = run(loaded)
     assert list(result.columns) == [f"f.y[{k}]" for k in (1, 2, 3, 4)]
     end = np.array(MATRICES["C"]) @ expm(np.array(MATRICES["A"])) @ MATRICES["x0"]

@@ -1,6 +1,5 @@
 """FMUs as units: one of another maker, written in C for these tests, and our own given by path."""
 
-
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
@@ -62,11 +61,18 @@ def test_a_discarded_step_names_unit_time_and_log(foreign):
     assert result.time[-1] == pytest.approx(0.4)
 
 
-@pytest.mark.parametrize(("parameters", "named"), [
-    ({"limt": 1.0}, ["'limt'", "'limit'"]), ({"limit": -1.0}, ["limit = -1.0", "[0, inf]"]),
-    ({"limit": float("nan")}, ["limit = nan", "finite"]), ({"limit": "high"}, ["'high'", "Real"]),
-    ({"sign": 0.5}, ["sign = 0.5", "Integer"]), ({"sign": True}, ["sign = True", "Integer"]), ({"x": 1.0}, ["'x'"]),
-])
+@pytest.mark.parametrize(
+    ("parameters", "named"),
+    [
+        ({"limt": 1.0}, ["'limt'", "'limit'"]),
+        ({"limit": -1.0}, ["limit = -1.0", "[0, inf]"]),
+        ({"limit": float("nan")}, ["limit = nan", "finite"]),
+        ({"limit": "high"}, ["'high'", "Real"]),
+        ({"sign": 0.5}, ["sign = 0.5", "Integer"]),
+        ({"sign": True}, ["sign = True", "Integer"]),
+        ({"x": 1.0}, ["'x'"]),
+    ],
+)
 def test_bad_parameters(foreign, parameters, named):
     with pytest.raises(BadInput) as caught:
         read_scene(scene(foreign(), parameters))
@@ -88,12 +94,22 @@ def test_an_fmu_for_another_platform_is_bad_input(foreign):
 
 def test_own_fmu_by_path_equals_the_component():
     def pantograph(**unit):
-        return {"stop_time": 0.1, "units": {"p": {**unit, "effects": ["contact_loss", "bump_stops"],
-                                                  "parameters": {"bump_stops.travel": 0.02, "wire_height": 0.01}}},
-                "master": {"step": 1e-3}}
+        return {
+            "stop_time": 0.1,
+            "units": {
+                "p": {
+                    **unit,
+                    "effects": ["contact_loss", "bump_stops"],
+                    "parameters": {"bump_stops.travel": 0.02, "wire_height": 0.01},
+                }
+            },
+            "master": {"step": 1e-3},
+        }
 
-    by_path, here = run(read_scene(pantograph(fmu=str(built("Pantograph"))))), run(
-        read_scene(pantograph(component="Pantograph")), in_process=True)
+    by_path, here = (
+        run(read_scene(pantograph(fmu=str(built("Pantograph"))))),
+        run(read_scene(pantograph(component="Pantograph")), in_process=True),
+    )
     assert by_path.columns.keys() == here.columns.keys()
     for name in here.columns:
         assert by_path[name].tobytes() == here[name].tobytes()
@@ -102,9 +118,11 @@ def test_own_fmu_by_path_equals_the_component():
 
 def test_effects_of_an_fmu_are_checked():
     fmu = {"fmu": str(built("Pantograph"))}
-    for unit, named in [({"effects": ["contact_los"]}, "'contact_loss'"),
-                        ({"parameters": {"bump_stops.travel": 0.1}}, "Switch on the effect 'bump_stops'"),
-                        ({"parameters": {"effects.contact_loss": True}}, "List effects")]:
+    for unit, named in [
+        ({"effects": ["contact_los"]}, "'contact_loss'"),
+        ({"parameters": {"bump_stops.travel": 0.1}}, "Switch on the effect 'bump_stops'"),
+        ({"parameters": {"effects.contact_loss": True}}, "List effects"),
+    ]:
         with pytest.raises(BadInput, match=named):
             read_scene({"stop_time": 1.0, "units": {"p": {**fmu, **unit}}, "master": {"step": 0.1}})
 

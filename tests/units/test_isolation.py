@@ -39,9 +39,12 @@ def isolated(data: dict) -> dict:
 def troubled(trouble: str, when: float = 0.25, *, both: bool = False, **unit) -> dict:
     """Two units, the first of which gets into trouble, one second in ten steps. `both`: both of them are isolated."""
     first = {"component": TROUBLED, "isolation": "process", "parameters": {"trouble": trouble, "when": when}, **unit}
-    return {"stop_time": 1.0, "units": {"a": first, "b": {"component": TROUBLED, "isolation": "process" if both else "none"}},
-            "connections": ["a.steps -> b.driven", "b.steps -> a.driven"],
-            "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0}}
+    return {
+        "stop_time": 1.0,
+        "units": {"a": first, "b": {"component": TROUBLED, "isolation": "process" if both else "none"}},
+        "connections": ["a.steps -> b.driven", "b.steps -> a.driven"],
+        "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0},
+    }
 
 
 def alive(process: float) -> bool:
@@ -61,8 +64,9 @@ def gone(processes) -> bool:
 FULL = pytest.mark.full
 
 
-@pytest.mark.parametrize(("algorithm", "degree"), [pytest.param("jacobi", 0, marks=FULL), ("jacobi", 2),
-                                                   pytest.param("gauss-seidel", 1, marks=FULL)])
+@pytest.mark.parametrize(
+    ("algorithm", "degree"), [pytest.param("jacobi", 0, marks=FULL), ("jacobi", 2), pytest.param("gauss-seidel", 1, marks=FULL)]
+)
 def test_the_results_are_those_without_isolation(algorithm, degree):
     data = two_masses(algorithm, 1e-2, degree)
     here, there = run(read_scene(data)), run(read_scene(isolated(data)))
@@ -89,10 +93,12 @@ def test_a_wide_connection_and_an_fmu_lose_no_bit(in_process):
 
 def test_a_master_that_repeats_steps_gets_the_same_through_workers():
     """Saved states, located events of an FMU and repeated steps; the FMU is for model exchange."""
-    data = {"stop_time": 0.6, "connections": ["p.time -> f.u", "f.y -> p.length"],
-            "units": {"p": {"component": "cosimo.tests.support:Probe"},
-                      "f": {"fmu": exchange_fmu()}},
-            "master": {"algorithm": "iterative", "step": 0.05, "extrapolation": 1}}
+    data = {
+        "stop_time": 0.6,
+        "connections": ["p.time -> f.u", "f.y -> p.length"],
+        "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {"fmu": exchange_fmu()}},
+        "master": {"algorithm": "iterative", "step": 0.05, "extrapolation": 1},
+    }
     here, there = run(read_scene(data)), run(read_scene(isolated(data)))
     assert (here.outcome, there.outcome) == ("done", "done"), here.message + there.message
     assert here["f.bounces"][-1] == 1
@@ -102,9 +108,15 @@ def test_a_master_that_repeats_steps_gets_the_same_through_workers():
 
 
 def test_a_run_goes_on_from_a_checkpoint_in_other_workers(tmp_path):
-    data = {"stop_time": 0.6, "connections": ["p.time -> f.u"], "master": {"step": 0.05},
-            "units": {"p": {"component": "cosimo.tests.support:Probe"},
-                      "f": {"fmu": exchange_fmu(), "parameters": {"period": 0.13}, "isolation": "process"}}}
+    data = {
+        "stop_time": 0.6,
+        "connections": ["p.time -> f.u"],
+        "master": {"step": 0.05},
+        "units": {
+            "p": {"component": "cosimo.tests.support:Probe"},
+            "f": {"fmu": exchange_fmu(), "parameters": {"period": 0.13}, "isolation": "process"},
+        },
+    }
     scene = read_scene(data)
     whole = run(scene, checkpoint_every=0.4, checkpoint_to=tmp_path / "half")
     resumed = run(scene, resume=tmp_path / "half")
@@ -115,6 +127,7 @@ def test_a_run_goes_on_from_a_checkpoint_in_other_workers(tmp_path):
 
 def test_a_step_is_one_request():
     """What a run of 100 steps asks for beyond one of 50 are the 50 steps, and for the mass alone nothing else."""
+
     def requests(stop_time):
         data = {**two_masses(), "stop_time": stop_time}
         data["units"]["a"]["isolation"] = "process"
@@ -128,19 +141,27 @@ def test_units_in_workers_step_at_the_same_time(tmp_path, monkeypatch):
     """Each step of either unit ends only if the other one is in its own: one after the other they would fail."""
     monkeypatch.setenv("COSIMO_TEST_MEETING", str(tmp_path))
     meeting = "cosimo.tests.units.troubled:Meeting"
-    data = {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": 0.1},
-            "units": {"a": {"component": meeting}, "b": {"component": meeting, "parameters": {"me": 2.0}}},
-            "connections": ["a.met -> b.driven", "b.met -> a.driven"]}
+    data = {
+        "stop_time": 1.0,
+        "master": {"algorithm": "jacobi", "step": 0.1},
+        "units": {"a": {"component": meeting}, "b": {"component": meeting, "parameters": {"me": 2.0}}},
+        "connections": ["a.met -> b.driven", "b.met -> a.driven"],
+    }
     result = run(read_scene(isolated(data)))
     assert result.outcome == "done", result.message
     assert result["a.met"][-1] == result["b.met"][-1] == 10
 
 
-@pytest.mark.parametrize(("trouble", "said"), [
-    ("segfault", "ended by signal 11 (Segmentation fault)"), pytest.param("kill", "ended by signal 9 (Killed)", marks=FULL),
-    pytest.param("exit", "ended itself with code 7", marks=FULL), ("exception", "ZeroDivisionError: division by zero"),
-    ("print", "ended itself with code 7\n  log: a line of the unit\n  log: and one of its library"),
-])
+@pytest.mark.parametrize(
+    ("trouble", "said"),
+    [
+        ("segfault", "ended by signal 11 (Segmentation fault)"),
+        pytest.param("kill", "ended by signal 9 (Killed)", marks=FULL),
+        pytest.param("exit", "ended itself with code 7", marks=FULL),
+        ("exception", "ZeroDivisionError: division by zero"),
+        ("print", "ended itself with code 7\n  log: a line of the unit\n  log: and one of its library"),
+    ],
+)
 def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble, said, tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     both = trouble == "segfault"  # the worker that is well ends, too
@@ -192,11 +213,16 @@ def test_a_worker_that_dies_at_its_start_is_bad_input(monkeypatch):
 
 
 def test_what_a_crashing_library_has_logged_and_printed_is_told():
-    data = {"stop_time": 1.0, "master": {"step": 0.1},
-            "units": {"f": {"fmu": exchange_fmu(), "parameters": {"crash": 0.25}, "isolation": "process"}}}
+    data = {
+        "stop_time": 1.0,
+        "master": {"step": 0.1},
+        "units": {"f": {"fmu": exchange_fmu(), "parameters": {"crash": 0.25}, "isolation": "process"}},
+    }
     result = run(read_scene(data))
-    assert result.message == ("f failed at t = 0.2 s: its worker process was ended by signal 11 (Segmentation fault)\n"
-                              "  log: printed before the end\n  log: f: logged before the end")
+    assert result.message == (
+        "f failed at t = 0.2 s: its worker process was ended by signal 11 (Segmentation fault)\n"
+        "  log: printed before the end\n  log: f: logged before the end"
+    )
     assert result.time.tolist() == [0.0, 0.1, 0.2]
 
 
@@ -228,14 +254,25 @@ def test_a_worker_that_does_not_start_is_bad_input(monkeypatch):
 
 def misbehaving(how: int, isolation: str = "process") -> dict:
     """An FMU that does something at 0.55 s that no unit should, see moody.h."""
-    return {"stop_time": 1.0, "master": {"step": 0.1}, "record": {"signals": ["f.now"]}, "units": {"f": {
-        "fmu": native_fmu("moody", 3), "parameters": {"exit_at": 0.55, "mischief": how}, "isolation": isolation}}}
+    return {
+        "stop_time": 1.0,
+        "master": {"step": 0.1},
+        "record": {"signals": ["f.now"]},
+        "units": {"f": {"fmu": native_fmu("moody", 3), "parameters": {"exit_at": 0.55, "mischief": how}, "isolation": isolation}},
+    }
 
 
-@pytest.mark.parametrize(("how", "said"), [
-    (PRINTS, ""), (MOVES, ""), (WRITES, "something else than answers came from its worker process, which was ended"),
-    pytest.param(CLOSES, "its worker process ended itself with code 1", marks=FULL),
-    pytest.param(RECURSES, "was ended by signal 11", marks=FULL), pytest.param(ABORTS, "was ended by signal 6", marks=FULL)])
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        (PRINTS, ""),
+        (MOVES, ""),
+        (WRITES, "something else than answers came from its worker process, which was ended"),
+        pytest.param(CLOSES, "its worker process ended itself with code 1", marks=FULL),
+        pytest.param(RECURSES, "was ended by signal 11", marks=FULL),
+        pytest.param(ABORTS, "was ended by signal 6", marks=FULL),
+    ],
+)
 def test_what_a_library_does_to_its_process_stays_there(how, said, capfd):
     """Many lines, another directory, garbage in all its open files, none of them open any more ..."""
     here = os.getcwd()
@@ -261,8 +298,13 @@ def test_warnings_of_a_unit_reach_the_run_and_a_time_limit_does_nothing_to_a_uni
 
 def test_rollback_and_packed_states_through_a_worker():
     """A state, saved there, restored, and packed for an instance in another worker."""
-    loaded = read_scene({"stop_time": 1.0, "master": {"step": 0.1},
-                         "units": {"p": {"component": "cosimo.tests.support:Oscillator", "isolation": "process"}}}).units["p"]
+    loaded = read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 0.1},
+            "units": {"p": {"component": "cosimo.tests.support:Oscillator", "isolation": "process"}},
+        }
+    ).units["p"]
 
     def stepped(unit):
         unit.drive([0.002], [0.1], None, 1e-3)
@@ -320,8 +362,14 @@ print(result.outcome, result.message, len(result.time), flush=True)
 
 def started(scene: dict, folder: Path) -> tuple[subprocess.Popen, list[int]]:
     """A process that runs the scene, and its workers; a session of its own, as a terminal gives."""
-    process = subprocess.Popen([sys.executable, "-c", RUN.format(scene=scene)], stdout=subprocess.PIPE, text=True, cwd=ROOT,
-                               start_new_session=True, env={**os.environ, "TMPDIR": str(folder)})
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN.format(scene=scene)],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        start_new_session=True,
+        env={**os.environ, "TMPDIR": str(folder)},
+    )
     process.stdout.readline()
     end, workers = time.monotonic() + PATIENCE, []
     while len(workers) < 2 and time.monotonic() < end:

@@ -62,8 +62,14 @@ def own_folder(tmp_path, monkeypatch):
 def test_two_thousand_runs_of_components():
     """A signal of the result that was kept would be some hundred bytes."""
     unit = {"component": "Pantograph", "effects": ["contact_loss"]}
-    scene = read_scene({"stop_time": 2e-3, "units": {"p": unit, "q": unit}, "master": {"step": 1e-3},
-                        "connections": ["p.head_height -> q.wire_height"]})
+    scene = read_scene(
+        {
+            "stop_time": 2e-3,
+            "units": {"p": unit, "q": unit},
+            "master": {"step": 1e-3},
+            "connections": ["p.head_height -> q.wire_height"],
+        }
+    )
     assert growth(scene, 2000, 100, in_process=True) < 100.0
 
 
@@ -86,8 +92,9 @@ def test_runs_of_an_fmu_made_with_pythonfmu():
 @pytest.mark.full
 @pytest.mark.parametrize(("parameters", "outcome"), [({"k": 0.0, "u": 1.0, "limit": 0.15}, "failed"), ({"end": 0.1}, "done")])
 def test_runs_that_fail_or_end_early_leave_nothing_either(parameters, outcome):
-    scene = read_scene({"stop_time": 0.3, "units": {"f": {"fmu": exchange_fmu(), "parameters": parameters}},
-                        "master": {"step": 0.1}})
+    scene = read_scene(
+        {"stop_time": 0.3, "units": {"f": {"fmu": exchange_fmu(), "parameters": parameters}}, "master": {"step": 0.1}}
+    )
     run(scene)
     before = at_rest(held)
     for _ in range(20):
@@ -113,11 +120,19 @@ def test_units_of_one_fmu_that_run_at_the_same_time_have_folders_of_their_own(tm
 
 def test_the_folders_are_gone_with_the_process(tmp_path):
     data = {"stop_time": 0.1, "units": {"f": {"fmu": exchange_fmu()}}, "master": {"step": 0.1}}
-    code = ("from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import read_scene\n"
-            "import tempfile, os\n"
-            f"scene = read_scene({data!r})\n"
-            "print(run(scene).outcome, len(os.listdir(tempfile.gettempdir())))")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, timeout=600,
-                          env={**os.environ, "TMPDIR": str(tmp_path)})
+    code = (
+        "from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import read_scene\n"
+        "import tempfile, os\n"
+        f"scene = read_scene({data!r})\n"
+        "print(run(scene).outcome, len(os.listdir(tempfile.gettempdir())))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        timeout=600,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
     assert done.stdout == "done 1\n", done.stderr
     assert list(tmp_path.iterdir()) == []

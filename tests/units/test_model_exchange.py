@@ -23,8 +23,11 @@ SPREAD = 2.0 * math.sqrt(3.0)  # a state's error in a step: below relative (|x| 
 
 
 def scene(parameters=None, fmu=None, step=0.1, stop=1.0, **unit) -> dict:
-    return {"stop_time": stop, "units": {"f": {"fmu": fmu or exchange_fmu(), "parameters": parameters or {}, **unit}},
-            "master": {"step": step}}
+    return {
+        "stop_time": stop,
+        "units": {"f": {"fmu": fmu or exchange_fmu(), "parameters": parameters or {}, **unit}},
+        "master": {"step": step},
+    }
 
 
 def opened(parameters=None, inputs=("u",), outputs=("x",), values=(0.0,), **more):
@@ -152,9 +155,16 @@ def test_an_fmu_that_ends_the_simulation():
     assert result["f.h"][-1] == pytest.approx(height(result.time[-1])[0], abs=1e-6)
 
 
-COUPLED = [("jacobi", {}), ("gauss-seidel", {}), ("iterative", {"extrapolation": 1}), ("jacobi", {"every": 3}),
-           ("jacobi", {"isolation": "process"}), ("iterative", {"extrapolation": 1, "isolation": "process"}),
-           ("jacobi", {"control": {"method": "milne", "relative": 1e-3}}), ("gauss-seidel", {"events": ["f.h"]})]
+COUPLED = [
+    ("jacobi", {}),
+    ("gauss-seidel", {}),
+    ("iterative", {"extrapolation": 1}),
+    ("jacobi", {"every": 3}),
+    ("jacobi", {"isolation": "process"}),
+    ("iterative", {"extrapolation": 1, "isolation": "process"}),
+    ("jacobi", {"control": {"method": "milne", "relative": 1e-3}}),
+    ("gauss-seidel", {"events": ["f.h"]}),
+]
 
 
 @pytest.mark.parametrize("saves", [True, False])
@@ -164,13 +174,24 @@ def test_coupled_units_end_where_one_of_them_ends_inside_a_step(algorithm, more,
     if not saves and (algorithm == "iterative" or "events" in more):
         return  # refused
     unit = {k: v for k, v in more.items() if k in ("every", "isolation")}
-    result = run(read_scene({
-        "stop_time": 1.0, "connections": ["p.time -> f.u", "f.y -> p.length"],
-        "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {
-            "fmu": exchange_fmu(capabilities=CAPABILITIES if saves else ""), **unit,
-            "parameters": {"period": 0.35, "end": 0.35}}},
-        "master": {"algorithm": algorithm, "step": 0.1, **{k: v for k, v in more.items() if k not in unit}},
-        "record": {"signals": ["p.time", "f.h"]}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 1.0,
+                "connections": ["p.time -> f.u", "f.y -> p.length"],
+                "units": {
+                    "p": {"component": "cosimo.tests.support:Probe"},
+                    "f": {
+                        "fmu": exchange_fmu(capabilities=CAPABILITIES if saves else ""),
+                        **unit,
+                        "parameters": {"period": 0.35, "end": 0.35},
+                    },
+                },
+                "master": {"algorithm": algorithm, "step": 0.1, **{k: v for k, v in more.items() if k not in unit}},
+                "record": {"signals": ["p.time", "f.h"]},
+            }
+        )
+    )
     assert result.outcome == "done", result.message
     assert result.message.startswith("f ended the simulation at t = 0.35 s of 1 s")
     last = 0.35 if saves and "every" not in more else result.time[-1]
@@ -209,6 +230,7 @@ def test_rollback_and_packed_states(solver):
     """Also across bounces and time events; a state that is only saved changes nothing. What follows a state that is taken back
     is the same to the last bit each time; where the integrator has forgotten its past by then, it is what it was within the
     tolerance."""
+
     def start():
         return opened({"period": 0.3}, ("u", "reversed"), ("x", "h", "v", "ticks", "passages"), (0.0, 0.0), solver=solver)
 
@@ -241,6 +263,7 @@ def test_rollback_and_packed_states(solver):
 
 def test_a_run_goes_on_from_a_file_as_the_run_that_wrote_it():
     """Packing a state makes a multistep integrator begin anew, in the run that goes on without the file, too."""
+
     def stepped(unit, k):
         unit.step(0.1 * k, 0.1)
         return unit.get()
@@ -256,13 +279,21 @@ def test_a_run_goes_on_from_a_file_as_the_run_that_wrote_it():
 
 # Accuracy by default, against solutions of other methods
 
+
 @pytest.mark.parametrize("step", [0.01, 0.1, 0.5])
 @pytest.mark.parametrize("capabilities", ["", CAPABILITIES])
 def test_van_der_pol_is_within_1e_5_by_default(step, capabilities):
     """Of a solution of order 8 with a tolerance of 1e-12; restarts of CVode at every macro step cost 5e-3 at 0.01 s."""
     result = run(read_scene(scene({"mu": 1.0}, exchange_fmu(capabilities=capabilities), step=step, stop=20.0)))
-    exact = solve_ivp(lambda _, x: [x[1], (1.0 - x[0] ** 2) * x[1] - x[0]], (0.0, 20.0), [2.0, 0.0], "DOP853",
-                      t_eval=result.time, rtol=1e-12, atol=1e-12)
+    exact = solve_ivp(
+        lambda _, x: [x[1], (1.0 - x[0] ** 2) * x[1] - x[0]],
+        (0.0, 20.0),
+        [2.0, 0.0],
+        "DOP853",
+        t_eval=result.time,
+        rtol=1e-12,
+        atol=1e-12,
+    )
     assert result.outcome == "done", result.message
     assert np.abs([result["f.h"], result["f.v"]] - exact.y).max() < 1e-5
 
@@ -319,11 +350,14 @@ def test_capabilities_come_from_the_interface_that_is_used():
     assert (poor.saves_state, poor.packs_state, poor.gives_jacobian) == (False,) * 3
 
 
-@pytest.mark.parametrize(("unit", "said"), [
-    ({"solver": "RK54"}, r"units\.f\.solver: 'RK54'; expected a method of integration. did you mean 'RK45'"),
-    ({"interface": "co-simulation"}, r"units\.f\.interface: 'co-simulation'.*It is for model exchange only"),
-    ({"tolerance": -1.0}, r"units\.f\.tolerance"),
-])
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ({"solver": "RK54"}, r"units\.f\.solver: 'RK54'; expected a method of integration. did you mean 'RK45'"),
+        ({"interface": "co-simulation"}, r"units\.f\.interface: 'co-simulation'.*It is for model exchange only"),
+        ({"tolerance": -1.0}, r"units\.f\.tolerance"),
+    ],
+)
 def test_options_that_do_not_fit_are_refused(unit, said):
     with pytest.raises(BadInput, match=said):
         read_scene(scene(**unit))

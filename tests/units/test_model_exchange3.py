@@ -14,13 +14,21 @@ from cosimo.orchestrator.units import describe, open_unit
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 
 H = 0.4  # s
-HISTORIES = {"ball": ({}, 2.0), "ticks": ({"period": 0.03}, 1.0), "saw": ({"k": 0.0, "saw": 0.25, "u": 1.0}, 1.0),
-             "oscillator": ({"mu": 1.0}, 5.0), "end": ({"end": 0.43}, 1.0)}
+HISTORIES = {
+    "ball": ({}, 2.0),
+    "ticks": ({"period": 0.03}, 1.0),
+    "saw": ({"k": 0.0, "saw": 0.25, "u": 1.0}, 1.0),
+    "oscillator": ({"mu": 1.0}, 5.0),
+    "end": ({"end": 0.43}, 1.0),
+}
 
 
 def scene(version, parameters, stop=1.0, **unit):
-    return {"stop_time": stop, "master": {"step": 0.1},
-            "units": {"f": {"fmu": exchange_fmu(version=version), "parameters": parameters, **unit}}}
+    return {
+        "stop_time": stop,
+        "master": {"step": 0.1},
+        "units": {"f": {"fmu": exchange_fmu(version=version), "parameters": parameters, **unit}},
+    }
 
 
 @pytest.mark.parametrize("name", HISTORIES)
@@ -40,8 +48,9 @@ def test_both_versions_give_the_same_bits(name, solver):
 def opened(u="scalar", inputs=("u",), outputs=("x",), values=(0.0,), parameters=None, **more):
     """A unit at t = 0."""
     data = {"fmu": exchange_fmu(version=3, u=u), "parameters": parameters or {}, **more}
-    unit = open_unit("f", read_scene({"stop_time": 1.0, "units": {"f": data}, "master": {"step": 0.1}}).units["f"],
-                     in_process=False)
+    unit = open_unit(
+        "f", read_scene({"stop_time": 1.0, "units": {"f": data}, "master": {"step": 0.1}}).units["f"], in_process=False
+    )
     unit.wire(list(inputs), list(outputs))
     unit.initialize(0.0, list(values))
     unit.start()

@@ -25,10 +25,15 @@ def test_arrays_of_fmi_3_are_recorded_as_their_elements():
 
 def test_long_arrays_are_recorded_in_part_where_there_is_nothing_else():
     """200 outputs that the description gives in the place of three: nothing is run, only resolved."""
-    fmu = native_fmu("state_space", 3, "", ('name="y" valueReference="10" causality="output" variability="continuous" >'
-                                            '<Dimension valueReference="3"/>',
-                                            'name="y" valueReference="10" causality="output" variability="continuous" >'
-                                            '<Dimension start="200"/>'))
+    fmu = native_fmu(
+        "state_space",
+        3,
+        "",
+        (
+            'name="y" valueReference="10" causality="output" variability="continuous" ><Dimension valueReference="3"/>',
+            'name="y" valueReference="10" causality="output" variability="continuous" ><Dimension start="200"/>',
+        ),
+    )
     assert len(read_scene(scene(fmu)).coupling.signals) == LONGEST
     assert len(read_scene(scene(fmu, {"signals": ["f.y"]})).coupling.signals) == 200
 
@@ -62,9 +67,13 @@ SAID = 'Grüße, "世界"\nand more'
 def speaking(isolation: str = "none", **more) -> dict:
     """A text that goes from one unit to another, at the start of each step, and what comes out there."""
     said = {"fmu": native_fmu("feedthrough", 3, STATE[3]), "parameters": {"String_in": SAID}, "isolation": isolation}
-    return {"stop_time": 1.0, "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 2, STATE[2])}},
-            "connections": ["a.String_out -> b.String_in"], "master": {"step": 0.1},
-            "record": {"signals": ["b.String_out", "a.Boolean_out", "a.String_out", "b.Enumeration_out"], **more}}
+    return {
+        "stop_time": 1.0,
+        "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 2, STATE[2])}},
+        "connections": ["a.String_out -> b.String_in"],
+        "master": {"step": 0.1},
+        "record": {"signals": ["b.String_out", "a.Boolean_out", "a.String_out", "b.Enumeration_out"], **more},
+    }
 
 
 @pytest.mark.parametrize("isolation", ["none", "process"])
@@ -99,10 +108,17 @@ def test_texts_of_a_run_that_is_resumed_are_those_of_the_whole_one(tmp_path):
 @pytest.mark.parametrize("octets", ["00ff00", "", "666F6F"])
 def test_binaries_go_from_unit_to_unit_beside_texts_and_are_recorded_as_fmi_writes_them(octets, isolation):
     said = {"fmu": native_fmu("feedthrough", 3), "parameters": {"String_in": SAID, "Binary_in": octets}, "isolation": isolation}
-    result = run(read_scene({
-        "stop_time": 0.3, "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 3)}}, "master": {"step": 0.1},
-        "connections": ["a.Binary_out -> b.Binary_in", "a.String_out -> b.String_in"],
-        "record": {"signals": ["b.Binary_out", "b.String_out", "b.Int8_out"]}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 0.3,
+                "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 3)}},
+                "master": {"step": 0.1},
+                "connections": ["a.Binary_out -> b.Binary_in", "a.String_out -> b.String_in"],
+                "record": {"signals": ["b.Binary_out", "b.String_out", "b.Int8_out"]},
+            }
+        )
+    )
     assert result.outcome == "done", result.message
     assert result["b.Binary_out"].tolist() == [octets.lower()] * 4
     assert result["b.String_out"].tolist() == [SAID] * 4

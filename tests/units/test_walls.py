@@ -92,8 +92,9 @@ def test_the_option_is_for_foreign_code(tmp_path, capsys):
     assert end.value.code == 2
     assert "all of whose units are components of the catalogue" in capsys.readouterr().err
     with pytest.raises(BadInput, match="an FMU or module:Class"):
-        read_scene({"stop_time": 1.0, "master": {"step": 0.1},
-                    "units": {"p": {"component": "Pantograph", "isolation": "restricted"}}})
+        read_scene(
+            {"stop_time": 1.0, "master": {"step": 0.1}, "units": {"p": {"component": "Pantograph", "isolation": "restricted"}}}
+        )
     path = tmp_path / "foreign.toml"
     path.write_text('units.m.component = "cosimo.tests.support:Mass"\nmaster.step = 0.01\nstop_time = 0.1\n')
     with pytest.raises(SystemExit) as end:
@@ -104,8 +105,9 @@ def test_the_option_is_for_foreign_code(tmp_path, capsys):
     assert info["scene"]["title"] == ""
 
 
-@pytest.mark.parametrize("maker", [exchange_fmu, pytest.param(lambda: str(built("Pantograph")), marks=pytest.mark.full)],
-                         ids=["compiled", "pythonfmu"])
+@pytest.mark.parametrize(
+    "maker", [exchange_fmu, pytest.param(lambda: str(built("Pantograph")), marks=pytest.mark.full)], ids=["compiled", "pythonfmu"]
+)
 def test_fmus_behind_walls(maker):
     """They are unpacked, loaded and stepped there; an FMU of pythonfmu brings an interpreter with it."""
     scene = {"stop_time": 0.02, "units": {"u": {"fmu": maker()}}, "master": {"step": 1e-3}}

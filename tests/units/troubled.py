@@ -152,9 +152,14 @@ class Curious(Component):
             np.empty(6 << 30, dtype=np.uint8)  # reserved, not filled
         except MemoryError:
             got = 0.0
-        self.y[:] = (_answers(_connect), _answers(lambda: target.write_text("x")),
-                     _answers(lambda: Path(tempfile.gettempdir(), "own").write_text("x")),
-                     float("COSIMO_TEST_SECRET" in os.environ), _answers(lambda: os.kill(os.getppid(), 0)), got)
+        self.y[:] = (
+            _answers(_connect),
+            _answers(lambda: target.write_text("x")),
+            _answers(lambda: Path(tempfile.gettempdir(), "own").write_text("x")),
+            float("COSIMO_TEST_SECRET" in os.environ),
+            _answers(lambda: os.kill(os.getppid(), 0)),
+            got,
+        )
 
 
 class Forger(Component):

@@ -18,8 +18,10 @@ from .table import Dropper, Line, checked_number, read_line
 
 def column_names() -> dict[str, str]:
     """Key of `Dropper` -> name of its column, with the unit."""
-    return {f.name: f.name.replace("_", " ") + (f" [{unit}]" if (unit := f.metadata.get("unit", "1")) != "1" else "")
-            for f in fields(Dropper)}
+    return {
+        f.name: f.name.replace("_", " ") + (f" [{unit}]" if (unit := f.metadata.get("unit", "1")) != "1" else "")
+        for f in fields(Dropper)
+    }
 
 
 def line_of(values: Mapping[str, Any], where: str = "line") -> Line:
@@ -35,8 +37,12 @@ def with_droppers(line: Line, text: str, where: str) -> Line:
     sections = [_with_rows(s, i, rows, line) for i, s in enumerate(resolved_sections(line))]
     if rows:
         place, row = next(iter(rows.items()))
-        raise BadInput(f"{where}, line {place}", f"a dropper of contact wire {row.contact_wire or 1:g} at {row.position:g} m",
-                       "a place inside a span with that wire", "Positions count from the first support of the line.")
+        raise BadInput(
+            f"{where}, line {place}",
+            f"a dropper of contact wire {row.contact_wire or 1:g} at {row.position:g} m",
+            "a place inside a span with that wire",
+            "Positions count from the first support of the line.",
+        )
     return replace(line, sections=tuple(sections))
 
 
@@ -49,8 +55,13 @@ def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper], line: Line) ->
         mine = {place: row for place, row in rows.items() if a < row.position < b and (row.contact_wire or 1.0) in wires}
         for place in mine:
             del rows[place]
-        own = sorted((replace(row, position=row.position - float(a), contact_wire=row.contact_wire if twin else None)
-                      for row in mine.values()), key=lambda row: row.position)
+        own = sorted(
+            (
+                replace(row, position=row.position - float(a), contact_wire=row.contact_wire if twin else None)
+                for row in mine.values()
+            ),
+            key=lambda row: row.position,
+        )
         spans.append(replace(span, dropper_list=tuple(own), positions=None, second_positions=None, heights=None))
     return replace(s.section, spans=tuple(spans), span=type(s.section.span)())
 
@@ -75,8 +86,12 @@ def _rows(text: str, where: str) -> dict[int, Dropper]:
         if not any(cell.strip() for cell in cells):
             continue
         if len(cells) != len(header):
-            raise BadInput(f"{where}, line {place}", f"{len(cells)} cells", f"{len(header)}, one for each column",
-                           "Decimal commas need semicolons between the cells." if len(cells) > len(header) else "")
+            raise BadInput(
+                f"{where}, line {place}",
+                f"{len(cells)} cells",
+                f"{len(header)}, one for each column",
+                "Decimal commas need semicolons between the cells." if len(cells) > len(header) else "",
+            )
         given = {names[c]: cell.strip() for c, cell in zip(header, cells, strict=True) if cell.strip()}
         rows[place] = _dropper(given, delimiter != ",", f"{where}, line {place}")
     if not rows:
@@ -101,4 +116,3 @@ def _dropper(given: dict[str, str], commas: bool, where: str) -> Dropper:
     if "position" not in values:
         raise BadInput(where, "no position", "that of the dropper along the line, m")
     return Dropper(**values)
-

@@ -322,9 +322,11 @@ def find_form_at_rest(plan, given, filled, net):
         return status
     for k in range(plan.droppers.shape[0]):
         filled.dropper[CUT_AT_REST, k] = filled.dropper[CUT_LENGTH, k]
-    for given_row, formed, agreed, status in ((GIVEN_LENGTH, LENGTH, AGREED_LENGTH, OTHER_LENGTH),
-                                             (GIVEN_CUT, CUT_LENGTH, AGREED_LENGTH, OTHER_CUT),
-                                             (GIVEN_PRELOAD, PRELOAD, AGREED_FORCE, OTHER_PRELOAD)):
+    for given_row, formed, agreed, status in (
+        (GIVEN_LENGTH, LENGTH, AGREED_LENGTH, OTHER_LENGTH),
+        (GIVEN_CUT, CUT_LENGTH, AGREED_LENGTH, OTHER_CUT),
+        (GIVEN_PRELOAD, PRELOAD, AGREED_FORCE, OTHER_PRELOAD),
+    ):
         worst, most = -1, agreed
         for k in range(plan.droppers.shape[0]):
             off = abs(plan.dropper_numbers[given_row, k] - filled.dropper[formed, k])
@@ -378,9 +380,19 @@ class Found:
         stiffness = h.stiffness[messenger]
         with np.errstate(divide="ignore"):
             spring = np.where(stiffness > 0.0, reaction[messenger] / stiffness, np.inf)
-        return Form(layout, plan.place.copy(), self.net.nodal[Z].reshape(plan.place.size, -1).copy(), own[LENGTH].copy(),
-                    own[CUT_LENGTH].copy(), own[PRELOAD].copy(), h.position[messenger], reaction[messenger],
-                    h.height[messenger] + spring, reaction[held], np.column_stack((h.position[held], h.lane[held])))
+        return Form(
+            layout,
+            plan.place.copy(),
+            self.net.nodal[Z].reshape(plan.place.size, -1).copy(),
+            own[LENGTH].copy(),
+            own[CUT_LENGTH].copy(),
+            own[PRELOAD].copy(),
+            h.position[messenger],
+            reaction[messenger],
+            h.height[messenger] + spring,
+            reaction[held],
+            np.column_stack((h.position[held], h.lane[held])),
+        )
 
 
 def given_of(p: Any, **more: float) -> Given:

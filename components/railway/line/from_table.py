@@ -12,19 +12,7 @@ import numpy as np
 
 from ...core.errors import BadInput
 from .layout import SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
-from .table import (
-    MOST_DROPPERS,
-    MOST_SPANS,
-    Dropper,
-    DropperData,
-    Line,
-    Section,
-    Span,
-    Stitch,
-    Support,
-    WireData,
-    over,
-)
+from .table import MOST_DROPPERS, MOST_SPANS, Dropper, DropperData, Line, Section, Span, Stitch, Support, WireData, over
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
 NOT_AT_ANCHORS = ("stiffness", "damping", "held", "contact_stiffness", "arm", "stitch")
@@ -53,12 +41,22 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
             raise BadInput(f"{at}.spans", "none", "at least one span", "Write spans = [length, ...].")
         if section.supports and len(section.supports) != len(spans) + 1:
             raise BadInput(f"{at}.supports", f"{len(section.supports)} for {len(spans)} spans", f"{len(spans) + 1}, or none")
-        base = Support(contact_height=0.0, system_height=SYSTEM_HEIGHT, contact_stiffness=0.0, stagger=0.0, held=False,
-                       stitch=Stitch(half_length=0.0))
+        base = Support(
+            contact_height=0.0,
+            system_height=SYSTEM_HEIGHT,
+            contact_stiffness=0.0,
+            stagger=0.0,
+            held=False,
+            stitch=Stitch(half_length=0.0),
+        )
         for k in (1, len(section.supports)):
             if ignored := [n for n in NOT_AT_ANCHORS if section.supports and _says(getattr(section.supports[k - 1], n))]:
-                raise BadInput(f"{at}.supports[{k}].{ignored[0]}", "a value for an anchor, where both wires are fixed", "none",
-                               "Leave it out, or give it to a support between the first and the last.")
+                raise BadInput(
+                    f"{at}.supports[{k}].{ignored[0]}",
+                    "a value for an anchor, where both wires are fixed",
+                    "none",
+                    "Leave it out, or give it to a support between the first and the last.",
+                )
         if section.second_contact_wire.tension is None and _says(section.second_contact_wire):
             raise BadInput(f"{at}.second_contact_wire", "a wire without tension", "its tension: with it there is one")
         given = section.supports or (Support(),) * (len(spans) + 1)
@@ -114,8 +112,12 @@ def lay_out(line: Line, bending: bool) -> Layout:
         reference = sections[0].supports[0].contact_height
     two = any(s.section.second_contact_wire.tension is not None for s in sections)
     if two and len(sections) > 1:
-        raise BadInput("line.sections", "two contact wires in a line of several sections", "one section",
-                       "Overlaps of sections with two contact wires each are not modelled.")
+        raise BadInput(
+            "line.sections",
+            "two contact wires in a line of several sections",
+            "one section",
+            "Overlaps of sections with two contact wires each are not modelled.",
+        )
     stitched = any(support.stitch.half_length for s in sections for support in s.supports[1:-1])
     contacts = 2 if two or len(sections) > 1 else 1
     first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, min(len(sections), 2)]
@@ -158,21 +160,31 @@ def unused_by(layout: Layout, names: Iterable[str]) -> list[str]:
     values: dict[str, Any] = {
         "contact_wire_tension": [w.tension for w in contact],
         "contact_wire_mass": [w.mass for w in contact],
-        "messenger_tension": [w.tension for w in upper], "messenger_mass": [w.mass for w in upper],
+        "messenger_tension": [w.tension for w in upper],
+        "messenger_mass": [w.mass for w in upper],
         "bending_stiffness.contact_wire": [w.bending for w in contact],
         "bending_stiffness.messenger": [w.bending for w in upper],
-        "dropper_stiffness": np.where(d.axial_stiffness > 0.0, 0.0, d.stiffness), "dropper_mass": d.mass,
-        "contact_clamp_mass": d.contact_clamp, "messenger_clamp_mass": d.messenger_clamp,
-        "support_stiffness": h.stiffness, "support_damping": h.damping}
+        "dropper_stiffness": np.where(d.axial_stiffness > 0.0, 0.0, d.stiffness),
+        "dropper_mass": d.mass,
+        "contact_clamp_mass": d.contact_clamp,
+        "messenger_clamp_mass": d.messenger_clamp,
+        "support_stiffness": h.stiffness,
+        "support_damping": h.damping,
+    }
     return [name for name in names if not np.isnan(values[name]).any()]
 
 
 def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
     """Positions of the droppers of the first contact wires, in order, m."""
     base = DropperData(FIRST, GAP)
-    return tuple(sorted(
-        round(float(x + row.position), 9) for s in sections for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
-        for row in _droppers(span, over(span.droppers, s.section.droppers, base), 1, f"{s.name}.spans[{k + 1}]")))
+    return tuple(
+        sorted(
+            round(float(x + row.position), 9)
+            for s in sections
+            for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
+            for row in _droppers(span, over(span.droppers, s.section.droppers, base), 1, f"{s.name}.spans[{k + 1}]")
+        )
+    )
 
 
 class _Section:
@@ -189,8 +201,9 @@ class _Section:
             self.wire, self.upper = replace(self.wire, bending=0.0), replace(self.upper, bending=0.0)
             self.second = self.second and replace(self.second, bending=0.0)
         self.z = np.array([support.contact_height for support in s.supports]) - reference
-        self.stitches = [(x, support.stitch) for x, support in zip(s.x[1:-1], s.supports[1:-1], strict=True)
-                         if support.stitch.half_length]
+        self.stitches = [
+            (x, support.stitch) for x, support in zip(s.x[1:-1], s.supports[1:-1], strict=True) if support.stitch.half_length
+        ]
         for x, own_stitch in self.stitches:
             if own_stitch.tension is None or own_stitch.mass is None:
                 raise BadInput(f"{s.name}.stitch", f"a stitch at {x:g} m without tension or mass", "both")
@@ -202,19 +215,26 @@ class _Section:
     def wires(self) -> list[Wire]:
         """Contact wires, messenger, stitch wires."""
         s, a, b = self.s, float(self.s.x[0]), float(self.s.x[-1])
-        worn = tuple(Stretch(float(x), float(x + span.length), 1.0 - span.wear)
-                     for x, span in zip(s.x[:-1], s.spans, strict=True) if span.wear)
+        worn = tuple(
+            Stretch(float(x), float(x + span.length), 1.0 - span.wear)
+            for x, span in zip(s.x[:-1], s.spans, strict=True)
+            if span.wear
+        )
         ends = (float(self.z[0]), float(self.z[-1]))
         tops = ends[0] + s.supports[0].system_height, ends[1] + s.supports[-1].system_height
         less = tuple(Stretch(x - t.half_length, x + t.half_length, -t.tension) for x, t in self.stitches)
         w, m = self.wire, self.upper
-        wires = [Wire(self.contact, a, b, w.tension, w.mass, w.bending, ends, (), worn),
-                 Wire(self.messenger, a, b, m.tension, m.mass, m.bending, tops, less)]
+        wires = [
+            Wire(self.contact, a, b, w.tension, w.mass, w.bending, ends, (), worn),
+            Wire(self.messenger, a, b, m.tension, m.mass, m.bending, tops, less),
+        ]
         if self.second is not None:
             w = self.second
             wires.append(Wire(SECOND, a, b, w.tension, w.mass, w.bending, ends, (), worn))
-        wires += [Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, 0.0, clamped_to=self.messenger)
-                  for x, t in self.stitches]
+        wires += [
+            Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, 0.0, clamped_to=self.messenger)
+            for x, t in self.stitches
+        ]
         return wires
 
     def droppers(self) -> list[tuple[float, ...]]:
@@ -235,18 +255,36 @@ class _Section:
                     place, depth = float(x + row.position), sag
                     if row.height is not None or row.cut_length is not None:
                         z, depth = (math.nan if row.height is None else row.height - self.reference), 0.0
-                    rows.append((
-                        round(place, 9), lane, self._hangs_from(place, row, where), _first(one.stiffness, SAID_BY_A_PARAMETER),
-                        one.axial_stiffness or 0.0, _first(row.mass, d.mass, 0.0 if per_length else SAID_BY_A_PARAMETER),
-                        per_length, _first(row.contact_clamp, d.contact_clamp), _first(row.messenger_clamp, d.messenger_clamp),
-                        z, depth, row.position, at[0], at[-1],
-                        *(_first(value, math.nan) for value in (row.cut_length, row.length, row.preload))))
+                    rows.append(
+                        (
+                            round(place, 9),
+                            lane,
+                            self._hangs_from(place, row, where),
+                            _first(one.stiffness, SAID_BY_A_PARAMETER),
+                            one.axial_stiffness or 0.0,
+                            _first(row.mass, d.mass, 0.0 if per_length else SAID_BY_A_PARAMETER),
+                            per_length,
+                            _first(row.contact_clamp, d.contact_clamp),
+                            _first(row.messenger_clamp, d.messenger_clamp),
+                            z,
+                            depth,
+                            row.position,
+                            at[0],
+                            at[-1],
+                            *(_first(value, math.nan) for value in (row.cut_length, row.length, row.preload)),
+                        )
+                    )
             if self.second is None and any(row.contact_wire == 2 for row in span.dropper_list or ()):
-                raise BadInput(f"{where}.dropper_list", "a dropper of a second contact wire", "none",
-                               "Give second_contact_wire a tension.")
+                raise BadInput(
+                    f"{where}.dropper_list", "a dropper of a second contact wire", "none", "Give second_contact_wire a tension."
+                )
             if self.second is None and span.second_positions is not None:
-                raise BadInput(f"{where}.second_positions", "droppers of a second contact wire", "none",
-                               "Give second_contact_wire a tension.")
+                raise BadInput(
+                    f"{where}.second_positions",
+                    "droppers of a second contact wire",
+                    "none",
+                    "Give second_contact_wire a tension.",
+                )
         return rows
 
     def _hangs_from(self, x: float, row: Dropper, where: str) -> int:
@@ -277,8 +315,18 @@ class _Section:
         lanes = [self.contact] if self.second is None else [self.contact, SECOND]
         for k in range(1, len(self.s.supports) - 1):
             x, support = round(float(self.s.x[k]), 9), self.s.supports[k]
-            rows.append((x, self.messenger, _first(support.stiffness, SAID_BY_A_PARAMETER),
-                         _first(support.damping, SAID_BY_A_PARAMETER), 0.0, 0.0, self.z[k] + support.system_height, *no_arm))
+            rows.append(
+                (
+                    x,
+                    self.messenger,
+                    _first(support.stiffness, SAID_BY_A_PARAMETER),
+                    _first(support.damping, SAID_BY_A_PARAMETER),
+                    0.0,
+                    0.0,
+                    self.z[k] + support.system_height,
+                    *no_arm,
+                )
+            )
             height = self.z[k] if support.held else math.nan
             arm = support.arm
             angle = math.nan if arm.angle is None else math.radians(arm.angle)
@@ -289,8 +337,11 @@ class _Section:
     def lateral(self) -> list[tuple[float, ...]]:
         """Rows of contact wire, position, stagger, kink, wire whose tension pulls."""
         wires = [self.contact // 2] if self.second is None else [0, 1]
-        return [(wire, float(x), support.stagger, float(kink), self.first) for wire in wires
-                for x, support, kink in zip(self.s.x, self.s.supports, self.kinks(), strict=True)]
+        return [
+            (wire, float(x), support.stagger, float(kink), self.first)
+            for wire in wires
+            for x, support, kink in zip(self.s.x, self.s.supports, self.kinks(), strict=True)
+        ]
 
 
 def _droppers(span: Span, d: DropperData, wire: int, where: str) -> list[Dropper]:

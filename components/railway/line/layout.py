@@ -145,15 +145,21 @@ def columns(kind: type, size: int, **given: Any) -> dict[str, np.ndarray]:
     return {f.name: np.broadcast_to(given.get(f.name, 0.0), size).copy() for f in fields(kind)}
 
 
-def uniform(spans: int, span_length: float, within: np.ndarray, pre_sag: bool = False, arms: bool = False, level: bool = False
-            ) -> Layout:
+def uniform(
+    spans: int, span_length: float, within: np.ndarray, pre_sag: bool = False, arms: bool = False, level: bool = False
+) -> Layout:
     """The uniform catenary. within: droppers in a span, (k,) m.  pre_sag, arms, level: whether these effects are on."""
     if not (np.all(np.diff(within) > 0.0) and within[0] > 0.0 and within[-1] < span_length):
-        raise BadInput("Catenary", f"dropper positions {within.tolist()}",
-                       f"increasing values inside the span of {span_length:g} m")
+        raise BadInput(
+            "Catenary", f"dropper positions {within.tolist()}", f"increasing values inside the span of {span_length:g} m"
+        )
     if pre_sag and within.size < 2:
-        raise BadInput("Catenary", "pre_sag with one dropper in a span", "at least two: it is 0 at the first and at the last",
-                       "Set droppers to 2 or more, or leave pre_sag off.")
+        raise BadInput(
+            "Catenary",
+            "pre_sag with one dropper in a span",
+            "at least two: it is 0 at the first and at the last",
+            "Set droppers to 2 or more, or leave pre_sag off.",
+        )
     supports = span_length * np.arange(spans + 1)
     positions = (span_length * np.arange(spans)[:, None] + within).ravel()
     d, end = positions.size, float(supports[-1])
@@ -164,13 +170,32 @@ def uniform(spans: int, span_length: float, within: np.ndarray, pre_sag: bool = 
         return np.repeat([contact_wire, messenger], s)
 
     arm = SAID_BY_A_PARAMETER if arms else 0.0
-    holds = Holds(**columns(
-        Holds, 2 * s, position=np.tile(inner, 2), lane=np.repeat([0, 1], s), stiffness=both(arm, SAID_BY_A_PARAMETER),
-        damping=both(0.0, SAID_BY_A_PARAMETER), mass=both(arm, 0.0), height=both(0.0 if level else math.nan, 0.0),
-        wire=np.zeros(2 * s, int)))
-    droppers = Droppers(**columns(
-        Droppers, d, position=positions, lower=np.zeros(d, int), upper=np.ones(d, int), within=np.tile(within, spans),
-        first=within[0], last=within[-1], sag=SAID_BY_A_PARAMETER if pre_sag else 0.0,
-        **dict.fromkeys(("stiffness", "mass", "contact_clamp", "messenger_clamp"), SAID_BY_A_PARAMETER),
-        **dict.fromkeys(("cut_length", "length", "preload"), math.nan)))
+    holds = Holds(
+        **columns(
+            Holds,
+            2 * s,
+            position=np.tile(inner, 2),
+            lane=np.repeat([0, 1], s),
+            stiffness=both(arm, SAID_BY_A_PARAMETER),
+            damping=both(0.0, SAID_BY_A_PARAMETER),
+            mass=both(arm, 0.0),
+            height=both(0.0 if level else math.nan, 0.0),
+            wire=np.zeros(2 * s, int),
+        )
+    )
+    droppers = Droppers(
+        **columns(
+            Droppers,
+            d,
+            position=positions,
+            lower=np.zeros(d, int),
+            upper=np.ones(d, int),
+            within=np.tile(within, spans),
+            first=within[0],
+            last=within[-1],
+            sag=SAID_BY_A_PARAMETER if pre_sag else 0.0,
+            **dict.fromkeys(("stiffness", "mass", "contact_clamp", "messenger_clamp"), SAID_BY_A_PARAMETER),
+            **dict.fromkeys(("cut_length", "length", "preload"), math.nan),
+        )
+    )
     return Layout(2, supports, (Wire(0, 0.0, end), Wire(1, 0.0, end)), droppers, holds)

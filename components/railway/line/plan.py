@@ -25,8 +25,22 @@ SPRING_PLACE, SPRING_LANE, PULLED_BY = range(3)
 WIRE, FIRST, LAST = range(3)  # of a stretch; places
 ADDED, FACTOR = range(2)  # to the tension, N; of the mass
 TENSION, MASS, BENDING, HEIGHT_FROM, HEIGHT_TO = range(5)
-DROPPER_NUMBERS = ("stiffness", "axial_stiffness", "mass", "mass_per_length", "contact_clamp", "messenger_clamp", "height", "sag",
-                   "within", "first", "last", "cut_length", "length", "preload")
+DROPPER_NUMBERS = (
+    "stiffness",
+    "axial_stiffness",
+    "mass",
+    "mass_per_length",
+    "contact_clamp",
+    "messenger_clamp",
+    "height",
+    "sag",
+    "within",
+    "first",
+    "last",
+    "cut_length",
+    "length",
+    "preload",
+)
 EA, OWN, PER_LENGTH, CLAMP_BELOW, CLAMP_ABOVE, WANTED, SAG, WITHIN, SAG_FROM, SAG_TO = range(1, 11)
 GIVEN_CUT, GIVEN_LENGTH, GIVEN_PRELOAD = range(11, 14)
 HOLD_NUMBERS = ("stiffness", "damping", "mass", "lift", "height", "arm_length", "arm_angle", "arm_mass", "kink")
@@ -40,17 +54,27 @@ NO_TENSION, STEEP_ARM, SHORT_DROPPER, OTHER_LENGTH, OTHER_CUT, OTHER_PRELOAD, UN
 FOLLOWS = "{refused[2]}, which follows from the rest of the line"
 LEAVE_OUT = "Leave it out; or leave out the height, so that the cut length rules."
 REFUSALS = {
-    NO_TENSION: Refusal("a tension of {refused[0]} N in a wire from {refused[1]} to {refused[2]} m", "a positive one",
-                        "Reduce what the stitch wires take off the messenger."),
-    STEEP_ARM: Refusal("arm: a lateral force of {refused[0]} N under an arm of {refused[1]} kg",
-                       "a force that can carry the arm", "Give its angle, or a greater stagger."),
-    SHORT_DROPPER: Refusal("the dropper at {refused[0]} m would be {refused[1]} m long", "a messenger above the contact wire",
-                           "Raise the system height, or the tension of the messenger."),
+    NO_TENSION: Refusal(
+        "a tension of {refused[0]} N in a wire from {refused[1]} to {refused[2]} m",
+        "a positive one",
+        "Reduce what the stitch wires take off the messenger.",
+    ),
+    STEEP_ARM: Refusal(
+        "arm: a lateral force of {refused[0]} N under an arm of {refused[1]} kg",
+        "a force that can carry the arm",
+        "Give its angle, or a greater stagger.",
+    ),
+    SHORT_DROPPER: Refusal(
+        "the dropper at {refused[0]} m would be {refused[1]} m long",
+        "a messenger above the contact wire",
+        "Raise the system height, or the tension of the messenger.",
+    ),
     OTHER_LENGTH: Refusal("a length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
     OTHER_CUT: Refusal("a cut length of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
     OTHER_PRELOAD: Refusal("a preload of {refused[1]} of the dropper at {refused[0]} m", FOLLOWS, LEAVE_OUT),
-    UNSETTLED: Refusal("temperature.change: {refused[0]} K", "a change at which tensions converge",
-                       "Check axial_stiffness, and the sag."),
+    UNSETTLED: Refusal(
+        "temperature.change: {refused[0]} K", "a change at which tensions converge", "Check axial_stiffness, and the sag."
+    ),
 }
 
 
@@ -128,11 +152,20 @@ def plan_of(layout: Layout, fixed: Sequence[tuple[int, float, float]] = ()) -> P
     d, h, parts = layout.droppers, layout.holds, np.array(stretches).reshape(-1, 5)
     lanes = np.isin(np.arange(layout.lanes), layout.contact_lanes).astype(np.int64)
     thermal = np.array(fixed, dtype=float).reshape(-1, 3)
-    return Plan(lanes, x, _whole(wires), np.array(numbers, dtype=float),
-                _whole(np.column_stack((parts[:, 0], at(parts[:, 1]), at(parts[:, 2])))), parts[:, 3:].copy(),
-                _whole(np.column_stack((at(d.position), d.lower, d.upper))), np.array([getattr(d, n) for n in DROPPER_NUMBERS]),
-                _whole(np.column_stack((at(h.position), h.lane, h.wire))), np.array([getattr(h, n) for n in HOLD_NUMBERS]),
-                _whole(thermal[:, 0]), np.column_stack((thermal[:, 1:], np.zeros(len(thermal)))))
+    return Plan(
+        lanes,
+        x,
+        _whole(wires),
+        np.array(numbers, dtype=float),
+        _whole(np.column_stack((parts[:, 0], at(parts[:, 1]), at(parts[:, 2])))),
+        parts[:, 3:].copy(),
+        _whole(np.column_stack((at(d.position), d.lower, d.upper))),
+        np.array([getattr(d, n) for n in DROPPER_NUMBERS]),
+        _whole(np.column_stack((at(h.position), h.lane, h.wire))),
+        np.array([getattr(h, n) for n in HOLD_NUMBERS]),
+        _whole(thermal[:, 0]),
+        np.column_stack((thermal[:, 1:], np.zeros(len(thermal)))),
+    )
 
 
 def _whole(rows: object) -> np.ndarray:
@@ -141,15 +174,28 @@ def _whole(rows: object) -> np.ndarray:
 
 def filled_layout(layout: Layout, given: Given, filled: Filled) -> Layout:
     """A layout with the numbers that parameters give."""
-    wires = tuple(replace(w, tension=float(T), mass=float(m), bending=float(B)) for w, T, m, B in zip(
-        layout.wires, filled.tension, filled.mass, filled.bending, strict=True))
+    wires = tuple(
+        replace(w, tension=float(T), mass=float(m), bending=float(B))
+        for w, T, m, B in zip(layout.wires, filled.tension, filled.mass, filled.bending, strict=True)
+    )
     d, h, own, none = layout.droppers, layout.holds, filled.dropper, np.zeros(filled.dropper.shape[1])
-    clamps = {name: np.where(np.isnan(mass := getattr(d, name)), getattr(given, f"{name}_mass"), mass)
-              for name in ("contact_clamp", "messenger_clamp")}
-    d = replace(d, stiffness=own[STIFFNESS].copy(), axial_stiffness=none, mass=own[OWN_MASS].copy(), mass_per_length=none,
-                height=own[HEIGHT].copy(), sag=none, **clamps)
-    h = replace(h, **{n: filled.hold[i].copy() for i, n in enumerate(HOLD_NUMBERS[:REACTION])},
-                arm_length=np.zeros(h.position.size))
+    clamps = {
+        name: np.where(np.isnan(mass := getattr(d, name)), getattr(given, f"{name}_mass"), mass)
+        for name in ("contact_clamp", "messenger_clamp")
+    }
+    d = replace(
+        d,
+        stiffness=own[STIFFNESS].copy(),
+        axial_stiffness=none,
+        mass=own[OWN_MASS].copy(),
+        mass_per_length=none,
+        height=own[HEIGHT].copy(),
+        sag=none,
+        **clamps,
+    )
+    h = replace(
+        h, **{n: filled.hold[i].copy() for i, n in enumerate(HOLD_NUMBERS[:REACTION])}, arm_length=np.zeros(h.position.size)
+    )
     return replace(layout, wires=wires, droppers=d, holds=h)
 
 

@@ -139,7 +139,8 @@ class Span:
     heights: tuple[float, ...] | None = numbers("m", "heights of the contact wire at the droppers; left out, straight less sag")
     second_positions: tuple[float, ...] | None = numbers("m", "positions of the second contact wire's droppers")
     dropper_list: tuple[Dropper, ...] | None = tables(
-        Dropper, "droppers one by one, from left to right; a number is a position", "position", None)
+        Dropper, "droppers one by one, from left to right; a number is a position", "position", None
+    )
     sag: Number = number("m", "depth of the parabola of pre-sag between the first and the last dropper")
     relative_sag: Number = number("1", "the same over the length of the span, instead", 0.0, 0.1)
     wear: Number = number("1", "worn share of the contact wire's section; mass falls by it", 0.0, 0.5)
@@ -160,7 +161,8 @@ class Section:
     support: Support = table(Support, "what all supports have that do not say otherwise")
     spans: tuple[Span, ...] = tables(Span, "spans, one after the other; a number is a length", "length")
     supports: tuple[Support, ...] = tables(
-        Support, "one more than spans; left out, all as `support`; a number is a contact height", "contact_height")
+        Support, "one more than spans; left out, all as `support`; a number is a contact height", "contact_height"
+    )
 
 
 @dataclass(frozen=True)
@@ -177,8 +179,14 @@ class Line:
 ALTERNATIVES: dict[type, tuple[tuple[str, ...], ...]] = {
     DropperData: (("stiffness", "axial_stiffness"), ("mass", "mass_per_length")),
     Dropper: (("stiffness", "axial_stiffness"),),
-    Span: (("heights", "sag"), ("heights", "relative_sag"), ("sag", "relative_sag"), ("dropper_list", "positions"),
-           ("dropper_list", "heights"), ("dropper_list", "second_positions")),
+    Span: (
+        ("heights", "sag"),
+        ("heights", "relative_sag"),
+        ("sag", "relative_sag"),
+        ("dropper_list", "positions"),
+        ("dropper_list", "heights"),
+        ("dropper_list", "second_positions"),
+    ),
 }
 
 
@@ -271,6 +279,7 @@ def _keys(kind: type) -> tuple[tuple[str, bool, tuple[str, ...]], ...]:
 
 def schema(kind: type = Line) -> dict[str, Any]:
     """JSON schema of a table, for editors."""
+
     def of(meta: Mapping[str, Any]) -> dict[str, Any]:
         text = meta["text"] + (f", {meta['unit']}" if meta.get("unit", "1") != "1" else "")
         match meta["kind"]:
@@ -286,7 +295,6 @@ def schema(kind: type = Line) -> dict[str, Any]:
             case "table":
                 return {**schema(meta["of"]), "description": text}
         row: dict[str, Any] = schema(meta["of"])
-        return {"type": "array", "description": text,
-                "items": {"anyOf": [{"type": "number"}, row]} if meta["short"] else row}
+        return {"type": "array", "description": text, "items": {"anyOf": [{"type": "number"}, row]} if meta["short"] else row}
 
     return {"type": "object", "additionalProperties": False, "properties": {f.name: of(f.metadata) for f in fields(kind)}}

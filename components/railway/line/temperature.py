@@ -59,13 +59,19 @@ def fixed_wires(line: Line, layout: Layout) -> Iterator[tuple[int, float, float]
         if data.fixed:
             formed = True
             if data.axial_stiffness is None:
-                raise BadInput(f"line.sections[{section + 1}].{key}", "a wire that is anchored at both ends without "
-                               "axial_stiffness", "its EA, N")
+                raise BadInput(
+                    f"line.sections[{section + 1}].{key}",
+                    "a wire that is anchored at both ends without axial_stiffness",
+                    "its EA, N",
+                )
             yield row, data.axial_stiffness, EXPANSION if data.expansion is None else data.expansion
     if not formed:
-        raise BadInput("temperature.change", "a line whose wires all have automatic tensioning", "a wire that is anchored at "
-                       "both ends", "Say fixed = true and axial_stiffness = EA of it; the others keep their tension, and "
-                       "nothing changes.")
+        raise BadInput(
+            "temperature.change",
+            "a line whose wires all have automatic tensioning",
+            "a wire that is anchored at both ends",
+            "Say fixed = true and axial_stiffness = EA of it; the others keep their tension, and nothing changes.",
+        )
 
 
 def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, str]]:

@@ -27,6 +27,14 @@ def master_of(scene: SceneSettings, units: Mapping[str, Unit], coupling: Couplin
     given = scene.master
     own: dict[str, Any] = {"iteration": given.iteration} if given.abilities.iterates else {}
     return class_of(given.algorithm)(
-        units, coupling, watched, degree=given.extrapolation, feedthrough=given.feedthrough, order=given.order,
-        smoothing=given.smoothing, moving_places=given.moving_places, end=scene.stop_time, **own,
+        units,
+        coupling,
+        watched,
+        degree=given.extrapolation,
+        feedthrough=given.feedthrough,
+        order=given.order,
+        smoothing=given.smoothing,
+        moving_places=given.moving_places,
+        end=scene.stop_time,
+        **own,
     )

@@ -110,8 +110,7 @@ class Side:
 
     def save(self) -> list[Any]:
         """Everything a repeated step depends on, as plain numbers."""
-        return [list(self.others), self.parts, self.before, self.impulse,
-                list(self.line), self.ahead, self.ahead_rate]
+        return [list(self.others), self.parts, self.before, self.impulse, list(self.line), self.ahead, self.ahead_rate]
 
     def restore(self, state: list[Any]) -> None:
         """Take back what `save` gave."""
@@ -212,8 +211,10 @@ class ContactUnit:
                 side.others.push(side.at_rest(force), last)
             elif last:
                 side.others.push(side.mean(force, last), 0.5 * (last + self.before_last))
-        self._start = [(side.parts[0] + side.ahead + side.sign * side.parts[3] * force, side.parts[1] + side.ahead_rate)
-                       for side in self.sides]
+        self._start = [
+            (side.parts[0] + side.ahead + side.sign * side.parts[3] * force, side.parts[1] + side.ahead_rate)
+            for side in self.sides
+        ]
         self._others = [side.polynomial(force, last) for side in self.sides]
         impulse, moment, self._end = self._reduced(h)
         self._expected = impulse, moment
@@ -245,8 +246,19 @@ class ContactUnit:
 
     def _reduced(self, h: float) -> tuple[float, float, float]:
         first, second = self.sides
-        return reduced_step(h, *self._law, self.settings.clearance, *self._start[0], *self._start[1], first.looseness,
-                            first.yielding, second.looseness, second.yielding, *self._others[0], *self._others[1])
+        return reduced_step(
+            h,
+            *self._law,
+            self.settings.clearance,
+            *self._start[0],
+            *self._start[1],
+            first.looseness,
+            first.yielding,
+            second.looseness,
+            second.yielding,
+            *self._others[0],
+            *self._others[1],
+        )
 
     def save(self, reuse: Any = None) -> list[Any]:
         return [self.force, self.indentation, self.last, self.before_last, self.owed, self.steps, *(s.save() for s in self.sides)]

@@ -107,8 +107,19 @@ class EnergyAccount:
             times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
             even = times.tobytes() == self.times.tobytes()  # and will be from here on
             last = n if even else first + 1
-            enter_steps(h, _basis(times.tobytes()), outputs[kept + first + 1 - times.size :], given[first:last], self._degrees,
-                        self._factors, self._watts, self._work, self.integrals, self._alone, course[first : last + 1])
+            enter_steps(
+                h,
+                _basis(times.tobytes()),
+                outputs[kept + first + 1 - times.size :],
+                given[first:last],
+                self._degrees,
+                self._factors,
+                self._watts,
+                self._work,
+                self.integrals,
+                self._alone,
+                course[first : last + 1],
+            )
             self.times, first = times, last
         self.samples = outputs[: -self.times.size - 1 : -1].copy()
         self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
@@ -143,8 +154,15 @@ class EnergyAccount:
 
     def save(self, reuse: SavedAccount | None = None) -> SavedAccount:
         """As `Master.save`, with the account."""
-        return SavedAccount(self.master.save(reuse.master if reuse else None), self.times, self.samples, self.integrals,
-                            self.created, self.exchanged, self.elapsed)
+        return SavedAccount(
+            self.master.save(reuse.master if reuse else None),
+            self.times,
+            self.samples,
+            self.integrals,
+            self.created,
+            self.exchanged,
+            self.elapsed,
+        )
 
     def restore(self, saved: SavedAccount) -> None:
         """As `Master.restore`, with the account."""
@@ -164,8 +182,10 @@ class EnergyAccount:
 
     def report(self) -> dict[str, dict[str, float]]:
         """Energies by bond, J: what went through it in either direction, and what the coupling made of nothing on the way."""
-        return {bond.text: {"exchanged": exchanged, "created": created} for bond, exchanged, created
-                in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)}
+        return {
+            bond.text: {"exchanged": exchanged, "created": created}
+            for bond, exchanged, created in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)
+        }
 
 
 @lru_cache(maxsize=64)
@@ -173,5 +193,6 @@ def _basis(samples: bytes) -> np.ndarray:
     """Lagrange's polynomials for samples at times (k,), s, whose bytes are given, at `POINTS` of the last step: (3, k)."""
     times = np.frombuffer(samples)
     at, others = times[1] * (1.0 - POINTS), ~np.eye(times.size, dtype=bool)
-    return np.stack([np.prod((at[:, None] - times[o]) / (time - times[o]), axis=1)
-                     for time, o in zip(times, others, strict=True)], axis=1)
+    return np.stack(
+        [np.prod((at[:, None] - times[o]) / (time - times[o]), axis=1) for time, o in zip(times, others, strict=True)], axis=1
+    )

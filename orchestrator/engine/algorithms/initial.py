@@ -42,9 +42,16 @@ class InitializationResult:
 class Group:
     """Units that feed one another, before the first step."""
 
-    def __init__(self, nodes: Sequence[Node], signals: np.ndarray, cells: Mapping[Endpoint, int],
-                 interfaces: Mapping[str, Interface],
-                 texts: Texts | None, check: Callable[[float], None], t: float):
+    def __init__(
+        self,
+        nodes: Sequence[Node],
+        signals: np.ndarray,
+        cells: Mapping[Endpoint, int],
+        interfaces: Mapping[str, Interface],
+        texts: Texts | None,
+        check: Callable[[float], None],
+        t: float,
+    ):
         """`signals`: the master's table, `cells`: where in it every output stands; `check` raises for values that are none."""
         self._nodes, self._signals, self._texts, self._check, self._t = list(nodes), signals, texts, check, t
         self.initialization: InitializationResult | None = None  # what `solve` came to, before it raises, too
@@ -106,9 +113,13 @@ class Group:
     def _not_converged(self, residual: float, sweeps: int, secants: int, parallel: bool) -> StepFailed:
         unit, name = self._ends[int(np.argmax(self._changes))]
         returned = ", and what goes round comes back as it went: they have no common equilibrium, or many" if parallel else ""
-        return StepFailed(unit, self._t, f"the initial values of {', '.join(self._names)} did not converge in {sweeps} sweeps "
-                          f"and {secants} quasi-Newton steps; {name} still changes by {residual:.2g} of its value{returned}",
-                          "Give parameters closer to a common equilibrium")
+        return StepFailed(
+            unit,
+            self._t,
+            f"the initial values of {', '.join(self._names)} did not converge in {sweeps} sweeps "
+            f"and {secants} quasi-Newton steps; {name} still changes by {residual:.2g} of its value{returned}",
+            "Give parameters closer to a common equilibrium",
+        )
 
     def _sweep(self) -> None:
         texts = self._texts

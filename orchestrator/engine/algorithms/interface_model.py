@@ -51,8 +51,11 @@ class InterfaceModel(Master):
         self._pressed: list[list[tuple[Node, Pressed]]] = [[], []]
         for node in self.nodes:
             if not isinstance(node.unit, ContactUnit):
-                pressed = [Pressed(k, side, link.factor, link.offset) for k, link in enumerate(node.links)
-                           if (side := ends.get((link.source[0], ".".join(link.target)))) is not None]
+                pressed = [
+                    Pressed(k, side, link.factor, link.offset)
+                    for k, link in enumerate(node.links)
+                    if (side := ends.get((link.source[0], ".".join(link.target)))) is not None
+                ]
                 later = any(one.side.settings.force in followers for one in pressed)
                 stages[later].append(node)
                 self._pressed[later] += [(node, one) for one in pressed]

@@ -43,8 +43,15 @@ class Iterative(Master):
     Needs of a unit in a circle: to save and restore its state; polynomial inputs up to the degree, or it gets the mean.
     """
 
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *,
-                 iteration: IterationSettings | None = None, **settings: Any):
+    def __init__(
+        self,
+        units: Mapping[str, Unit],
+        coupling: Coupling,
+        watched: Sequence[Endpoint] = (),
+        *,
+        iteration: IterationSettings | None = None,
+        **settings: Any,
+    ):
         self.iteration = iteration or IterationSettings()
         super().__init__(units, coupling, watched, **settings)
         self.iterations = self.restores = self.unconverged = 0
@@ -66,8 +73,11 @@ class Iterative(Master):
                 runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
-        chains = [StronglyConnectedGroup(f"sweep {' '.join(names)}", [self.node_of[name] for name in names], self,
-                                         coupling.interfaces) for names in runs if names]
+        chains = [
+            StronglyConnectedGroup(f"sweep {' '.join(names)}", [self.node_of[name] for name in names], self, coupling.interfaces)
+            for names in runs
+            if names
+        ]
         self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
         return {chain.name: chain.acts() for chain in chains}
 
@@ -96,8 +106,12 @@ class Iterative(Master):
             try:
                 guess = method.following(guess, response - guess, respond)
             except np.linalg.LinAlgError:
-                raise StepFailed(worst[0], t, f"no value of {worst[1]} can be found that fits: the circle gives back what it "
-                                              "gets", "Give one of its units a state or a smaller gain") from None
+                raise StepFailed(
+                    worst[0],
+                    t,
+                    f"no value of {worst[1]} can be found that fits: the circle gives back what it gets",
+                    "Give one of its units a state or a smaller gain",
+                ) from None
             response = respond(guess)
             missed, worst = chain.missed(guess, response)
             count += 1
@@ -107,9 +121,13 @@ class Iterative(Master):
 
     def _not_converged(self, missed: float, worst: Endpoint, count: int, t: float) -> None:
         if self.iteration.not_converged == "stop" or missed == inf:
-            raise StepFailed(worst[0], t, f"the step did not converge in {count} iterations; {worst[1]} still misses by "
-                                          f"{missed:.2g} of its size, where {self.iteration.tolerance:g} is allowed",
-                             "Reduce the macro step, or take another master.iteration.method")
+            raise StepFailed(
+                worst[0],
+                t,
+                f"the step did not converge in {count} iterations; {worst[1]} still misses by "
+                f"{missed:.2g} of its size, where {self.iteration.tolerance:g} is allowed",
+                "Reduce the macro step, or take another master.iteration.method",
+            )
         self.unconverged += 1
         self.worst = max(self.worst, missed)
 
@@ -122,9 +140,11 @@ class Iterative(Master):
     def warnings(self) -> list[str]:
         if not self.unconverged:
             return []
-        return [f"{self.unconverged} of {self.steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
-                f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
-                "master.iteration.method"]
+        return [
+            f"{self.unconverged} of {self.steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
+            f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
+            "master.iteration.method"
+        ]
 
     def save(self, reuse: Saved | None = None) -> SavedIterative:
         saved = super().save(reuse)

@@ -200,8 +200,14 @@ def _drive_fmu(unit, links, buffer, h):
     if way == DERIVATIVES:
         for order in range(degree):
             if status <= WARNING:
-                status = call_derivatives(unit.set_derivatives, unit.instance, unit.input_references, n,
-                                          unit.orders + 4 * order * n, values + 8 * (order + 1) * n)
+                status = call_derivatives(
+                    unit.set_derivatives,
+                    unit.instance,
+                    unit.input_references,
+                    n,
+                    unit.orders + 4 * order * n,
+                    values + 8 * (order + 1) * n,
+                )
     return status
 
 

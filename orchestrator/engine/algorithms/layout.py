@@ -34,8 +34,16 @@ class Program:
         return first, len(self.rows)
 
 
-def lay_out(nodes: Sequence[Node], late: Sequence[int], program: Program, weights: Sequence[float],
-            bonded: Sequence[tuple[Node, Link]], table: int, smoothing: bool, end: float) -> Records:
+def lay_out(
+    nodes: Sequence[Node],
+    late: Sequence[int],
+    program: Program,
+    weights: Sequence[float],
+    bonded: Sequence[tuple[Node, Link]],
+    table: int,
+    smoothing: bool,
+    end: float,
+) -> Records:
     """The records of nodes, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
@@ -51,8 +59,17 @@ def lay_out(nodes: Sequence[Node], late: Sequence[int], program: Program, weight
     first_pasts = [0, *accumulate(len(samples) for _, samples in parts)]
     places = {id(node): k for k, node in enumerate(nodes)}
     bonds = [first_links[places[id(node)]] + node.links.index(link) for node, link in bonded]
-    records = Records(len(parts), first_links[-1], first_pasts[-1], program.rows, program.order, weights, bonds,
-                      table + sum(len(node.links) for node in rated), first_links[len(nodes)])
+    records = Records(
+        len(parts),
+        first_links[-1],
+        first_pasts[-1],
+        program.rows,
+        program.order,
+        weights,
+        bonds,
+        table + sum(len(node.links) for node in rated),
+        first_links[len(nodes)],
+    )
     units, links, pasts = records.memory.units, records.memory.links, records.memory.pasts
     units["first_link"], units["links"] = first_links[:-1], [n for n, _ in parts]
     units["first_past"], units["pasts"] = first_pasts[:-1], [len(samples) for _, samples in parts]

@@ -75,11 +75,16 @@ class LoopSolver:
         self.residual = max(self.residual, residual)
 
     def _failed(self, residual: float, t: float) -> StepFailed:
-        return StepFailed(", ".join(self.loop.units), t, f"the algebraic loop of {self.loop.text} cannot be solved; "
-                          f"a residual of {residual:.2g} of its size is left", "Give one of the units a state, or change a gain")
+        return StepFailed(
+            ", ".join(self.loop.units),
+            t,
+            f"the algebraic loop of {self.loop.text} cannot be solved; a residual of {residual:.2g} of its size is left",
+            "Give one of the units a state, or change a gain",
+        )
 
-    def _corrected(self, x: np.ndarray, answer: np.ndarray, residual: float, halvings: int, t: float
-                   ) -> tuple[np.ndarray, np.ndarray, float]:
+    def _corrected(
+        self, x: np.ndarray, answer: np.ndarray, residual: float, halvings: int, t: float
+    ) -> tuple[np.ndarray, np.ndarray, float]:
         """The next x, its answer and what share of the residual is left; a correction that leads astray is shortened.
 
         `halvings`: how often it is tried at most.
@@ -89,8 +94,12 @@ class LoopSolver:
         scaled = np.eye(len(x)) - self.jacobian * (sizes / sizes[:, None])
         spread = np.linalg.svd(_equilibrated(scaled), compute_uv=False) if np.isfinite(scaled).all() else np.zeros(1)
         if not spread[-1] > SINGULAR * spread[0]:
-            raise StepFailed(", ".join(self.loop.units), t, f"the algebraic loop of {self.loop.text} has no single solution: "
-                             f"its gain is 1 there (residual {residual:.2g})", "Change a gain, or give one of the units a state")
+            raise StepFailed(
+                ", ".join(self.loop.units),
+                t,
+                f"the algebraic loop of {self.loop.text} has no single solution: its gain is 1 there (residual {residual:.2g})",
+                "Change a gain, or give one of the units a state",
+            )
         missed = answer - x
         change = sizes * np.linalg.solve(scaled, missed / sizes)
         for halving in range(halvings):

@@ -95,8 +95,9 @@ class Machine:
             begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self.note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
-            records.ask(first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0,
-                        look_count=0)
+            records.ask(
+                first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0, look_count=0
+            )
             records.run_steps(t, h)
 
     @property
@@ -120,20 +121,44 @@ class Machine:
     def space(self, times: np.ndarray, looks: np.ndarray) -> Space:
         """Room for macro steps from each of `times`, s; looks: as of `Master.run_steps`."""
         n, memory = times.size, self.records.memory
-        return Space(times, looks, Steps(np.empty((n, memory.inverse.size)), np.empty((n, memory.bonded.size, 4)),
-                                         np.empty((looks.size, 2, self.records.driven)), np.empty((n, self._watched.size))))
+        return Space(
+            times,
+            looks,
+            Steps(
+                np.empty((n, memory.inverse.size)),
+                np.empty((n, memory.bonded.size, 4)),
+                np.empty((looks.size, 2, self.records.driven)),
+                np.empty((n, self._watched.size)),
+            ),
+        )
 
     def run_steps(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
         """The macro steps up to the `last`, in one call; returns why there are fewer."""
         records, steps, first = self.records, space.steps, space.done
         seen = int(np.searchsorted(space.looks, first))
         times, looks = space.times[first:last], space.looks[seen:] - first
-        into = {"rows": steps.rows[first:], "given": steps.given[first:], "inputs": steps.inputs[seen:],
-                "outputs": steps.outputs[first:], "times": times, "looks": looks, "watched": self._watched}
+        into = {
+            "rows": steps.rows[first:],
+            "given": steps.given[first:],
+            "inputs": steps.inputs[seen:],
+            "outputs": steps.outputs[first:],
+            "times": times,
+            "looks": looks,
+            "watched": self._watched,
+        }
         try:
             self.begin()
-            records.ask(first=rows[0], last=rows[1], steps=times.size, begin=0, whole=1, look_count=looks.size,
-                        driven=records.driven, watches=self._watched.size, **{n: a.ctypes.data for n, a in into.items()})
+            records.ask(
+                first=rows[0],
+                last=rows[1],
+                steps=times.size,
+                begin=0,
+                whole=1,
+                look_count=looks.size,
+                driven=records.driven,
+                watches=self._watched.size,
+                **{n: a.ctypes.data for n, a in into.items()},
+            )
             self._under_way = space
             records.run_steps(0.0, h)
             self._under_way = None

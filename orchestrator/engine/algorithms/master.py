@@ -57,9 +57,19 @@ class Master:
     something inside a step.
     """
 
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *, degree: int = 1,
-                 feedthrough: Literal["immediate", "delayed"] = "immediate", order: Sequence[str] = (), smoothing: bool = False,
-                 moving_places: Literal["linear", "held"] = "linear", end: float = inf):
+    def __init__(
+        self,
+        units: Mapping[str, Unit],
+        coupling: Coupling,
+        watched: Sequence[Endpoint] = (),
+        *,
+        degree: int = 1,
+        feedthrough: Literal["immediate", "delayed"] = "immediate",
+        order: Sequence[str] = (),
+        smoothing: bool = False,
+        moving_places: Literal["linear", "held"] = "linear",
+        end: float = inf,
+    ):
         read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
         # in the order of the units' own outputs, which they can hand over in one piece
         ranks = {(u, n): (i, k) for i, u in enumerate(units) for k, n in enumerate(coupling.interfaces[u].outputs)}
@@ -81,8 +91,13 @@ class Master:
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
         acts, push = self.acts(), (PUSH, self._fed)
         finish = [*((FOLLOW, part) for part in following), push]
-        self._rows = {"step": program.add(*acts, *finish), "advance": program.add(*acts), "finish": program.add(*finish),
-                      "push": program.add(push), "foresee": program.add((FORESEE, self._fed))}
+        self._rows = {
+            "step": program.add(*acts, *finish),
+            "advance": program.add(*acts),
+            "finish": program.add(*finish),
+            "push": program.add(push),
+            "foresee": program.add((FORESEE, self._fed)),
+        }
         self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}
         self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
         self._follow = {id(part): program.add((FOLLOW, part)) for part in following}
@@ -97,9 +112,11 @@ class Master:
         self.delayed_feedthrough = ""  # why a coupling grows whose algebraic loop gets its values one step late
         loop = next((part for part in coupling.feedthrough_schedule if isinstance(part, Loop)), None)
         if feedthrough == "delayed" and loop is not None:
-            self.delayed_feedthrough = (f"{' and '.join(loop.units)} depend on one another within an instant but exchange values "
-                                        "one step late; where that amplifies, no shorter step helps. Use master.feedthrough = "
-                                        "'immediate', which solves their loop")
+            self.delayed_feedthrough = (
+                f"{' and '.join(loop.units)} depend on one another within an instant but exchange values "
+                "one step late; where that amplifies, no shorter step helps. Use master.feedthrough = "
+                "'immediate', which solves their loop"
+            )
 
     batched = False  # a macro step is `acts` alone, unless there are algebraic loops
     solves_loops = True  # behind a step; else the algorithm has done so in it
@@ -134,14 +151,21 @@ class Master:
         place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
         links = self.sorted_links([link for link in coupling.links if link.target[0] == name], order)
         unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
-        held = [k for k, link in enumerate(links) if is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
-                or is_discrete(interfaces[name].inputs[link.target[1]])]
+        held = [
+            k
+            for k, link in enumerate(links)
+            if is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
+            or is_discrete(interfaces[name].inputs[link.target[1]])
+        ]
         follows = interfaces[name].input_degree >= self.degree and not held
         by_rate: dict[int, list[int]] = {}
         for k, link in enumerate(links):
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
-        moving = [k for k, link in enumerate(links) if interfaces[name].inputs[link.target[1]].moving and k not in held
-                  and self._moving_places == "linear"]
+        moving = [
+            k
+            for k, link in enumerate(links)
+            if interfaces[name].inputs[link.target[1]].moving and k not in held and self._moving_places == "linear"
+        ]
         samples = tuple(samples_of(self.degree, at, every, held, moving) for every, at in by_rate.items())
         own: tuple[Samples, Samples] | None = None
         estimates: slice | None = None
@@ -149,11 +173,23 @@ class Master:
             still = [k for k, output in enumerate(mine) if is_discrete(interfaces[name].outputs[read[output][1]])]
             first = self.cells[read[mine[0]]] if mine else 0
             estimates = slice(first, first + len(mine))
-            own = (samples_of(self.degree, range(len(links)), 1, held, moving),
-                   samples_of(self.degree, range(len(mine)), 1, still))
+            own = (
+                samples_of(self.degree, range(len(links)), 1, held, moving),
+                samples_of(self.degree, range(len(mine)), 1, still),
+            )
         sources = tuple(self.cells[link.source] for link in links)
-        return Node(unit, place, tuple(links), sources, tuple(held), follows and set(by_rate) <= {1}, samples, own,
-                    rates.get(name, 1), estimates)
+        return Node(
+            unit,
+            place,
+            tuple(links),
+            sources,
+            tuple(held),
+            follows and set(by_rate) <= {1},
+            samples,
+            own,
+            rates.get(name, 1),
+            estimates,
+        )
 
     def _following(self, read: Sequence[Endpoint]) -> list[LoopSolver | list[Node]]:
         """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""

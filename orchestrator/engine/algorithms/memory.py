@@ -21,17 +21,36 @@ class Records:
     integers, numbers: its cells, and `place` that of a field of a record among them.
     """
 
-    def __init__(self, units: int, links: int, pasts: int, program: Sequence[tuple[int, int, int]], order: Sequence[int],
-                 weights: Sequence[float], bonded: Sequence[int], signals: int, driven: int):
+    def __init__(
+        self,
+        units: int,
+        links: int,
+        pasts: int,
+        program: Sequence[tuple[int, int, int]],
+        order: Sequence[int],
+        weights: Sequence[float],
+        bonded: Sequence[int],
+        signals: int,
+        driven: int,
+    ):
         """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with;
         weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units."""
+
         def whole(values: Sequence[Any], *shape: int) -> np.ndarray:
             return np.array(values, dtype=np.int64).reshape(*shape)
 
         zeros, inverse = np.zeros, np.array(weights, dtype=float)
         records = (zeros(n, dtype) for n, dtype in ((1, REQUEST), (units, UNIT), (links, LINK), (pasts, PAST)))
-        begin = Memory(*records, whole(program, -1, 3), whole(order, -1), zeros(inverse.size, np.int64), inverse,
-                       whole(bonded, -1), zeros(signals), zeros(3 * links))
+        begin = Memory(
+            *records,
+            whole(program, -1, 3),
+            whole(order, -1),
+            zeros(inverse.size, np.int64),
+            inverse,
+            whole(bonded, -1),
+            zeros(signals),
+            zeros(3 * links),
+        )
         self.block, self.driven = Block(begin, (), (), {"run_steps": ("double %t", "double %h")}), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)

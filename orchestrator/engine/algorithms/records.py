@@ -31,7 +31,9 @@ def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
     return np.dtype([(name, kinds[kind[0]]) for name, kind, _ in lines]), tuple(name for name, kind, _ in lines if "*" in kind)
 
 
-UNIT, UNIT_STATE = _record("\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES)) + """
+UNIT, UNIT_STATE = _record(
+    "\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES))
+    + """
     way          i  in which it gets inputs, see `call_names`
     first_link   i  its links
     links        i  their number
@@ -57,7 +59,8 @@ UNIT, UNIT_STATE = _record("\n".join(f"{name} i address, see `call_names`" for n
     start        f* s, where they began
     length       f* s, of all of them
     time         f* s, reached; of an FMU the start of its last step
-""")
+"""
+)
 LINK, LINK_STATE = _record("""
     at         i  address of a component's input
     apart      i  whether an FMU is handed it only when it changes

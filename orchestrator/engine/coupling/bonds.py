@@ -40,13 +40,22 @@ def bond(text: str, given: tuple[Endpoint, Endpoint], interfaces: Mapping[str, I
         exponents = [e + m for e, m in zip(exponents, parse(measure or "1", where).exponents, strict=True)]
     exponents[ANGLE] = 0
     if all(measures) and tuple(exponents) != WATT:
-        raise BadInput(where, f"a product in {' times '.join(measures)}", "a power",
-                       "Name velocity and force, angular speed and torque, voltage and current.")
-    gains = [link.factor * _size(interfaces[link.target[0]].inputs[link.target[1]].unit) / size
-             for link, size in zip((one, other), sizes, strict=True)]
+        raise BadInput(
+            where,
+            f"a product in {' times '.join(measures)}",
+            "a power",
+            "Name velocity and force, angular speed and torque, voltage and current.",
+        )
+    gains = [
+        link.factor * _size(interfaces[link.target[0]].inputs[link.target[1]].unit) / size
+        for link, size in zip((one, other), sizes, strict=True)
+    ]
     if not isclose(abs(gains[0]), abs(gains[1])):  # within rounding of the conversions between units of measure
-        raise BadInput(where, f"connections with factors {one.factor:g} and {other.factor:g}",
-                       "the same gain both ways; one side would give another power than the other gets")
+        raise BadInput(
+            where,
+            f"connections with factors {one.factor:g} and {other.factor:g}",
+            "the same gain both ways; one side would give another power than the other gets",
+        )
     return Bond(text, given, (one, other), sizes[0] * sizes[1] * gains[1])
 
 
@@ -59,6 +68,9 @@ def _link(where: str, output: Endpoint, unit: str, links: Iterable[Link]) -> Lin
     if len(both) != 1:
         raise BadInput(where, f"{'.'.join(output)}, which feeds {len(both) or 'no'} inputs of {unit}", "one connection each way")
     if both[0].offset or not both[0].factor:
-        raise BadInput(where, f"factor {both[0].factor:g} and offset {both[0].offset:g} on the way from {'.'.join(output)}",
-                       "a factor other than 0 and no offset")
+        raise BadInput(
+            where,
+            f"factor {both[0].factor:g} and offset {both[0].offset:g} on the way from {'.'.join(output)}",
+            "a factor other than 0 and no offset",
+        )
     return both[0]

@@ -16,8 +16,12 @@ DIRECT = ("position", "velocity", "compliance")  # what the law goes by
 
 def sources(contact: ContactSettings) -> dict[str, str]:
     """Inputs of a contact as a unit, with the unit.output each comes from: {"first_position": "head.height", ...}."""
-    return {f"{label}_{part}": source for label in SIDES for part in PARTS
-            if (source := getattr(getattr(contact, label), part)) is not None}
+    return {
+        f"{label}_{part}": source
+        for label in SIDES
+        for part in PARTS
+        if (source := getattr(getattr(contact, label), part)) is not None
+    }
 
 
 def describe_contact(contact: ContactSettings) -> Interface:
@@ -36,8 +40,10 @@ def describe_contact(contact: ContactSettings) -> Interface:
 def connections(contact: ContactSettings) -> dict[str, ConnectionSettings]:
     """Every connection of a contact by its place in the scene; the force pushes the bodies apart."""
     place = f"contacts.{contact.name}"
-    table = {f"{place}.{name.replace('_', '.')}": ConnectionSettings(source=source, target=f"{contact.name}.{name}")
-             for name, source in sources(contact).items()}
+    table = {
+        f"{place}.{name.replace('_', '.')}": ConnectionSettings(source=source, target=f"{contact.name}.{name}")
+        for name, source in sources(contact).items()
+    }
     for label, factor in zip(SIDES, (-1.0, 1.0), strict=True):
         target = getattr(contact, label).force
         table[f"{place}.{label}.force"] = ConnectionSettings(source=f"{contact.name}.force", target=target, factor=factor)
@@ -54,21 +60,33 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
     if not master.abilities.reduces_contacts:
         return
     if not names:
-        raise BadInput("master.algorithm", f"{master.algorithm!r} without contacts", "at least one [[contacts]]",
-                       "Or take another algorithm.")
+        raise BadInput(
+            "master.algorithm",
+            f"{master.algorithm!r} without contacts",
+            "at least one [[contacts]]",
+            "Or take another algorithm.",
+        )
     if master.feedthrough == "delayed":
-        raise BadInput("master.feedthrough", f"'delayed' with {master.algorithm}",
-                       "'immediate'; a contact's force follows its bodies")
+        raise BadInput(
+            "master.feedthrough", f"'delayed' with {master.algorithm}", "'immediate'; a contact's force follows its bodies"
+        )
     if master.smoothing:
-        raise BadInput("master.smoothing", f"true with {master.algorithm}",
-                       "none; the impulse of a contact would not be preserved")
+        raise BadInput(
+            "master.smoothing", f"true with {master.algorithm}", "none; the impulse of a contact would not be preserved"
+        )
     if master.control is not None and master.control.method != "doubling":
-        raise BadInput("master.control.method", f"{master.control.method!r} with {master.algorithm}",
-                       "'doubling'; the force of a contact is not extrapolated, so the others have nothing to measure it by")
+        raise BadInput(
+            "master.control.method",
+            f"{master.control.method!r} with {master.algorithm}",
+            "'doubling'; the force of a contact is not extrapolated, so the others have nothing to measure it by",
+        )
     for text in master.bonds:
         if any(end.strip().rpartition(".")[0] in names for end in text.split("*")):
-            raise BadInput(f"master.bonds: {text!r}", f"a contact with {master.algorithm}",
-                           "other connections; a contact gives both bodies the same force, and its positions are not handed over")
+            raise BadInput(
+                f"master.bonds: {text!r}",
+                f"a contact with {master.algorithm}",
+                "other connections; a contact gives both bodies the same force, and its positions are not handed over",
+            )
     leaders: dict[str, str] = {}
     followers: dict[str, str] = {}
     for contact in scene.contacts:
@@ -78,8 +96,11 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
                 by_unit[_unit(side.force, interfaces)] = contact.name
     if both := leaders.keys() & followers.keys():
         unit = min(both)
-        raise BadInput(f"contacts.{leaders[unit]}.leader", f"{unit}, which follows in {followers[unit]!r}",
-                       "units that lead in all of their contacts or in none")
+        raise BadInput(
+            f"contacts.{leaders[unit]}.leader",
+            f"{unit}, which follows in {followers[unit]!r}",
+            "units that lead in all of their contacts or in none",
+        )
 
 
 def _unit(end: str, interfaces: Mapping[str, Interface]) -> str:

@@ -10,8 +10,14 @@ from ...units import Interface
 from .graph import Endpoint, Link
 
 
-def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: SceneSettings, interfaces: Mapping[str, Interface],
-            links: Iterable[Link]) -> tuple[Endpoint, ...]:
+def targets(
+    fault: FaultSettings,
+    where: str,
+    end: Endpoint | None,
+    scene: SceneSettings,
+    interfaces: Mapping[str, Interface],
+    links: Iterable[Link],
+) -> tuple[Endpoint, ...]:
     """The inputs that a fault changes; raises `BadInput` for one that would change nothing, or cannot be.
 
     `where`: the fault as messages name it. `end`: its signal, None for a lost unit.
@@ -23,8 +29,11 @@ def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: Scene
         if min(rest, 1.0 - rest) > 1e-9:
             for name, interface in interfaces.items():
                 if not interface.variable_step:
-                    raise BadInput(f"{where}.{key}", f"{time:g} s", f"a multiple of master.step, {scene.master.step:g} s; "
-                                   f"{name} cannot make a step shorter")
+                    raise BadInput(
+                        f"{where}.{key}",
+                        f"{time:g} s",
+                        f"a multiple of master.step, {scene.master.step:g} s; {name} cannot make a step shorter",
+                    )
     if end is None:
         if fault.unit not in interfaces:
             raise BadInput(f"{where}.unit", repr(fault.unit), "a unit of the scene", nearest(fault.unit, interfaces))
@@ -34,10 +43,18 @@ def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: Scene
     if not fed:
         interface = interfaces[unit]
         if name in interface.inputs or name in interface.outputs:
-            raise BadInput(f"{where}.signal", f"{fault.signal!r}, which nothing is connected to", "a connected signal",
-                           "A value for such an input stands in its unit's parameters." if name in interface.inputs else "")
-        raise BadInput(f"{where}.signal", repr(fault.signal), f"an output or input of {unit}",
-                       nearest(name, [*interface.outputs, *interface.inputs]))
+            raise BadInput(
+                f"{where}.signal",
+                f"{fault.signal!r}, which nothing is connected to",
+                "a connected signal",
+                "A value for such an input stands in its unit's parameters." if name in interface.inputs else "",
+            )
+        raise BadInput(
+            f"{where}.signal",
+            repr(fault.signal),
+            f"an output or input of {unit}",
+            nearest(name, [*interface.outputs, *interface.inputs]),
+        )
     for link in fed:
         _check_kind(fault, where, link, interfaces)
     return tuple(link.target for link in fed)

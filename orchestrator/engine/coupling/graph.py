@@ -29,8 +29,12 @@ def is_discrete(signal: Signal) -> bool:
 
 def smooth(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> list[Link]:
     """The links whose values change inside a step: neither end jumps."""
-    return [link for link in links if not is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
-            and not is_discrete(interfaces[link.target[0]].inputs[link.target[1]])]
+    return [
+        link
+        for link in links
+        if not is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
+        and not is_discrete(interfaces[link.target[0]].inputs[link.target[1]])
+    ]
 
 
 def groups(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> tuple[tuple[str, ...], ...]:

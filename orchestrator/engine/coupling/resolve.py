@@ -61,7 +61,9 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         recorded = _recorded(scene, interfaces, links)
         spoken = tuple((u, n) for u, n in recorded if interfaces[u].outputs[n].is_text)
         coupling = Coupling(
-            interfaces, links, texts,
+            interfaces,
+            links,
+            texts,
             undriven=_undriven(interfaces, connected),
             signals=tuple(end for end in recorded if end not in spoken),
             recorded_texts=spoken,
@@ -103,11 +105,18 @@ def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[L
             if target[1] not in inputs:
                 raise _no_variable(where, target, "input", interfaces)
             if target in links:
-                raise BadInput(where, f"input {'.'.join(target)} driven a second time",
-                               f"one source; {'.'.join(links[target].source)} drives it already")
+                raise BadInput(
+                    where,
+                    f"input {'.'.join(target)} driven a second time",
+                    f"one source; {'.'.join(links[target].source)} drives it already",
+                )
             if target[1] in interfaces[target[0]].set_inputs:
-                raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
-                               "none; the connection drives it and the value would have no effect", "Remove one of them.")
+                raise BadInput(
+                    f"units.{target[0]}.parameters",
+                    f"a value of input {target[1]!r}",
+                    "none; the connection drives it and the value would have no effect",
+                    "Remove one of them.",
+                )
             links[target] = Link(source, target, *_transformation(connection, outputs[source[1]], inputs[target[1]], where))
     return tuple(links.values())
 
@@ -116,8 +125,12 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
     """(factor, offset) from the output's number to the input's; raises `BadInput` for kinds or units that do not fit."""
     own = connection if isinstance(connection, ConnectionSettings) else None
     if source.kind != target.kind and (source.kind, target.kind) not in WIDENING:
-        raise BadInput(where, f"a {source.kind} output for {_article(target.kind)} input", "the same kind at both ends",
-                       "Only whole numbers become real ones by themselves.")
+        raise BadInput(
+            where,
+            f"a {source.kind} output for {_article(target.kind)} input",
+            "the same kind at both ends",
+            "Only whole numbers become real ones by themselves.",
+        )
     if own is not None and (own.factor, own.offset) != (1.0, 0.0) and target.kind not in ("real", "integer"):
         raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
     factor, offset = 1.0, 0.0
@@ -127,8 +140,11 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
         except BadInput:
             raise
         except (ArithmeticError, ValueError) as error:  # a power beyond the range of numbers
-            raise BadInput(where, f"units {source.unit[:LONGEST]!r} and {target.unit[:LONGEST]!r} ({type(error).__name__})",
-                           "units of measure whose factors are numbers") from None
+            raise BadInput(
+                where,
+                f"units {source.unit[:LONGEST]!r} and {target.unit[:LONGEST]!r} ({type(error).__name__})",
+                "units of measure whose factors are numbers",
+            ) from None
     if target.kind != "real" and (factor, offset) != (1.0, 0.0):
         raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
     return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)
@@ -145,8 +161,12 @@ def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[t
     """(source, target) of one connection, or with * at both ends of all that agree in what stands for it."""
     ends = [end.strip() for end in text.split("->")]
     stars = [end.count("*") for end in ends]
-    if len(ends) != 2 or not all("." in e and " " not in e for e in ends) or stars not in ([0, 0], [1, 1]) \
-            or (stars[0] and not all(e.endswith("*") for e in ends)):
+    if (
+        len(ends) != 2
+        or not all("." in e and " " not in e for e in ends)
+        or stars not in ([0, 0], [1, 1])
+        or (stars[0] and not all(e.endswith("*") for e in ends))
+    ):
         raise BadInput("connections", repr(text), '"unit.output -> unit.input", or "unit.* -> unit.*" for all of the same name')
     source, target = (_endpoint(end, where, interfaces) for end in ends)
     if source[0] == target[0]:
@@ -158,8 +178,12 @@ def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[t
     pairs = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
     if not pairs:
         inputs = [n for n in interfaces[target[0]].inputs if n.startswith(after)]
-        raise BadInput(where, f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
-                       "at least one name on both sides", "Switch on the effect that has them, or name the variables.")
+        raise BadInput(
+            where,
+            f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
+            "at least one name on both sides",
+            "Switch on the effect that has them, or name the variables.",
+        )
     return pairs
 
 
@@ -201,16 +225,20 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
 def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface], links: Sequence[Link]) -> tuple[Endpoint, ...]:
     """Outputs to record, of numbers and texts."""
     if scene.record.signals is None:
-        judged = [end for end in scene.analysis.judged([(link.source, link.target) for link in links])
-                  for end in ((end[0], n) for n in (_elements(end[1], interfaces[end[0]]) or end[1:]))]
+        judged = [
+            end
+            for end in scene.analysis.judged([(link.source, link.target) for link in links])
+            for end in ((end[0], n) for n in (_elements(end[1], interfaces[end[0]]) or end[1:]))
+        ]
         known = [(u, n) for u, n in judged if n in interfaces[u].outputs]
         return tuple(dict.fromkeys((*_recorded_by_default(scene, interfaces), *known)))
     recorded: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
         outputs = interfaces[unit].outputs
-        names = (variable,) if variable in outputs else interfaces[unit].arrays.get(variable) or \
-            _elements(variable, interfaces[unit])
+        names = (
+            (variable,) if variable in outputs else interfaces[unit].arrays.get(variable) or _elements(variable, interfaces[unit])
+        )
         if not names:
             raise _no_variable("record.signals", (unit, variable), "output", interfaces)
         recorded |= dict.fromkeys((unit, n) for n in names)
@@ -232,8 +260,12 @@ def _recorded_by_default(scene: SceneSettings, interfaces: Mapping[str, Interfac
     if not recorded and not scene.record.snapshots:
         names = [f"{u}.{n}" for u, i in interfaces.items() for n in (*i.outputs, *i.recordable)]
         shown = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
-        raise BadInput("record.signals", "no unit with an output that is a number", "at least one signal to record",
-                       f"What can be recorded by its name: {shown}." if names else "Nothing else can be recorded, either.")
+        raise BadInput(
+            "record.signals",
+            "no unit with an output that is a number",
+            "at least one signal to record",
+            f"What can be recorded by its name: {shown}." if names else "Nothing else can be recorded, either.",
+        )
     return recorded
 
 
@@ -241,8 +273,12 @@ def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
     """Interfaces in which the variables that the scene records by name are outputs, too."""
     named = [_endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
     wanted = [(u, n) for u, name in named for n in interfaces[u].arrays.get(name, (name,))]
-    return {unit: replace(i, outputs={**i.outputs, **{n: i.recordable[n] for u, n in wanted if u == unit and n in i.recordable}})
-            if i.recordable else i for unit, i in interfaces.items()}
+    return {
+        unit: replace(i, outputs={**i.outputs, **{n: i.recordable[n] for u, n in wanted if u == unit and n in i.recordable}})
+        if i.recordable
+        else i
+        for unit, i in interfaces.items()
+    }
 
 
 def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:
@@ -291,8 +327,11 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
         _check_fixed_step(name, interface.fixed_step, scene)
         whole = (scene.stop_time / (master.step * coupling.rates.get(name, 1))) % 1.0
         if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:
-            raise BadInput("master.step", f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.stop_time:g} s",
-                           f"a step that divides the run; {name} cannot make the last one shorter")
+            raise BadInput(
+                "master.step",
+                f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.stop_time:g} s",
+                f"a step that divides the run; {name} cannot make the last one shorter",
+            )
 
 
 def _check_fixed_step(name: str, fixed: float, scene: SceneSettings) -> None:
@@ -309,11 +348,19 @@ def _check_loop(loop: Loop, coupling: Coupling) -> None:
     where, remedy = "connections", "Give one of the units a state, or put the loop inside one unit."
     for unit, name in loop.outputs:
         if is_discrete(coupling.interfaces[unit].outputs[name]):
-            raise BadInput(where, f"an algebraic loop of {loop.text}, where {unit}.{name} only jumps",
-                           "a loop of continuous numbers, or one that a state breaks", remedy)
+            raise BadInput(
+                where,
+                f"an algebraic loop of {loop.text}, where {unit}.{name} only jumps",
+                "a loop of continuous numbers, or one that a state breaks",
+                remedy,
+            )
         if unit in coupling.rates:
-            raise BadInput(f"units.{unit}.every", f"{coupling.rates[unit]} in an algebraic loop of {loop.text}",
-                           "1, for all units of such a loop", remedy)
+            raise BadInput(
+                f"units.{unit}.every",
+                f"{coupling.rates[unit]} in an algebraic loop of {loop.text}",
+                "1, for all units of such a loop",
+                remedy,
+            )
 
 
 def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
@@ -321,15 +368,26 @@ def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
     interfaces, where, actual = coupling.interfaces, "master.algorithm", repr(scene.master.algorithm)
     circles = [group for group in groups(interfaces, smooth(interfaces, coupling.links)) if len(group) > 1]
     if not circles:
-        raise BadInput(where, actual, "units that feed one another in a circle; here nothing has to be repeated",
-                       'Take "gauss-seidel", which gives the same in one pass.')
+        raise BadInput(
+            where,
+            actual,
+            "units that feed one another in a circle; here nothing has to be repeated",
+            'Take "gauss-seidel", which gives the same in one pass.',
+        )
     for name in (name for group in circles for name in group):
         if not interfaces[name].saves_state:
-            raise BadInput(where, actual, f"units that save their state, so that a step can be repeated; {name} cannot",
-                           'Take "jacobi" or "gauss-seidel".')
+            raise BadInput(
+                where,
+                actual,
+                f"units that save their state, so that a step can be repeated; {name} cannot",
+                'Take "jacobi" or "gauss-seidel".',
+            )
     if scene.master.feedthrough == "delayed":
-        raise BadInput("master.feedthrough", "'delayed'",
-                       f"'immediate' with {scene.master.algorithm}, where outputs fit the inputs of their instant")
+        raise BadInput(
+            "master.feedthrough",
+            "'delayed'",
+            f"'immediate' with {scene.master.algorithm}, where outputs fit the inputs of their instant",
+        )
 
 
 def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
@@ -340,8 +398,9 @@ def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
         raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")
     ranks = {name: k for k, name in enumerate(coupling.order(master.order))}
     if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.abilities.sequential:
-        raise BadInput(where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before",
-                       "Remove it.")
+        raise BadInput(
+            where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before", "Remove it."
+        )
 
 
 def _check_rate(name: str, scene: SceneSettings) -> None:

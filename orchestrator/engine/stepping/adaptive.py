@@ -34,10 +34,22 @@ class AdaptiveStepping(Stepping):
     inputs are extrapolated from what they are then. The last step ends where a unit ends the simulation.
     """
 
-    def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
-                 restarts: Sequence[Action] = (), control: Controller | None = None, estimate: Estimate | None = None,
-                 crossings: Crossings | None = None, early: Sequence[Node] = (), resolution: int = 1,
-                 rollback: bool = True):
+    def __init__(
+        self,
+        master: Steppable,
+        clock: Clock,
+        stride: int,
+        end: int,
+        stops: Stops | None = None,
+        *,
+        restarts: Sequence[Action] = (),
+        control: Controller | None = None,
+        estimate: Estimate | None = None,
+        crossings: Crossings | None = None,
+        early: Sequence[Node] = (),
+        resolution: int = 1,
+        rollback: bool = True,
+    ):
         super().__init__(master, clock, stride, end, stops)
         self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
         self._restarts, self._resolution, self._rollback = restarts, resolution, rollback
@@ -79,8 +91,12 @@ class AdaptiveStepping(Stepping):
                 if control is None or not self._rollback:
                     raise
                 if length <= control.unit:
-                    raise StepFailed(failure.unit, failure.time, f"{failure.reason}; so did shorter steps, down to "
-                                     f"{self.clock.seconds(length):g} s", failure.remedy) from failure
+                    raise StepFailed(
+                        failure.unit,
+                        failure.time,
+                        f"{failure.reason}; so did shorter steps, down to {self.clock.seconds(length):g} s",
+                        failure.remedy,
+                    ) from failure
                 self.counts["failed"] += 1
                 control.fail(length)
             else:
@@ -124,7 +140,7 @@ class AdaptiveStepping(Stepping):
         """
         self._step(ahead)
         event, before, crossings = False, ahead, self._crossings
-        while (times := [at for node in self._early if (at := node.event) is not None]):
+        while times := [at for node in self._early if (at := node.event) is not None]:
             event, first = True, max(self.clock.not_before(min(times)), self.tick + 1)
             before = first - 1
             if first >= ahead or not self._rollback:
@@ -175,8 +191,13 @@ class AdaptiveStepping(Stepping):
 
     def state(self) -> dict[str, Any]:
         control, crossings = self.control, self._crossings
-        return {"counts": self.counts, "range": [self.shortest, self.longest], "signs": crossings.signs if crossings else [],
-                "control": control.state() if control else {}, "behind_event": self._behind_event}
+        return {
+            "counts": self.counts,
+            "range": [self.shortest, self.longest],
+            "signs": crossings.signs if crossings else [],
+            "control": control.state() if control else {},
+            "behind_event": self._behind_event,
+        }
 
     def take(self, state: Mapping[str, Any]) -> None:
         self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
@@ -191,8 +212,11 @@ class AdaptiveStepping(Stepping):
         beyond, control = self.counts["inaccurate"], self.control
         if control is None or not beyond:
             return []
-        smallest = f"with the smallest step, {self.clock.seconds(control.unit):g} s, too" if self._rollback else \
-            "and were not repeated, because not all units save their state"
+        smallest = (
+            f"with the smallest step, {self.clock.seconds(control.unit):g} s, too"
+            if self._rollback
+            else "and were not repeated, because not all units save their state"
+        )
         return [f"{beyond} of {self.counts['accepted']} steps had errors above what master.control allows, {smallest}"]
 
 
@@ -208,8 +232,9 @@ def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Cl
     return clock
 
 
-def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, account: EnergyAccount | None, clock: Clock,
-                stops: Stops) -> Stepping:
+def stepping_of(
+    scene: SceneSettings, coupling: Coupling, master: Master, account: EnergyAccount | None, clock: Clock, stops: Stops
+) -> Stepping:
     """The stepping that a scene asks for: equal steps, in batches if possible, where nothing in them has to be watched."""
     given, steppable = scene.master, account or master
     if account is not None:  # what happens at a stop makes outputs jump
@@ -226,13 +251,26 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
     control = estimate = None
     if given.control is not None:
         smallest, longest = given.control.min_step, given.control.max_step
-        control = Controller(stride, clock.ticks(smallest) if smallest else stride // SMALLEST,
-                             end if longest is None else clock.ticks(longest))
+        control = Controller(
+            stride, clock.ticks(smallest) if smallest else stride // SMALLEST, end if longest is None else clock.ticks(longest)
+        )
         estimate = _estimate(given.control, coupling, master, account)
     crossings = Crossings(master, coupling.events, coupling) if coupling.events else None
     rollback = all(interface.saves_state for interface in coupling.interfaces.values())
-    return AdaptiveStepping(steppable, clock, stride, end, stops, restarts=restarts, control=control, estimate=estimate,
-                  crossings=crossings, early=early, resolution=max(stride // RESOLUTION, 1), rollback=rollback)
+    return AdaptiveStepping(
+        steppable,
+        clock,
+        stride,
+        end,
+        stops,
+        restarts=restarts,
+        control=control,
+        estimate=estimate,
+        crossings=crossings,
+        early=early,
+        resolution=max(stride // RESOLUTION, 1),
+        rollback=rollback,
+    )
 
 
 def _estimate(settings: ControlSettings, coupling: Coupling, master: Master, account: EnergyAccount | None) -> Estimate:

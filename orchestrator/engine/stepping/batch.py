@@ -24,8 +24,16 @@ class BatchStepping(Stepping):
     The observers see what they would have seen step by step.
     """
 
-    def __init__(self, master: Master, account: EnergyAccount | None, clock: Clock, stride: int, end: int,
-                 stops: Stops | None = None, trusted: Collection[str] = ()):
+    def __init__(
+        self,
+        master: Master,
+        account: EnergyAccount | None,
+        clock: Clock,
+        stride: int,
+        end: int,
+        stops: Stops | None = None,
+        trusted: Collection[str] = (),
+    ):
         """`trusted`: components that save their whole state; of others all that kernels write is kept, if their steps are nothing
         else."""
         super().__init__(account or master, clock, stride, end, stops)
@@ -110,7 +118,8 @@ class BatchStepping(Stepping):
         """Whether steps can be taken back: all units are components whose whole state is known."""
         components = self._components
         return len(components) == len(self._master.nodes) and all(
-            u.name in self._trusted or u.written is not None for u in components)
+            u.name in self._trusted or u.written is not None for u in components
+        )
 
     def _save(self) -> Any:
         """All that the next steps depend on, and counters of the components."""
@@ -128,8 +137,11 @@ class BatchStepping(Stepping):
 
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
     """What of a scene keeps its macro steps from being one call of the kernels, in the scene's own words."""
-    present = {"connections of texts": master.texts is not None, "master.algorithm": not master.batched,
-               "master.energy_correction": account is not None and account.correction}
+    present = {
+        "connections of texts": master.texts is not None,
+        "master.algorithm": not master.batched,
+        "master.energy_correction": account is not None and account.correction,
+    }
     yield from (words for words, there in present.items() if there)
     for solver in master.loops:
         yield f"the algebraic loop {solver.loop.text}"

@@ -27,8 +27,10 @@ class Clock:
     @classmethod
     def dividing(cls, *durations: float) -> Clock:
         """The clock with the longest tick of which every duration (s, positive) is a whole multiple."""
-        tick = reduce(lambda a, b: Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator),
-                                            a.denominator * b.denominator), map(_written, durations))
+        tick = reduce(
+            lambda a, b: Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator),
+            map(_written, durations),
+        )
         return cls(tick.numerator, tick.denominator)
 
     def finer(self, parts: int) -> Clock:

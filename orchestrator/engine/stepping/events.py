@@ -31,8 +31,9 @@ class Crossings:
     def start_step(self) -> None:
         """A new step starts here."""
         self.start = self.values()
-        self.signs = [sign if value == 0.0 else (1.0 if value > 0.0 else -1.0)
-                      for sign, value in zip(self.signs, self.start, strict=True)]
+        self.signs = [
+            sign if value == 0.0 else (1.0 if value > 0.0 else -1.0) for sign, value in zip(self.signs, self.start, strict=True)
+        ]
 
     def changed(self) -> bool:
         """Whether a signal has another sign than when the step started."""
@@ -47,8 +48,11 @@ class Crossings:
         low, high, before, behind, at, trials = tick, ahead, self.start, self.values(), ahead, 0
         lighter = [1.0, 1.0]  # weights of the values at the two ends
         while high - low > resolution:
-            shares = [lighter[0] * a / (lighter[0] * a - lighter[1] * b)
-                      for sign, a, b in zip(self.signs, before, behind, strict=True) if sign * b < 0.0]
+            shares = [
+                lighter[0] * a / (lighter[0] * a - lighter[1] * b)
+                for sign, a, b in zip(self.signs, before, behind, strict=True)
+                if sign * b < 0.0
+            ]
             guess = low + round(min(shares) * (high - low)) if trials < PATIENCE else (low + high) // 2
             margin = min(resolution, (high - low) // 2)
             was, at, trials = at, min(max(guess, low + margin), high - margin), trials + 1

@@ -28,9 +28,18 @@ class Connected:
         names = [name for name in coupling.order() if name in scene.units]
         self.components = {name: make(name, scene.units[name]) for name in names}
         self._where = scene.name
-        self._links = [(self.components[link.source[0]], link.source[1], self.components[link.target[0]], link.target[1],
-                        link.factor, link.offset) for link in coupling.links
-                       if link.source[0] in self.components and link.target[0] in self.components]
+        self._links = [
+            (
+                self.components[link.source[0]],
+                link.source[1],
+                self.components[link.target[0]],
+                link.target[1],
+                link.factor,
+                link.offset,
+            )
+            for link in coupling.links
+            if link.source[0] in self.components and link.target[0] in self.components
+        ]
 
     def initialize(self) -> None:
         """All components at t = 0, as they give one another their inputs; raises `BadInput` where these do not come to stand."""
@@ -52,5 +61,9 @@ class Connected:
                 target.set(name, value)
             if changed <= STANDING:
                 return
-        raise BadInput(f"{self._where}: operating point", f"inputs that still change by {changed:.2g} after {SWEEPS} exchanges",
-                       "outputs that come to stand", "Units in an algebraic loop may belong into one component.")
+        raise BadInput(
+            f"{self._where}: operating point",
+            f"inputs that still change by {changed:.2g} after {SWEEPS} exchanges",
+            "outputs that come to stand",
+            "Units in an algebraic loop may belong into one component.",
+        )

@@ -36,8 +36,11 @@ class Endurance:
 
     def __post_init__(self) -> None:
         if not (self.limit > 0.0 and self.cycles > 0.0 and self.exponent > 0.0 and self.ultimate > self.limit):
-            raise BadInput("endurance", f"limit {self.limit:g}, cycles {self.cycles:g}, exponent {self.exponent:g}, "
-                           f"ultimate {self.ultimate:g}", "positive numbers, and an ultimate stress above the limit")
+            raise BadInput(
+                "endurance",
+                f"limit {self.limit:g}, cycles {self.cycles:g}, exponent {self.exponent:g}, ultimate {self.ultimate:g}",
+                "positive numbers, and an ultimate stress above the limit",
+            )
 
     def damage(self, cycles: Cycles) -> float:
         """Share of the life that the cycles use up, 1; infinite where a mean reaches the ultimate stress."""

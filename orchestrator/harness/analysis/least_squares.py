@@ -64,13 +64,22 @@ class Fit:
 
     def rows(self) -> list[tuple[str, float, float, float, float]]:
         """(name, value, standard deviation, low, high) of every parameter."""
-        return [(n, float(v), float(s), float(i[0]), float(i[1]))
-                for n, v, s, i in zip(self.names, self.values, self.deviations, self.intervals, strict=True)]
+        return [
+            (n, float(v), float(s), float(i[0]), float(i[1]))
+            for n, v, s, i in zip(self.names, self.values, self.deviations, self.intervals, strict=True)
+        ]
 
 
-def fit(residuals: Callable[[np.ndarray], np.ndarray], start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]],
-        *, noise_known: bool = False, step: float | None = None, most: int | None = None,
-        jacobian: Callable[[np.ndarray], np.ndarray] | None = None) -> Fit:
+def fit(
+    residuals: Callable[[np.ndarray], np.ndarray],
+    start: Mapping[str, float],
+    bounds: Mapping[str, tuple[float, float]],
+    *,
+    noise_known: bool = False,
+    step: float | None = None,
+    most: int | None = None,
+    jacobian: Callable[[np.ndarray], np.ndarray] | None = None,
+) -> Fit:
     """Minimise the sum of squares of `residuals(p)`, (m,) with p (n,) in the order of `start`.
 
     `bounds`: (low, high) of every parameter; `noise_known`: the residuals are over the true standard deviations of the data.
@@ -85,15 +94,24 @@ def fit(residuals: Callable[[np.ndarray], np.ndarray], start: Mapping[str, float
     first = np.array([start[n] for n in names], dtype=float)
     for name, value, bottom, top in zip(names, first, low, high, strict=True):
         if not bottom <= value <= top or not bottom < top:
-            raise BadInput(f"fit: {name}", f"start {value:g} with bounds {bottom:g} to {top:g}",
-                           "a start within bounds that differ")
+            raise BadInput(
+                f"fit: {name}", f"start {value:g} with bounds {bottom:g} to {top:g}", "a start within bounds that differ"
+            )
     at_start = np.asarray(residuals(first), dtype=float)
     if at_start.size < len(names):
-        raise BadInput("fit", f"{at_start.size} residuals for {len(names)} parameters", "at least as many residuals",
-                       "Give more data, or fit fewer parameters.")
+        raise BadInput(
+            "fit",
+            f"{at_start.size} residuals for {len(names)} parameters",
+            "at least as many residuals",
+            "Give more data, or fit fewer parameters.",
+        )
     if not np.isfinite(at_start).all():
-        raise BadInput("fit", "residuals that are not finite at the start", "a start where the model can be computed",
-                       "Give another start or narrower bounds.")
+        raise BadInput(
+            "fit",
+            "residuals that are not finite at the start",
+            "a start where the model can be computed",
+            "Give another start or narrower bounds.",
+        )
     count = 0
 
     def counted(p: np.ndarray) -> np.ndarray:
@@ -135,12 +153,25 @@ def _judged(names: tuple[str, ...], solution: Any, low: np.ndarray, high: np.nda
         if value - bottom <= near < np.inf or top - value <= near < np.inf:
             end = "lower" if value - bottom <= top - value else "upper"
             messages.append(f"{name} has stopped at its {end} bound: its uncertainty holds to one side at most")
-    return Fit(names, p, deviations, covariance, correlation, intervals, r, factor, condition, count, bool(solution.success),
-               tuple(messages))
+    return Fit(
+        names,
+        p,
+        deviations,
+        covariance,
+        correlation,
+        intervals,
+        r,
+        factor,
+        condition,
+        count,
+        bool(solution.success),
+        tuple(messages),
+    )
 
 
-def _identifiability(names: Sequence[str], basis: np.ndarray, sigma: np.ndarray, condition: float,
-                     correlation: np.ndarray) -> list[str]:
+def _identifiability(
+    names: Sequence[str], basis: np.ndarray, sigma: np.ndarray, condition: float, correlation: np.ndarray
+) -> list[str]:
     """Which parameters the data do not determine, one by one or together."""
     texts = []
     if condition > LARGEST_CONDITION:

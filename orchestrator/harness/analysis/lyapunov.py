@@ -38,7 +38,13 @@ class Lyapunov:
 
 
 def lyapunov_spectrum(
-    component: Component, states: Sequence[int], scales: Sequence[float], *, interval: float, intervals: int, transient: int = 0,
+    component: Component,
+    states: Sequence[int],
+    scales: Sequence[float],
+    *,
+    interval: float,
+    intervals: int,
+    transient: int = 0,
     count: int | None = None,
 ) -> Lyapunov:
     """Exponents of an initialized component from `intervals` intervals of length `interval` after `transient` more, (n,).

@@ -109,12 +109,20 @@ def operating_point(rates: Rates, start: Sequence[float] | np.ndarray, scales: n
             break  # nowhere along the step are the rates smaller
         state, value = trial, derivatives
     shown = ", ".join(f"{x:.4g}" for x in state)
-    raise BadInput("operating point", f"rates up to {np.abs(value).max():.3g} at the state ({shown})",
-                   "a state at which they vanish", "Start closer to it; there may be none.")
+    raise BadInput(
+        "operating point",
+        f"rates up to {np.abs(value).max():.3g} at the state ({shown})",
+        "a state at which they vanish",
+        "Start closer to it; there may be none.",
+    )
 
 
-def operating_line(rates: Callable[[float], Rates], values: Iterable[float], start: Sequence[float] | np.ndarray,
-                   scales: np.ndarray | None = None) -> OperatingLine:
+def operating_line(
+    rates: Callable[[float], Rates],
+    values: Iterable[float],
+    start: Sequence[float] | np.ndarray,
+    scales: np.ndarray | None = None,
+) -> OperatingLine:
     """Operating points of `rates(value)` at each value, the first sought from `start`, each next from the last one found."""
     state = np.array(start, dtype=float)
     given = [float(v) for v in values]

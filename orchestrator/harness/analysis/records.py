@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from ...scene.scene import Scene
 
 KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
-    "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
+    "minimum": np.min,
+    "maximum": np.max,
+    "mean": np.mean,
+    "standard deviation": np.std,
 }
 
 
@@ -37,7 +40,7 @@ def component_of(scene: Scene, unit: str) -> Component | None:
 
 
 def source(scene: Scene, unit: str, name: str) -> str:
-    """"unit.output" that drives an input; "" if nothing does."""
+    """ "unit.output" that drives an input; "" if nothing does."""
     return next((".".join(link.source) for link in scene.coupling.links if link.target == (unit, name)), "")
 
 

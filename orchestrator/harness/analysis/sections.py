@@ -20,8 +20,12 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
     if turned.size and turned[-1] < turned[0]:
         turned = -turned
     if turned.size < 4 or not (np.diff(turned) > 0.0).all():
-        raise BadInput("section", "an angle that stands or turns back", "one that always turns the same way",
-                       "Leave out the part of the run in which it does not.")
+        raise BadInput(
+            "section",
+            "an angle that stands or turns back",
+            "one that always turns the same way",
+            "Leave out the part of the run in which it does not.",
+        )
     if np.diff(turned).max() > 0.5 * np.pi:
         actual = f"steps of {np.diff(turned).max():.2g} rad"
         raise BadInput("section", actual, "four samples a turn or more", "Record more often.")

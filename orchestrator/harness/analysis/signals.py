@@ -143,8 +143,9 @@ def amplitude_spectrum(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarr
     return np.fft.rfftfreq(x.size, 1.0 / rate), amplitude
 
 
-def welch_spectrum(x: np.ndarray, rate: float, samples: int, overlap: float, window: str, kind: str
-                   ) -> tuple[np.ndarray, np.ndarray]:
+def welch_spectrum(
+    x: np.ndarray, rate: float, samples: int, overlap: float, window: str, kind: str
+) -> tuple[np.ndarray, np.ndarray]:
     """(frequency in Hz, spectrum), one-sided, of x (n,) sampled at `rate` Hz: mean over segments of so many samples, their means
     removed (Welch, IEEE Transactions on Audio and Electroacoustics 15 (1967) 70-73; SciPy's).
 
@@ -153,8 +154,9 @@ def welch_spectrum(x: np.ndarray, rate: float, samples: int, overlap: float, win
     from scipy import signal as dsp
 
     density = kind == "power spectral density"
-    f, p = dsp.welch(x, rate, window, samples, int(overlap * samples), detrend="constant",
-                     scaling="density" if density else "spectrum")
+    f, p = dsp.welch(
+        x, rate, window, samples, int(overlap * samples), detrend="constant", scaling="density" if density else "spectrum"
+    )
     return f, p if density else np.sqrt(2.0 * p)
 
 

@@ -276,11 +276,29 @@ def _picture(picture: Picture, n: str, place: tuple[list[float], list[float]]) -
 def _level(picture: Picture, value: float, n: str) -> dict[str, Any]:
     """The line through the places of a picture that have a value."""
     rows = [drawn(row, 6) for row in np.asarray(picture.values, dtype=float)]
-    contours = {"start": value, "end": value, "size": 1.0, "coloring": "none", "showlabels": True,
-                "labelfont": {"size": 11, "color": VERMILION}}
-    return {"type": "contour", "x": drawn(picture.x, 6), "y": drawn(picture.y, 6), "z": rows, "contours": contours,
-            "autocontour": False, "showscale": False, "line": {"color": VERMILION, "width": 2}, "xaxis": "x" + n,
-            "yaxis": "y" + n, "hoverinfo": "skip", "name": "limit", "showlegend": False}
+    contours = {
+        "start": value,
+        "end": value,
+        "size": 1.0,
+        "coloring": "none",
+        "showlabels": True,
+        "labelfont": {"size": 11, "color": VERMILION},
+    }
+    return {
+        "type": "contour",
+        "x": drawn(picture.x, 6),
+        "y": drawn(picture.y, 6),
+        "z": rows,
+        "contours": contours,
+        "autocontour": False,
+        "showscale": False,
+        "line": {"color": VERMILION, "width": 2},
+        "xaxis": "x" + n,
+        "yaxis": "y" + n,
+        "hoverinfo": "skip",
+        "name": "limit",
+        "showlegend": False,
+    }
 
 
 def _bands(panel: Panel, n: str) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
@@ -319,9 +337,7 @@ def _thinned(s: Series) -> tuple[Any, Any, np.ndarray | None, bool]:
     return xs, ys, None, cut
 
 
-def _shading(
-    shades: np.ndarray, kept: np.ndarray | None, text: str, place: tuple[list[float], list[float]]
-) -> dict[str, Any]:
+def _shading(shades: np.ndarray, kept: np.ndarray | None, text: str, place: tuple[list[float], list[float]]) -> dict[str, Any]:
     """Marker properties for numbers shown as colours: one hue below zero, another above; a few extremes do not set the scale."""
     finite = shades[np.isfinite(shades)]
     low, high = (float(v) for v in np.percentile(finite, (2, 98))) if finite.size else (-1.0, 1.0)

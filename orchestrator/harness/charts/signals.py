@@ -59,8 +59,12 @@ def _added(fig: Figure, traces: list[dict[str, Any]], units: list[str]) -> Figur
     """The figure with further traces, each on the axes of its unit of measure."""
     have = list((fig.layout.meta or {}).get("units", ()))
     if missing := [unit for unit in units if unit not in have]:
-        raise BadInput("plot: fig", f"signals in {missing[0] or 1!r}", f"a figure of signals in {', '.join(have) or 'none'}",
-                       "Draw them in a figure of their own.")
+        raise BadInput(
+            "plot: fig",
+            f"signals in {missing[0] or 1!r}",
+            f"a figure of signals in {', '.join(have) or 'none'}",
+            "Draw them in a figure of their own.",
+        )
     known = len(fig.data)
     for k, trace in enumerate(traces):
         own = trace.get("yaxis", "y").removeprefix("y") or "1"

@@ -90,10 +90,13 @@ def write_part(folder: str | Path, rows: Sequence[tuple[int, Row]]) -> None:
         ("digest", pyarrow.int64(), [d for d, _ in rows], ""),
         ("outcome", pyarrow.string(), [row.outcome for _, row in rows], ""),
         ("reason", pyarrow.string(), [row.reason for _, row in rows], ""),
-        *((f"number {n}", pyarrow.float64(), [row.numbers.get(n, np.nan) for _, row in rows], units.get(n, "")) for n in names)]
+        *((f"number {n}", pyarrow.float64(), [row.numbers.get(n, np.nan) for _, row in rows], units.get(n, "")) for n in names),
+    ]
     lists: Iterable[tuple[str, list[np.ndarray], str]] = [
-        (SECTION, [row.section for _, row in rows], ""), (TIME, [row.time for _, row in rows], "s"),
-        *((SIGNAL + n, [row.signals.get(n, np.zeros(0)) for _, row in rows], units.get(n, "")) for n in signals)]
+        (SECTION, [row.section for _, row in rows], ""),
+        (TIME, [row.time for _, row in rows], "s"),
+        *((SIGNAL + n, [row.signals.get(n, np.zeros(0)) for _, row in rows], units.get(n, "")) for n in signals),
+    ]
     columns += [(n, pyarrow.list_(pyarrow.float64()), x, u) for n, x, u in lists if any(v.size for v in x)]
     schema = pyarrow.schema([pyarrow.field(n, t, metadata={"unit": u}) for n, t, _, u in columns])
     table = pyarrow.table([pyarrow.array(x, type=t) for _, t, x, _ in columns], schema=schema)

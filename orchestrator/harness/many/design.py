@@ -91,11 +91,26 @@ class Design:
 
     def save(self, directory: str | Path) -> Path:
         """Write design.csv: a row a run, and which of them are on the front."""
-        header = [*(f"{n}, {self.units[n]}" if self.units.get(n) else n for n in self.names), *self.quantities, *self.constraints,
-                  "feasible", "front", "outcome"]
+        header = [
+            *(f"{n}, {self.units[n]}" if self.units.get(n) else n for n in self.names),
+            *self.quantities,
+            *self.constraints,
+            "feasible",
+            "front",
+            "outcome",
+        ]
         front = set(self.front)
-        rows = [(*s.parameters, *s.quantities, *s.constraints, "yes" if s.feasible else "no", "yes" if k in front else "no",
-                 s.outcome) for k, s in enumerate(self.steps)]
+        rows = [
+            (
+                *s.parameters,
+                *s.quantities,
+                *s.constraints,
+                "yes" if s.feasible else "no",
+                "yes" if k in front else "no",
+                s.outcome,
+            )
+            for k, s in enumerate(self.steps)
+        ]
         return write_table(directory, "design.csv", header, rows)
 
 
@@ -111,9 +126,19 @@ def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> De
         raise one_message(error, DesignSettings, name) from None
 
 
-def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
-           jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None,
-           limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Design:
+def design(
+    scene: Scene,
+    settings: DesignSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    *,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    summarize: Summarize | None = None,
+    observe: Observe = lambda n: None,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    verify: bool = True,
+) -> Design:
     """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts. Of several
     quantities a front, by NSGA-II.
 
@@ -132,8 +157,9 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
         start = runs.start(wanted.vary)
         (first,) = runs([start])
         if first.outcome != "done":
-            raise BadInput("design: start", f"a run that is {first.outcome}: {first.reason}", "a start that runs",
-                           "Give another start.")
+            raise BadInput(
+                "design: start", f"a run that is {first.outcome}: {first.reason}", "a start that runs", "Give another start."
+            )
         aims = tuple(column_name(first.numbers, name, "design") for name in wanted.aims)
         columns = [column_name(first.numbers, n, "design: constraints") for n in wanted.constraints]
         limits_of = dict(zip(columns, wanted.constraints.values(), strict=True))
@@ -161,12 +187,26 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
         units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in aims}
         units |= {n: first.units.get(n, "") or limit.unit for n, limit in limits_of.items()}
-        return Design(aims, tuple((sign < 0.0).tolist()), tuple(runs.names), units, limits_of, steps, tuple(front.tolist()),
-                      active, tuple(messages), repeated, wanted.starts, runs.computed, runs.sweep())
+        return Design(
+            aims,
+            tuple((sign < 0.0).tolist()),
+            tuple(runs.names),
+            units,
+            limits_of,
+            steps,
+            tuple(front.tolist()),
+            active,
+            tuple(messages),
+            repeated,
+            wanted.starts,
+            runs.computed,
+            runs.sweep(),
+        )
 
 
-def _one_aim(wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: Row,
-             begin: np.ndarray) -> str:
+def _one_aim(
+    wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: Row, begin: np.ndarray
+) -> str:
     """Search from `begin` and from the other starts; what a user should know of it."""
     searching = _Searching(wanted, runs, quantity, limits, first.numbers[quantity])
     starts = [begin, *other_starts(wanted.starts, len(begin), wanted.seed)]
@@ -179,8 +219,9 @@ def _one_aim(wanted: DesignSettings, runs: Evaluations, quantity: str, limits: M
 class _Searching:
     """The aim and the limits over the unit cube, scaled, from the rows of runs. first: the quantity at the start."""
 
-    def __init__(self, wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings],
-                 first: float):
+    def __init__(
+        self, wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: float
+    ):
         self.wanted, self.runs, self.quantity, self.limits = wanted, runs, quantity, limits
         self.sign = -1.0 if wanted.maximise else 1.0
         self.first, self.scale = self.sign * first, abs(first) or 1.0
@@ -189,9 +230,13 @@ class _Searching:
     def search(self, start: np.ndarray) -> Callable[[Ask], Any]:
         """SciPy's solution from a start in the unit cube."""
         wanted, most = self.wanted, self.wanted.evaluations or EVALUATIONS
-        ends = [[(getattr(limit, end) / s if getattr(limit, end) is not None else other)
-                 for limit, s in zip(self.limits.values(), self.sizes, strict=True)]
-                for end, other in (("low", -np.inf), ("high", np.inf))]
+        ends = [
+            [
+                (getattr(limit, end) / s if getattr(limit, end) is not None else other)
+                for limit, s in zip(self.limits.values(), self.sizes, strict=True)
+            ]
+            for end, other in (("low", -np.inf), ("high", np.inf))
+        ]
 
         def solve(ask: Ask) -> Any:
             from scipy.optimize import NonlinearConstraint, minimize
@@ -213,11 +258,19 @@ class _Searching:
                 slopes = {}
             else:
                 options = {"maxiter": most, "ftol": wanted.accuracy**2}
-                constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: jacobian(u)[1:])
-                               ] if self.limits else []
+                constraints = (
+                    [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: jacobian(u)[1:])] if self.limits else []
+                )
                 slopes = {"jac": lambda u: jacobian(u)[0]}
-            return minimize(lambda u: whole(u)[0], start, method=wanted.method or "COBYQA", bounds=[(0.0, 1.0)] * len(start),
-                            constraints=constraints, options=options, **slopes)
+            return minimize(
+                lambda u: whole(u)[0],
+                start,
+                method=wanted.method or "COBYQA",
+                bounds=[(0.0, 1.0)] * len(start),
+                constraints=constraints,
+                options=options,
+                **slopes,
+            )
 
         return solve
 

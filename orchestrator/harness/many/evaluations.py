@@ -41,8 +41,12 @@ def keep_for(names: Iterable[str], keep: KeepSettings) -> KeepSettings:
     """What must be kept of a run for columns of these names, and no more."""
     quantities = [n for n in names if _is_quantity(n)]
     others = [n for n in names if n not in quantities]
-    return KeepSettings(statistics=False, summary=bool(others), quantities=tuple(dict.fromkeys([*keep.quantities, *quantities])),
-                        functions=keep.functions)
+    return KeepSettings(
+        statistics=False,
+        summary=bool(others),
+        quantities=tuple(dict.fromkeys([*keep.quantities, *quantities])),
+        functions=keep.functions,
+    )
 
 
 def default_quantities(scene: Scene, keep: KeepSettings) -> tuple[str, ...]:
@@ -62,8 +66,12 @@ def column_name(names: Iterable[str], name: str, where: str) -> str:
     key = str(wanted(name)) if _is_quantity(name) else name
     names = list(names)
     if key not in names:
-        raise BadInput(where, repr(name), 'a figure of summary.json, "unit.output, kind", or what an own function gives',
-                       nearest(name, names))
+        raise BadInput(
+            where,
+            repr(name),
+            'a figure of summary.json, "unit.output, kind", or what an own function gives',
+            nearest(name, names),
+        )
     return key
 
 
@@ -83,8 +91,14 @@ class Evaluations:
     computed: runs of this call.  Raises `BadInput` for bounds that the scene refuses.
     """
 
-    def __init__(self, scene: Scene, vary: Mapping[str, RangeSettings], keep: KeepSettings, summarize: Summarize | None,
-                 computing: Computing):
+    def __init__(
+        self,
+        scene: Scene,
+        vary: Mapping[str, RangeSettings],
+        keep: KeepSettings,
+        summarize: Summarize | None,
+        computing: Computing,
+    ):
         self.names = list(vary)
         for name in self.names:
             place(scene, name)
@@ -108,8 +122,11 @@ class Evaluations:
     def __enter__(self) -> Evaluations:
         with ExitStack() as stack:
             directory = self._computing.directory
-            self._directory = stack.enter_context(locked(directory)) if directory is not None else Path(
-                stack.enter_context(TemporaryDirectory(prefix="cosimo-search-")))
+            self._directory = (
+                stack.enter_context(locked(directory))
+                if directory is not None
+                else Path(stack.enter_context(TemporaryDirectory(prefix="cosimo-search-")))
+            )
             self._folder = store.points_folder(self._directory, self._base)
             self._look()
             self._stack = stack.pop_all()
@@ -142,8 +159,9 @@ class Evaluations:
         """
         plan = self._plan(points)
         digests = plan.digests(self._base)
-        self._points.update({d: np.asarray(p, dtype=float) for d, p in zip(digests.tolist(), points, strict=True)
-                             if d not in self._points})
+        self._points.update(
+            {d: np.asarray(p, dtype=float) for d, p in zip(digests.tolist(), points, strict=True) if d not in self._points}
+        )
         missing = [k for k, d in enumerate(digests.tolist()) if d not in self._lies]
         missing = list({int(digests[k]): k for k in reversed(missing)}.values())[::-1]  # each once
         if missing:
@@ -160,8 +178,9 @@ class Evaluations:
 
     def _plan(self, points: Sequence[np.ndarray]) -> Points:
         columns = np.array(points, dtype=float).T
-        settings = plan_settings({"method": "list", "vary": dict(zip(self.names, columns.tolist(), strict=True)),
-                                  "keep": self._keep})
+        settings = plan_settings(
+            {"method": "list", "vary": dict(zip(self.names, columns.tolist(), strict=True)), "keep": self._keep}
+        )
         return Points(settings, {n: Column(c) for n, c in zip(self.names, columns, strict=True)}, len(points))
 
     def _compute(self, plan: Points, digests: np.ndarray, missing: np.ndarray) -> None:

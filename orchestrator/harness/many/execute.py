@@ -111,8 +111,9 @@ class Schedule:
             self._ready.append(rest)
 
 
-def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Observer,
-                 seconds: float = inf) -> Signals | None:
+def compute_here(
+    task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Observer, seconds: float = inf
+) -> Signals | None:
     """In this process, one after the other, a batch at least, for about so many s; the signal that has ended it early."""
     schedule, since = Schedule(plan, missing, 1), perf_counter()
     while (batch := schedule.next(0)) is not None:
@@ -126,8 +127,16 @@ def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndar
     return None
 
 
-def compute_with(workers: Workers, task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path,
-                 live: Observer, compiled: bool = False) -> Signals | None:
+def compute_with(
+    workers: Workers,
+    task: Task,
+    plan: Points,
+    digests: np.ndarray,
+    missing: np.ndarray,
+    folder: Path,
+    live: Observer,
+    compiled: bool = False,
+) -> Signals | None:
     """By workers; the signal that has ended it, and them, early. A point that ends its process is a row "killed"; the others go
     on.
 
@@ -160,16 +169,27 @@ def _come_back(future: Future[BatchReport], batch: _Batch, schedule: Schedule, l
         if isinstance(error, BadInput | OSError):
             raise
         if "Comm" in type(error).__name__ or isinstance(error, CancelledError | TimeoutError):
-            raise BadInput("--scheduler", f"no answer any more ({type(error).__name__}: {error})", "a running scheduler",
-                           "What was computed is written; the same command computes the rest.") from None
+            raise BadInput(
+                "--scheduler",
+                f"no answer any more ({type(error).__name__}: {error})",
+                "a running scheduler",
+                "What was computed is written; the same command computes the rest.",
+            ) from None
         raise
     live.count(report)
     schedule.ended(batch, report.seconds)
     return None
 
 
-def _crashed(lost: list[_Batch], flying: dict[Any, _Batch], schedule: Schedule, live: Observer, workers: Workers,
-             digests: np.ndarray, folder: Path) -> None:
+def _crashed(
+    lost: list[_Batch],
+    flying: dict[Any, _Batch],
+    schedule: Schedule,
+    live: Observer,
+    workers: Workers,
+    digests: np.ndarray,
+    folder: Path,
+) -> None:
     """A process is gone, and with those of this machine all batches that were on their way. Which point did it shows when each
     of those that have not been written runs alone."""
     if len(lost) == 1 and lost[0].alone and not flying:

@@ -49,10 +49,20 @@ class SceneFit:
 
     def save(self, directory: str | Path) -> Path:
         """Write fit.csv: a row a parameter, with its correlations with the others."""
-        header = ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "start",
-                  *(f"correlation with {n}" for n in self.fit.names)]
-        rows = [(n, self.units[n], v, s, low, high, self.start[n], *self.fit.correlation[k].tolist())
-                for k, (n, v, s, low, high) in enumerate(self.fit.rows())]
+        header = [
+            "parameter",
+            "unit",
+            "value",
+            "standard deviation",
+            "low (95 %)",
+            "high (95 %)",
+            "start",
+            *(f"correlation with {n}" for n in self.fit.names),
+        ]
+        rows = [
+            (n, self.units[n], v, s, low, high, self.start[n], *self.fit.correlation[k].tolist())
+            for k, (n, v, s, low, high) in enumerate(self.fit.rows())
+        ]
         return write_table(directory, "fit.csv", header, rows)
 
 
@@ -72,9 +82,18 @@ def fit_settings(data: FitSettings | Mapping[str, Any], name: str = "fit") -> Fi
         raise one_message(error, FitSettings, name) from None
 
 
-def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
-        folder: str | Path = ".", jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None,
-        observe: Observe = lambda n: None, verify: bool = True) -> SceneFit:
+def fit(
+    scene: Scene,
+    settings: FitSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    *,
+    folder: str | Path = ".",
+    jobs: int | None = 1,
+    scheduler: str = "",
+    summarize: Summarize | None = None,
+    observe: Observe = lambda n: None,
+    verify: bool = True,
+) -> SceneFit:
     """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 
     Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
@@ -146,12 +165,22 @@ class _Fitting:
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
         messages += self._blurred(best, row) if verify else []
         fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
-        charts = [*(compare_curve(c, self.folder, _KeptRun(fitted, row)).chart() for c in self.wanted.curves),
-                  *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra)]
+        charts = [
+            *(compare_curve(c, self.folder, _KeptRun(fitted, row)).chart() for c in self.wanted.curves),
+            *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra),
+        ]
         targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
-        return SceneFit(replace(best, messages=tuple(messages)), {n: unit_of(self.scene, n) for n in names}, fitted,
-                        runs.values(first), tuple(charts), targets, len(runs.history), runs.computed,
-                        runs.sweep())
+        return SceneFit(
+            replace(best, messages=tuple(messages)),
+            {n: unit_of(self.scene, n) for n in names},
+            fitted,
+            runs.values(first),
+            tuple(charts),
+            targets,
+            len(runs.history),
+            runs.computed,
+            runs.sweep(),
+        )
 
     def _blurred(self, best: Fit, row: Row) -> list[str]:
         """What half of every macro step changes at the fit, where that is not small beside what is left of the residuals."""
@@ -161,8 +190,14 @@ class _Fitting:
             return repeated.messages()
         change = 2.0 * (self._residuals(best.values, again) - self._residuals(best.values, row))
         share = float(np.sqrt(np.mean(change**2) / best.variance)) if best.variance > 0.0 else 0.0
-        return [f"the numerical error of the fitted run is {100.0 * share:.2g} % of the standard deviation of the measurements: "
-                "reduce master.step"] if share > OF_DEVIATION else []
+        return (
+            [
+                f"the numerical error of the fitted run is {100.0 * share:.2g} % of the standard deviation of the measurements: "
+                "reduce master.step"
+            ]
+            if share > OF_DEVIATION
+            else []
+        )
 
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
         names, wanted = self.runs.names, self.wanted
@@ -173,9 +208,14 @@ class _Fitting:
                 p = [self.low + u * self.width for u in points]
                 return [self._residuals(x, row) for x, row in zip(p, ask(p), strict=True)]
 
-            return least_squares(lambda u: values([u])[0], dict(zip(names, start.tolist(), strict=True)),
-                                 dict.fromkeys(names, (0.0, 1.0)), noise_known=known, most=wanted.evaluations,
-                                 jacobian=lambda u: differences(values, u, wanted.step, names))
+            return least_squares(
+                lambda u: values([u])[0],
+                dict(zip(names, start.tolist(), strict=True)),
+                dict.fromkeys(names, (0.0, 1.0)),
+                noise_known=known,
+                most=wanted.evaluations,
+                jacobian=lambda u: differences(values, u, wanted.step, names),
+            )
 
         return search
 
@@ -194,9 +234,12 @@ class _Fitting:
         parts += [np.array([(self._target(row, t.quantity) - t.value) / t.deviation]) for t in self.wanted.targets]
         whole = np.concatenate(parts)
         if self.size and whole.size != self.size:
-            raise BadInput("fit: measurements", f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} "
-                           "within the first one", "a stretch that does not depend on them",
-                           "Cut the measurement to what every run covers.")
+            raise BadInput(
+                "fit: measurements",
+                f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} within the first one",
+                "a stretch that does not depend on them",
+                "Cut the measurement to what every run covers.",
+            )
         return whole
 
     def _target(self, row: Row, quantity: str) -> float:
@@ -218,6 +261,17 @@ def _others(best: Fit, others: Sequence[Fit], width: np.ndarray) -> list[str]:
 
 def _in_units(unit: Fit, low: np.ndarray, width: np.ndarray) -> Fit:
     """A fit over shares of the ranges as one in the parameters' units."""
-    return Fit(unit.names, low + unit.values * width, unit.deviations * width, unit.covariance * np.outer(width, width),
-               unit.correlation, low[:, None] + unit.intervals * width[:, None], unit.residuals, unit.variance, unit.condition,
-               unit.evaluations, unit.converged, unit.messages)
+    return Fit(
+        unit.names,
+        low + unit.values * width,
+        unit.deviations * width,
+        unit.covariance * np.outer(width, width),
+        unit.correlation,
+        low[:, None] + unit.intervals * width[:, None],
+        unit.residuals,
+        unit.variance,
+        unit.condition,
+        unit.evaluations,
+        unit.converged,
+        unit.messages,
+    )

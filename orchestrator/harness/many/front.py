@@ -30,8 +30,14 @@ def check_pymoo() -> None:
         raise BadInput("design", "several aims without pymoo", "an installed pymoo", "pip install cosimo[design]")
 
 
-def search_front(wanted: DesignSettings, runs: Evaluations, aims: Sequence[str], sign: np.ndarray,
-                 limits: Mapping[str, LimitSettings], begin: np.ndarray) -> None:
+def search_front(
+    wanted: DesignSettings,
+    runs: Evaluations,
+    aims: Sequence[str],
+    sign: np.ndarray,
+    limits: Mapping[str, LimitSettings],
+    begin: np.ndarray,
+) -> None:
     """Run generations; all of their runs are then in `runs.history`.
 
     sign: (m,) 1 of aims to be small, -1 of those to be large.  begin: (n,) in the unit cube, the first point; the others of the
@@ -57,8 +63,9 @@ def search_front(wanted: DesignSettings, runs: Evaluations, aims: Sequence[str],
         algorithm.tell(infills=generation)
 
 
-def _judged(row: Row, aims: Sequence[str], sign: np.ndarray, limits: Mapping[str, LimitSettings]
-            ) -> tuple[np.ndarray, np.ndarray]:
+def _judged(
+    row: Row, aims: Sequence[str], sign: np.ndarray, limits: Mapping[str, LimitSettings]
+) -> tuple[np.ndarray, np.ndarray]:
     """Aims (m,), all to be small, and how far the run is out of its limits (1 + 2 c,), negative inside; the first: it failed."""
     values = sign * np.array([row.numbers.get(name, np.nan) for name in aims])
     if row.outcome != "done" or not np.isfinite(values).all():
@@ -95,5 +102,7 @@ def still_growing(values: np.ndarray, places: np.ndarray, count: int) -> str:
     whole, before = (float(volume(part[unbeaten(part)])) if len(part) else 0.0 for part in (scaled, early))
     if whole <= 0.0 or (whole - before) / whole <= GROWTH:
         return ""
-    return (f"the front was still growing: the last quarter of the runs added {100.0 * (whole - before) / whole:.2g} % of its "
-            "hypervolume; give more evaluations")
+    return (
+        f"the front was still growing: the last quarter of the runs added {100.0 * (whole - before) / whole:.2g} % of its "
+        "hypervolume; give more evaluations"
+    )

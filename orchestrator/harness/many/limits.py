@@ -34,13 +34,21 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     own: Limits = getattr(settings, field)
     limits = {_column(r.measure): _limit(r) for r in chosen}
     if twice := sorted(limits.keys() & own.keys()):
-        raise BadInput(field, f"{twice[0]!r}, which table {wanted_rows.table} has, too", "one range a column",
-                       f"Remove it from [{field}], or name other conditions of the table.")
+        raise BadInput(
+            field,
+            f"{twice[0]!r}, which table {wanted_rows.table} has, too",
+            "one range a column",
+            f"Remove it from [{field}], or name other conditions of the table.",
+        )
     quantities: list[str] = [] if function else [c for c in limits if "," in c]
     functions: list[str] = [function] if function else []
     kept: KeepSettings = settings.keep
-    keep = kept.model_copy(update={"quantities": tuple(dict.fromkeys([*kept.quantities, *quantities])),
-                                   "functions": tuple(dict.fromkeys([*kept.functions, *functions]))})
+    keep = kept.model_copy(
+        update={
+            "quantities": tuple(dict.fromkeys([*kept.quantities, *quantities])),
+            "functions": tuple(dict.fromkeys([*kept.functions, *functions])),
+        }
+    )
     return settings.model_copy(update={field: {**own, **limits}, "keep": keep, "rows": None})
 
 
@@ -48,8 +56,12 @@ def check_limits(limits: Limits, units: Mapping[str, str]) -> None:
     """Refuse limits of columns that runs do not have, and those in another unit. units: by column; "" where it is not known."""
     for name, limit in limits.items():
         if name not in units:
-            raise BadInput("limits", repr(name), 'a figure of summary.json, "unit.output, kind", or what an own function gives',
-                           nearest(name, units))
+            raise BadInput(
+                "limits",
+                repr(name),
+                'a figure of summary.json, "unit.output, kind", or what an own function gives',
+                nearest(name, units),
+            )
         if limit.unit and units[name] not in ("", limit.unit):
             raise BadInput(f"limits: {name}", f"unit {limit.unit!r}", f"{units[name]!r}, which the column has")
 
@@ -67,9 +79,16 @@ def _column(name: str) -> str:
 
 def _limit(row: TableRow) -> LimitSettings:
     words = f"{row.quantity} ({row.condition})" if row.condition else row.quantity
-    return LimitSettings.model_validate({"low": None if row.low is None else float(row.low), "quantity": words, "unit": row.unit,
-                                         "high": None if row.high is None else float(row.high), "standing": row.standing,
-                                         "source": row.source})
+    return LimitSettings.model_validate(
+        {
+            "low": None if row.low is None else float(row.low),
+            "quantity": words,
+            "unit": row.unit,
+            "high": None if row.high is None else float(row.high),
+            "standing": row.standing,
+            "source": row.source,
+        }
+    )
 
 
 def _table(name: str, folder: Path) -> tuple[tuple[TableRow, ...], str]:
@@ -77,8 +96,12 @@ def _table(name: str, folder: Path) -> tuple[tuple[TableRow, ...], str]:
     if not name.endswith(".toml"):
         table = load_table(name)
         if not table.measures:
-            raise BadInput("rows: table", repr(name), "a table whose rows are of any run of a scene",
-                           f"The rows of {name} are of its case's own runs.")
+            raise BadInput(
+                "rows: table",
+                repr(name),
+                "a table whose rows are of any run of a scene",
+                f"The rows of {name} are of its case's own runs.",
+            )
         return table.rows, table.measures
     if not (folder / name).is_file():
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
@@ -101,6 +124,10 @@ def _under(rows: Sequence[TableRow], settings: RowsSettings) -> list[TableRow]:
     for measure in measures:
         if measures.count(measure) > 1:
             clashing = [r.condition for r in chosen if _column(r.measure) == measure]
-            raise BadInput(where, f"{len(clashing)} ranges of {measure}, under {', '.join(map(repr, clashing))}",
-                           "conditions that hold together", 'Give conditions = ["..."] or --condition "...".')
+            raise BadInput(
+                where,
+                f"{len(clashing)} ranges of {measure}, under {', '.join(map(repr, clashing))}",
+                "conditions that hold together",
+                'Give conditions = ["..."] or --condition "...".',
+            )
     return chosen

@@ -38,8 +38,13 @@ class Live:
             from rich.console import Console
             from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[failed]}"),
-                       TimeRemainingColumn())
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TextColumn("{task.fields[failed]}"),
+                TimeRemainingColumn(),
+            )
             self._bar = self._stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
             self._task = self._bar.add_task(title, total=total, completed=before, failed="")
 
@@ -86,17 +91,27 @@ class Live:
         self._page_at = perf_counter()
         ended, total, rate = self.done + self.failed, max(self._total, 1), self.rate
         left = (self._total - ended) / rate if rate > 0.0 else float("nan")
-        rows = [("points", f"{ended} of {self._total}"), ("failed", str(self.failed)), ("rate", f"{rate:.3g} points/s"),
-                ("time left", "–" if state != "running" or left != left else duration(left)),
-                ("workers", f"{self.workers}, {100.0 * self.efficiency():.0f} % of their time in runs")]
+        rows = [
+            ("points", f"{ended} of {self._total}"),
+            ("failed", str(self.failed)),
+            ("rate", f"{rate:.3g} points/s"),
+            ("time left", "–" if state != "running" or left != left else duration(left)),
+            ("workers", f"{self.workers}, {100.0 * self.efficiency():.0f} % of their time in runs"),
+        ]
         table = "".join(f"<tr><td>{name}<td>{value}" for name, value in rows)
         common = sorted(self._reasons.items(), key=lambda item: -item[1])[:SHOWN_REASONS]
         reasons = "".join(f"<tr><td>{n}<td>{html.escape(text)}" for text, n in common)
         page = PAGE.format(
-            refresh='<meta http-equiv="refresh" content="3">' if state == "running" else "", percent=100.0 * ended / total,
-            title=html.escape(self._title), done_share=100.0 * self.done / total, failed_share=100.0 * self.failed / total,
-            state=state, rows=table, reasons=f"<h2>Reasons</h2><table>{reasons}</table>" if reasons else "",
-            foot='<a href="report.html">report</a>' if state == "done" else f"written at {int(time())} s since 1970")
+            refresh='<meta http-equiv="refresh" content="3">' if state == "running" else "",
+            percent=100.0 * ended / total,
+            title=html.escape(self._title),
+            done_share=100.0 * self.done / total,
+            failed_share=100.0 * self.failed / total,
+            state=state,
+            rows=table,
+            reasons=f"<h2>Reasons</h2><table>{reasons}</table>" if reasons else "",
+            foot='<a href="report.html">report</a>' if state == "done" else f"written at {int(time())} s since 1970",
+        )
         with suppress(OSError), replaced(self._path) as file:  # a full disk: the points matter more
             file.write(page)
 

@@ -96,8 +96,12 @@ def function_of(text: str) -> Callable[[Result], Any]:
     try:
         function = getattr(import_module(module), name)
     except Exception as error:  # a module may raise anything while it is imported
-        raise BadInput("plan: keep.functions", repr(text), "module:function that can be imported",
-                       f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.") from None
+        raise BadInput(
+            "plan: keep.functions",
+            repr(text),
+            "module:function that can be imported",
+            f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.",
+        ) from None
     return function
 
 
@@ -198,8 +202,9 @@ def check_analysis(scene: Scene) -> None:
         if name not in recorded:
             raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
     if not transient < scene.stop_time:
-        raise BadInput(f"{scene.name}: analysis.transient", f"{transient:g} s",
-                       f"less than the length of the run, {scene.stop_time:g} s")
+        raise BadInput(
+            f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.stop_time:g} s"
+        )
 
 
 def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:

@@ -81,8 +81,10 @@ class Points:
     def digests(self, base: str) -> np.ndarray:
         """(n,) 64-bit numbers: of a point's values on the background of `base`, what else results depend on."""
         names = sorted(self.columns)
-        texts = {n: [json.dumps(c, sort_keys=True) for c in column.choices] if column.choices is not None else None
-                 for n, column in self.columns.items()}
+        texts = {
+            n: [json.dumps(c, sort_keys=True) for c in column.choices] if column.choices is not None else None
+            for n, column in self.columns.items()
+        }
         digests = np.empty(self.size, dtype=np.int64)
         for i in range(self.size):
             whole = hashlib.blake2b(base.encode(), digest_size=8)

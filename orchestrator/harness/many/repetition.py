@@ -53,8 +53,10 @@ class Repeated:
         over = "" if len(self.points) == len(self.chosen) else f"; {len(self.chosen)} were to be, which takes too long"
         worst = max(self.shares, key=self.shares.__getitem__, default="")
         largest = f"errors up to {100.0 * self.shares[worst]:.2g} % ({worst})" if worst else "no number to compare"
-        return (f"{len(self.points)} of {total} points, at the ends and at random, repeated with half of every macro step: "
-                f"{largest}{over}")
+        return (
+            f"{len(self.points)} of {total} points, at the ends and at random, repeated with half of every macro step: "
+            f"{largest}{over}"
+        )
 
     def messages(self) -> list[str]:
         """What a user must know of the errors: those that are too large, and runs that only come to their end with long steps."""
@@ -69,9 +71,14 @@ class Repeated:
 
     def to_json(self) -> dict[str, Any]:
         """What sweep.json says of it."""
-        return {"chosen": list(self.chosen), "points": list(self.points), "seed": SEED, "macro step": 0.5,
-                "errors": {n: {"error": self.errors[n], "share": self.shares[n], "point": self.at[n]} for n in self.errors},
-                "failed": {str(k): why for k, why in self.failed.items()}}
+        return {
+            "chosen": list(self.chosen),
+            "points": list(self.points),
+            "seed": SEED,
+            "macro step": 0.5,
+            "errors": {n: {"error": self.errors[n], "share": self.shares[n], "point": self.at[n]} for n in self.errors},
+            "failed": {str(k): why for k, why in self.failed.items()},
+        }
 
 
 def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
@@ -88,8 +95,9 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
     return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
 
 
-def repeat(task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
-           ) -> dict[int, Row]:
+def repeat(
+    task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
+) -> dict[int, Row]:
     """Rows with half of every macro step by place, as far as they are known or computed in this time, s; one in any case."""
     half = folder / "half"
     try:
@@ -102,8 +110,11 @@ def repeat(task: Task, plan: Points, digests: np.ndarray, places: Sequence[int],
         with shorter_steps(2):
             compute_here(task, plan, digests, missing, half, _Unseen(), seconds)
     located = locate_points(half, digests[wanted])
-    return {int(place): read_row(located.files[part], int(row))
-            for place, part, row in zip(wanted, located.part, located.row, strict=True) if part >= 0}
+    return {
+        int(place): read_row(located.files[part], int(row))
+        for place, part, row in zip(wanted, located.part, located.row, strict=True)
+        if part >= 0
+    }
 
 
 def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:
@@ -143,8 +154,11 @@ def blurred(repeated: Repeated | None, deviations: Mapping[str, float]) -> list[
     if repeated is None:
         return []
     shares = {n: repeated.errors[n] / d for n, d in deviations.items() if repeated.errors.get(n, 0.0) > OF_DEVIATION * d > 0.0}
-    return [f"{name}: the numerical error of a run, up to ±{repeated.errors[name]:.2g}, is {100.0 * share:.2g} % of the standard "
-            "deviation over the points: reduce master.step" for name, share in shares.items()]
+    return [
+        f"{name}: the numerical error of a run, up to ±{repeated.errors[name]:.2g}, is {100.0 * share:.2g} % of the standard "
+        "deviation over the points: reduce master.step"
+        for name, share in shares.items()
+    ]
 
 
 class _Unseen:

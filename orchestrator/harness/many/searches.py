@@ -84,8 +84,9 @@ def run_searches(searches: Sequence[Callable[[Ask], T]], compute: Ask) -> list[T
     return [t.result for t in threads]
 
 
-def differences(values: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]], u: np.ndarray, step: float,
-                names: Sequence[str]) -> np.ndarray:
+def differences(
+    values: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]], u: np.ndarray, step: float, names: Sequence[str]
+) -> np.ndarray:
     """Derivatives (m, n) of values (m,) at a point u (n,) of the unit cube by differences to one side, of the size `step`.
 
     The n + 1 points are asked for together. Forward, but backward at the upper bound and where the run ahead has failed (its
@@ -102,7 +103,11 @@ def differences(values: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]], 
             others[k] = v
     for name, v in zip(names, others, strict=True):
         if not np.isfinite(v).all():
-            raise BadInput(f"search: {name}", "runs that fail on both sides of a point", "runs that come to their end",
-                           "Give narrower bounds.")
+            raise BadInput(
+                f"search: {name}",
+                "runs that fail on both sides of a point",
+                "runs that come to their end",
+                "Give narrower bounds.",
+            )
     moved = (u + shift) - u
     return np.stack([(v - first) / h for v, h in zip(others, moved, strict=True)], axis=1)

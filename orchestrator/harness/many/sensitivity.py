@@ -70,8 +70,10 @@ class Sensitivity:
         """What a user should know."""
         texts = []
         if self.blocks < self.planned:
-            texts.append(f"{self.planned - self.blocks} of {self.planned} blocks of runs have a failed run and are left out; "
-                         "where runs fail for some values more than for others, the indices are of what is left")
+            texts.append(
+                f"{self.planned - self.blocks} of {self.planned} blocks of runs have a failed run and are left out; "
+                "where runs fail for some values more than for others, the indices are of what is left"
+            )
         if wide := [i for i in self.indices if self.method == "sobol" and i.total_half > 0.1]:
             texts.append(f"{len(wide)} of {len(self.indices)} total indices are known to ± 0.1 or worse: take more samples")
         texts += [f"{name} is the same everywhere" for name in self.constant]
@@ -87,10 +89,20 @@ class Sensitivity:
         return write_table(directory, "sensitivity.csv", header, rows)
 
 
-def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
-                quantities: Sequence[str] = (), method: str = "sobol", samples: int = 128, jobs: int | None = 1,
-                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None,
-                verify: bool = True) -> Sensitivity:
+def sensitivity(
+    scene: Scene,
+    plan: PlanSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    *,
+    quantities: Sequence[str] = (),
+    method: str = "sobol",
+    samples: int = 128,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    progress: bool = False,
+    summarize: Summarize | None = None,
+    verify: bool = True,
+) -> Sensitivity:
     """Indices of quantities over what the plan varies; `samples` blocks of d + 2 runs (Sobol) or d + 1 (Morris).
 
     `quantities`: columns of a sweep, by default those of the plan or of the scene's [study]. The plan's own method and number of
@@ -104,8 +116,9 @@ def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     if settings.correlation:
         raise BadInput("sensitivity", "correlated parameters", "independent ones", "Remove correlation from the plan.")
     if settings.table or len(settings.vary) < 2:
-        raise BadInput("sensitivity", "a table of points" if settings.table else f"{len(settings.vary)} parameter",
-                       "two or more in [vary]")
+        raise BadInput(
+            "sensitivity", "a table of points" if settings.table else f"{len(settings.vary)} parameter", "two or more in [vary]"
+        )
     names = list(quantities) or list(default_quantities(scene, settings.keep))
     if not names:
         raise BadInput("sensitivity", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
@@ -114,8 +127,17 @@ def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     cube = sample(problem, method, samples, settings.seed)
     chosen = settings.model_copy(update={"keep": keep})
     points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
-    runs = sweep(scene, chosen, directory, jobs=jobs, scheduler=scheduler, progress=progress, summarize=summarize, verify=verify,
-                 cube=np.clip(points, SMALLEST, 1.0 - SMALLEST))
+    runs = sweep(
+        scene,
+        chosen,
+        directory,
+        jobs=jobs,
+        scheduler=scheduler,
+        progress=progress,
+        summarize=summarize,
+        verify=verify,
+        cube=np.clip(points, SMALLEST, 1.0 - SMALLEST),
+    )
     indices: list[Index] = []
     constant: list[str] = []
     blocks = 0
@@ -143,8 +165,9 @@ def sample(problem: Mapping[str, Any], method: str, samples: int, seed: int) -> 
         return np.asarray(morris.sample(dict(problem), samples, num_levels=LEVELS, seed=seed))
 
 
-def analyse(problem: Mapping[str, Any], method: str, cube: np.ndarray, values: np.ndarray, seed: int
-            ) -> tuple[np.ndarray | None, int]:
+def analyse(
+    problem: Mapping[str, Any], method: str, cube: np.ndarray, values: np.ndarray, seed: int
+) -> tuple[np.ndarray | None, int]:
     """((d, 4) of first, half interval, total, half interval; complete blocks) of values (n,) at points (n, d).
 
     None where the values are all the same. Raises `BadInput` where too few blocks are complete.
@@ -153,8 +176,12 @@ def analyse(problem: Mapping[str, Any], method: str, cube: np.ndarray, values: n
     block = d + 2 if method == "sobol" else d + 1
     whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
     if whole.sum() < FEWEST_BLOCKS:
-        raise BadInput("sensitivity", f"{int(whole.sum())} complete blocks of runs", f"{FEWEST_BLOCKS} or more",
-                       "Look at the outcomes in sweep.csv; take narrower ranges.")
+        raise BadInput(
+            "sensitivity",
+            f"{int(whole.sum())} complete blocks of runs",
+            f"{FEWEST_BLOCKS} or more",
+            "Look at the outcomes in sweep.csv; take narrower ranges.",
+        )
     kept = np.repeat(whole, block)
     y = np.asarray(values)[kept]
     if np.ptp(y) <= 1e-12 * np.abs(y).max():
@@ -164,14 +191,16 @@ def analyse(problem: Mapping[str, Any], method: str, cube: np.ndarray, values: n
         if method == "sobol":
             from SALib.analyze import sobol
 
-            r = sobol.analyze(dict(problem), y, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE,
-                              seed=seed)
+            r = sobol.analyze(
+                dict(problem), y, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE, seed=seed
+            )
             rows = np.stack([r["S1"], r["S1_conf"], r["ST"], r["ST_conf"]], axis=1)
         else:
             from SALib.analyze import morris
 
-            r = morris.analyze(dict(problem), cube[kept], y, num_resamples=RESAMPLES, conf_level=CONFIDENCE, num_levels=LEVELS,
-                               seed=seed)
+            r = morris.analyze(
+                dict(problem), cube[kept], y, num_resamples=RESAMPLES, conf_level=CONFIDENCE, num_levels=LEVELS, seed=seed
+            )
             star, half, sigma = (np.asarray(r[key], dtype=float) for key in ("mu_star", "mu_star_conf", "sigma"))
             rows = np.stack([star, half, sigma, np.full(d, np.nan)], axis=1)
     return rows, int(whole.sum())

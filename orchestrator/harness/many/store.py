@@ -1,10 +1,10 @@
 """Where the points of a sweep lie: parts that workers write, and what is made of them in the order of the plan.
 
-    points/<base>/*.arrow     what was computed; <base> is the digest of what results depend on besides the values that vary
-    sweep.csv, sweep.parquet  the table, a row a point
-    sweep.zarr                the labelled data set that xarray opens (Zarr 3): the table's columns over "point", kept signals
-                              over "point" and "sample" or "time"
-    sweep.json                plan, scene, versions, units: how it came about
+points/<base>/*.arrow     what was computed; <base> is the digest of what results depend on besides the values that vary
+sweep.csv, sweep.parquet  the table, a row a point
+sweep.zarr                the labelled data set that xarray opens (Zarr 3): the table's columns over "point", kept signals
+                          over "point" and "sample" or "time"
+sweep.json                plan, scene, versions, units: how it came about
 """
 
 from __future__ import annotations
@@ -77,9 +77,13 @@ class Collected:
 def base_of(scene: Scene, task: Task) -> str:
     """Digest of what the results of all points depend on: scene, what is kept, own code, version."""
     content = {
-        "scene": scene_digest(scene), "analysis": scene.model_dump(mode="json")["analysis"],
-        "quantities": list(scene.study.quantities), "keep": task.keep.model_dump(mode="json"), "version": _version(),
-        "summary": task.summarize is not None, "components": components_digest(scene),
+        "scene": scene_digest(scene),
+        "analysis": scene.model_dump(mode="json")["analysis"],
+        "quantities": list(scene.study.quantities),
+        "keep": task.keep.model_dump(mode="json"),
+        "version": _version(),
+        "summary": task.summarize is not None,
+        "components": components_digest(scene),
         "functions": {text: _source(text) for text in task.keep.functions},
     }
     return digest_of(json.dumps(content, sort_keys=True, default=str))[:16]
@@ -200,8 +204,9 @@ def collect(located: Located, directory: Path) -> Collected:
             lists = table.column(SECTION)
             for i, r in zip(mine, rows, strict=True):
                 sections[i] = np.array(lists[int(r)].as_py(), dtype=float)
-    return Collected({name: numbers[k] for name, k in names.items()}, outcomes, tuple(reasons), reason, tuple(sections), units,
-                     tuple(signals))
+    return Collected(
+        {name: numbers[k] for name, k in names.items()}, outcomes, tuple(reasons), reason, tuple(sections), units, tuple(signals)
+    )
 
 
 def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
@@ -230,13 +235,19 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     def rows() -> Iterator[tuple[Any, ...]]:
         for first in range(0, n, CHUNK):
             some = slice(first, first + CHUNK)
-            outcome = [o if o in ("done", "not run") else f"{o}: {texts[r]}"
-                       for o, r in zip(names_of[collected.outcomes[some]], collected.reason[some], strict=True)]
+            outcome = [
+                o if o in ("done", "not run") else f"{o}: {texts[r]}"
+                for o, r in zip(names_of[collected.outcomes[some]], collected.reason[some], strict=True)
+            ]
             yield from zip(*(c[some].tolist() for c in columns.values()), outcome, strict=True)
 
     path = write_table(directory, "sweep.csv", [*names, "outcome"], rows())
-    fields = [pyarrow.field(name, pyarrow.float64() if c.dtype.kind == "f" else pyarrow.string(),
-                            metadata={"unit": units.get(name, "")}) for name, c in columns.items()]
+    fields = [
+        pyarrow.field(
+            name, pyarrow.float64() if c.dtype.kind == "f" else pyarrow.string(), metadata={"unit": units.get(name, "")}
+        )
+        for name, c in columns.items()
+    ]
     schema = pyarrow.schema([*fields, pyarrow.field("outcome", pyarrow.string()), pyarrow.field("reason", pyarrow.string())])
     part = directory / f".sweep.parquet.{os.getpid()}"
     with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
@@ -250,8 +261,15 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     return path
 
 
-def write_data_set(directory: Path, varied: Mapping[str, np.ndarray], units: Mapping[str, str], collected: Collected,
-                   located: Located, attributes: Mapping[str, Any], interval: float | None) -> Path | None:
+def write_data_set(
+    directory: Path,
+    varied: Mapping[str, np.ndarray],
+    units: Mapping[str, str],
+    collected: Collected,
+    located: Located,
+    attributes: Mapping[str, Any],
+    interval: float | None,
+) -> Path | None:
     """sweep.zarr, put in place when it is whole; None where xarray or zarr are not installed."""
     if find_spec("xarray") is None or find_spec("zarr") is None:
         return None
@@ -292,8 +310,9 @@ def _quietly(data: Any, path: Path, **options: Any) -> None:
         data.to_zarr(path, **options)
 
 
-def _write_signals(path: Path, collected: Collected, located: Located, described: Any, attributes: Mapping[str, Any],
-                   interval: float | None) -> None:
+def _write_signals(
+    path: Path, collected: Collected, located: Located, described: Any, attributes: Mapping[str, Any], interval: float | None
+) -> None:
     """Kept signals, piece by piece over the points: over "time" where all were interpolated at its multiples, else "sample"."""
     import xarray
 
@@ -304,8 +323,10 @@ def _write_signals(path: Path, collected: Collected, located: Located, described
     along = "time" if interval is not None else "sample"
     for first in range(0, n, per):
         piece = _signals(located, collected.signals, slice(first, min(first + per, n)), longest)
-        variables: dict[str, Any] = {f"{name}, signal" if name in collected.numbers else name: (("point", along), piece[name],
-                                     described(name)) for name in collected.signals}
+        variables: dict[str, Any] = {
+            f"{name}, signal" if name in collected.numbers else name: (("point", along), piece[name], described(name))
+            for name in collected.signals
+        }
         coordinates: dict[str, Any] = {}
         if interval is not None:
             coordinates["time"] = ("time", interval * np.arange(longest), {"units": "s"})
@@ -322,6 +343,7 @@ def _write_signals(path: Path, collected: Collected, located: Located, described
 def _lengths(located: Located) -> Iterator[tuple[int, int]]:
     """(rows of signals, part) of the parts that have them."""
     import pyarrow.compute as compute
+
     for k in np.unique(located.part[located.part >= 0]):
         path = located.files[int(k)]
         if TIME in schema_of(path).names:
@@ -366,10 +388,18 @@ def signals_of(located: Located, name: str) -> Iterator[tuple[np.ndarray, np.nda
 def provenance(scene: Scene, plan: Points, base: str, units: Mapping[str, str]) -> dict[str, Any]:
     """What sweep.json and the data set's attributes tell of how the numbers came about."""
     return {
-        "scene": {"name": scene.name, **scene.model_dump(mode="json")}, "plan": _plain_plan(plan), "points": plan.size,
-        "base": base, "units": dict(units), "remarks": plan.remarks,
-        "versions": {"cosimo": _version(), "python": platform.python_version(), "numpy": np.__version__,
-                     **{name: version(name) for name in ("numba", "scipy", "pyarrow")}},
+        "scene": {"name": scene.name, **scene.model_dump(mode="json")},
+        "plan": _plain_plan(plan),
+        "points": plan.size,
+        "base": base,
+        "units": dict(units),
+        "remarks": plan.remarks,
+        "versions": {
+            "cosimo": _version(),
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            **{name: version(name) for name in ("numba", "scipy", "pyarrow")},
+        },
     }
 
 

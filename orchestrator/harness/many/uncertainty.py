@@ -91,20 +91,53 @@ class Uncertainty:
 
     def save(self, directory: str | Path) -> list[Path]:
         """Write uncertainty.csv; limits.csv where there are limits, effects.csv where effects were looked at."""
-        header = ["quantity", "unit", "samples", "mean", "standard deviation", *(f"{p:g} %" for p in PERCENTILES),
-                  "tolerance low", "tolerance high"]
+        header = [
+            "quantity",
+            "unit",
+            "samples",
+            "mean",
+            "standard deviation",
+            *(f"{p:g} %" for p in PERCENTILES),
+            "tolerance low",
+            "tolerance high",
+        ]
         rows: list[tuple[float | int | str, ...]] = [
-            (s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads]
+            (s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads
+        ]
         files = [write_table(directory, "uncertainty.csv", header, rows)]
         if self.limits:
-            header = ["column", "quantity", "unit", "low", "high", "standing", "source", "samples", "inside", "probability",
-                      "low (95 %)", "high (95 %)"]
-            files.append(write_table(directory, "limits.csv", header, [
-                (i.column, *_limit_cells(i.limit), i.count, i.inside, i.probability, i.low, i.high) for i in self.limits]))
+            header = [
+                "column",
+                "quantity",
+                "unit",
+                "low",
+                "high",
+                "standing",
+                "source",
+                "samples",
+                "inside",
+                "probability",
+                "low (95 %)",
+                "high (95 %)",
+            ]
+            files.append(
+                write_table(
+                    directory,
+                    "limits.csv",
+                    header,
+                    [(i.column, *_limit_cells(i.limit), i.count, i.inside, i.probability, i.low, i.high) for i in self.limits],
+                )
+            )
         if self.effects:
             header = ["effect", "quantity", "change without it", "over the standard deviation", "needed"]
-            files.append(write_table(directory, "effects.csv", header, [
-                (e.effect, e.quantity, e.change, e.share, "yes" if e.needed else "no") for e in self.effects]))
+            files.append(
+                write_table(
+                    directory,
+                    "effects.csv",
+                    header,
+                    [(e.effect, e.quantity, e.change, e.share, "yes" if e.needed else "no") for e in self.effects],
+                )
+            )
         return files
 
 
@@ -147,10 +180,22 @@ def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDE
     return int(r[enough].max(initial=0))
 
 
-def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
-                quantities: Sequence[str] = (), effects: bool = False, share: float = 1.0, jobs: int | None = 1,
-                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None, limits: str = "",
-                conditions: Sequence[str] = (), verify: bool = True) -> Uncertainty:
+def uncertainty(
+    scene: Scene,
+    plan: PlanSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    *,
+    quantities: Sequence[str] = (),
+    effects: bool = False,
+    share: float = 1.0,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    progress: bool = False,
+    summarize: Summarize | None = None,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    verify: bool = True,
+) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
     `limits`, `conditions`: a validation table whose rows are limits as well, and which of them.
@@ -167,8 +212,16 @@ def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     if not names:
         raise BadInput("uncertainty", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
     keep = keep_for([*names, *settings.limits], settings.keep)
-    runs = sweep(scene, settings.model_copy(update={"keep": keep}), directory, jobs=jobs, scheduler=scheduler, progress=progress,
-                 summarize=summarize, verify=verify)
+    runs = sweep(
+        scene,
+        settings.model_copy(update={"keep": keep}),
+        directory,
+        jobs=jobs,
+        scheduler=scheduler,
+        progress=progress,
+        summarize=summarize,
+        verify=verify,
+    )
     if runs.stopped is not None:
         return Uncertainty(runs, ())
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
@@ -185,8 +238,9 @@ def spread(name: str, unit: str, values: np.ndarray) -> Spread:
         raise BadInput("uncertainty", f"{x.size} runs with {name!r}", f"{FEWEST} or more", "Look at the outcomes in sweep.csv.")
     r = tolerance_rank(x.size)
     ends = (float(x[r - 1]), float(x[-r])) if r else (float("nan"), float("nan"))
-    return Spread(name, unit, x.size, float(x.mean()), float(x.std(ddof=1)),
-                  tuple(float(v) for v in np.percentile(x, PERCENTILES)), ends)
+    return Spread(
+        name, unit, x.size, float(x.mean()), float(x.std(ddof=1)), tuple(float(v) for v in np.percentile(x, PERCENTILES)), ends
+    )
 
 
 def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
@@ -194,11 +248,12 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     if failed := sum(o != "done" for o in runs.outcomes):
         texts.append(f"{failed} of {len(runs.outcomes)} runs failed and are left out: the distributions are of what is left")
     if any(np.isnan(s.tolerance[0]) for s in spreads):
-        texts.append("too few samples for tolerance intervals of 95 % with 95 % confidence: "
-                     f"they need {FOR_TOLERANCE}")
+        texts.append(f"too few samples for tolerance intervals of 95 % with 95 % confidence: they need {FOR_TOLERANCE}")
     elif method != "random":
-        texts.append(f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
-                     "even, so that it is not exact")
+        texts.append(
+            f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
+            "even, so that it is not exact"
+        )
     return [*texts, *recalled(runs.plan.limits), *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads})]
 
 
@@ -226,8 +281,11 @@ def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:
         if now <= share:
             left, largest = more, now
     needed = tuple(".".join(p) for p in model.places if p not in left)
-    sizes = tuple(EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)
-                  for w in alone for s in spreads)
+    sizes = tuple(
+        EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)
+        for w in alone
+        for s in spreads
+    )
     messages += [f"{'.'.join(w)} is not in the full model: {why}" for w, why in model.left.items()]
     messages.append("effects were left out at the scene's own values of the parameters")
     return replace(answer, effects=sizes, needed=needed, left_error=largest, messages=tuple(messages))
@@ -242,5 +300,7 @@ def _row(scene: Scene, task: Task) -> Row:
 
 def _changes(spreads: Sequence[Spread], reference: Row, other: Row) -> dict[str, float]:
     """Change of each quantity over its standard deviation."""
-    return {s.quantity: abs(other.numbers[s.quantity] - reference.numbers[s.quantity]) / (s.deviation or np.finfo(float).tiny)
-            for s in spreads}
+    return {
+        s.quantity: abs(other.numbers[s.quantity] - reference.numbers[s.quantity]) / (s.deviation or np.finfo(float).tiny)
+        for s in spreads
+    }

@@ -64,9 +64,12 @@ class Pool:
         if not isinstance(error, BrokenProcessPool):
             return False
         if not any(f.done() and not f.cancelled() and f.exception() is None for f in self._up):
-            raise BadInput("worker processes", "none that came as far as its first point", "processes that start",
-                           'Each imports the script that is run: keep its calls behind if __name__ == "__main__": there, '
-                           "or use jobs=1.")
+            raise BadInput(
+                "worker processes",
+                "none that came as far as its first point",
+                "processes that start",
+                'Each imports the script that is run: keep its calls behind if __name__ == "__main__": there, or use jobs=1.',
+            )
         return True
 
     def restart(self) -> None:
@@ -95,14 +98,17 @@ class Cluster:
         try:
             self._client = Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
-            raise BadInput("--scheduler", repr(address), "the address of a running scheduler, tcp://host:port",
-                           f"{type(error).__name__}: {error}".rstrip(": ")) from None
+            raise BadInput(
+                "--scheduler",
+                repr(address),
+                "the address of a running scheduler, tcp://host:port",
+                f"{type(error).__name__}: {error}".rstrip(": "),
+            ) from None
         with suppress(TimeoutError):  # said below
             self._client.wait_for_workers(1, timeout=CONNECT)
         threads = [w["nthreads"] for w in self._client.scheduler_info(n_workers=-1)["workers"].values()]
         if not threads or max(threads) > 1:
-            actual = (f"a worker of {max(threads)} threads" if threads else
-                      f"a scheduler without workers for {CONNECT:g} s")
+            actual = f"a worker of {max(threads)} threads" if threads else f"a scheduler without workers for {CONNECT:g} s"
             self._client.close()
             raise BadInput("--scheduler", actual, "workers of one thread each", "dask worker ADDRESS --nthreads 1 --nworkers N")
         self.count = len(threads)

@@ -73,9 +73,14 @@ def _answer(result: Result, systems: Systems) -> list[Block]:
         rows = with_errors(systems[system].summary(result)[:MOST_NUMBERS], result.info)
     except BadInput:
         return []  # the line in place of the figures says why
-    numbers = [(f"{with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)} "
-                f"{row.unit if row.unit != '1' else ''}".rstrip(),
-                ", ".join(filter(None, (row.text, row.name.rpartition(".")[0])))) for row in rows]
+    numbers = [
+        (
+            f"{with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)} "
+            f"{row.unit if row.unit != '1' else ''}".rstrip(),
+            ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))),
+        )
+        for row in rows
+    ]
     unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
     return [Answer(numbers), *([] if any(np.isfinite(row.error) for row in rows) else [unknown])] if numbers else []
 
@@ -110,7 +115,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
         "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
         "inferred, recalled (from memory of the literature, not re-read; hatched).",
         "± is the numerical error of a number: what half of every macro step changes, twice. Where an end of the range lies "
-        "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated."
+        "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated.",
     ]
     if len(case_results) == 1:
         title = case_results[0].case.title
@@ -134,8 +139,10 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     if sweeps.few_groups(sweep) and (chart := sweeps.measures_chart(sweep)) is not None:
         blocks.append(draw_chart(chart))
     ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
-    lead = (f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that does not vary is as "
-            f"in: {scene.title or scene.name}.")
+    lead = (
+        f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that does not vary is as "
+        f"in: {scene.title or scene.name}."
+    )
     settings: list[Block] = [Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
     trusted = Section("How far these numbers can be trusted", sweeps.trust(sweep))
     title = f"Sweep of {', '.join(ranges)}"
@@ -152,9 +159,17 @@ def _range(name: str, values: np.ndarray, unit: str) -> str:
 
 def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Section]:
     case, findings = result.case, result.findings
-    sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text]),
-                                     *([Text(result.warnings, "warning")] if result.warnings else []),
-                                     *([claims.overview(findings.claims)] if findings.claims else [])], badge=result.outcome)]
+    sections = [
+        Section(
+            case.title,
+            [
+                Text([case.text] if alone else [result.verdict, case.text]),
+                *([Text(result.warnings, "warning")] if result.warnings else []),
+                *([claims.overview(findings.claims)] if findings.claims else []),
+            ],
+            badge=result.outcome,
+        )
+    ]
     sections += [claims.section(c) for c in findings.claims]
     special = systems[case.system].figures if case.system in systems else None
     plain = [r for r in findings.rows if not r.reference.claim]

@@ -36,11 +36,15 @@ def for_sensitivity(answer: Sensitivity, directory: str | Path) -> Path:
     for quantity in dict.fromkeys(i.quantity for i in answer.indices):
         rows = sorted((i for i in answer.indices if i.quantity == quantity), key=lambda i: -max(i.first, i.total))
         names = [i.parameter for i in rows]
-        bars = [(first, [i.first for i in rows], [i.first_half for i in rows], BLUE),
-                (total, [i.total for i in rows], [i.total_half for i in rows], ORANGE)]
-        caption = ("S1: share of the variance that goes with the parameter alone; ST: with all its interactions."
-                   if answer.method == "sobol" else
-                   "mu*: mean change over the parameter's range; sigma: its scatter, large where it is nonlinear or interacts.")
+        bars = [
+            (first, [i.first for i in rows], [i.first_half for i in rows], BLUE),
+            (total, [i.total for i in rows], [i.total_half for i in rows], ORANGE),
+        ]
+        caption = (
+            "S1: share of the variance that goes with the parameter alone; ST: with all its interactions."
+            if answer.method == "sobol"
+            else "mu*: mean change over the parameter's range; sigma: its scatter, large where it is nonlinear or interacts."
+        )
         blocks.append(_bars(quantity, names, bars, f"{caption} Whiskers: 95 % of bootstrap samples."))
     table = many_runs.table_of(answer.sweep)
     blocks += many_runs.blocks(table)
@@ -58,14 +62,25 @@ def _strongest(answer: Sensitivity) -> str:
     return "; ".join(parts) + f". {len(answer.sweep.outcomes)} runs." if parts else "No quantity changes."
 
 
-def _bars(title: str, names: Sequence[str], bars: Sequence[tuple[str, Sequence[float], Sequence[float], str]], text: str
-          ) -> Figure:
-    data = [{"type": "bar", "orientation": "h", "name": label, "y": list(names), "x": drawn(values), "marker": {"color": colour},
-             "error_x": {"type": "data", "array": [v or 0.0 for v in drawn(halves)], "thickness": 1.2, "width": 4}}
-            for label, values, halves, colour in bars]
+def _bars(
+    title: str, names: Sequence[str], bars: Sequence[tuple[str, Sequence[float], Sequence[float], str]], text: str
+) -> Figure:
+    data = [
+        {
+            "type": "bar",
+            "orientation": "h",
+            "name": label,
+            "y": list(names),
+            "x": drawn(values),
+            "marker": {"color": colour},
+            "error_x": {"type": "data", "array": [v or 0.0 for v in drawn(halves)], "thickness": 1.2, "width": 4},
+        }
+        for label, values, halves, colour in bars
+    ]
     y = axis("", autorange="reversed", ticklabelposition="outside")
-    figure = layout(110 + 46 * len(names), barmode="group", xaxis=axis("index", grid=True, rangemode="tozero"), yaxis=y,
-                    showlegend=True)
+    figure = layout(
+        110 + 46 * len(names), barmode="group", xaxis=axis("index", grid=True, rangemode="tozero"), yaxis=y, showlegend=True
+    )
     return Figure(title, {"data": data, "layout": figure}, text)
 
 
@@ -82,31 +97,75 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         limit = answer.sweep.plan.limits.get(s.quantity)
         if limit is not None and x.size:  # those that are near enough to be seen beside the samples
             near = np.ptp(x)
-            marks += tuple((end, f"{limit.standing} limit".lstrip()) for end in (limit.low, limit.high)
-                           if end is not None and x.min() - near <= end <= x.max() + near)
+            marks += tuple(
+                (end, f"{limit.standing} limit".lstrip())
+                for end in (limit.low, limit.high)
+                if end is not None and x.min() - near <= end <= x.max() + near
+            )
         label = f"{s.quantity}, {s.unit}" if s.unit not in ("", "1") else s.quantity
         panels.append(Panel("runs", (Series("samples", middle, np.repeat(count, 2)),), x_marks=marks, x_label=label))
     if panels:
         text = "Lines: tolerance interval, which holds 95 % of all values with 95 % confidence."
         blocks.append(draw_chart(Chart("Distributions", "", tuple(panels), text, columns=min(2, len(panels)), height=240)))
-    rows = [(s.quantity, s.unit, number(s.mean), number(s.deviation), number(s.percentiles[0]), number(s.percentiles[-1]),
-             number(s.tolerance[0]), number(s.tolerance[1]), sweeps.error_of(answer.sweep.repeated, s.quantity))
-            for s in answer.spreads]
-    blocks.append(Cells("Numbers", ("quantity", "unit", "mean", "standard deviation", "2.5 %", "97.5 %", "tolerance, low",
-                                    "tolerance, high", "error of a run"), rows, sweeps.trust_text(answer.sweep),
-                        right=frozenset(range(2, 9))))
+    rows = [
+        (
+            s.quantity,
+            s.unit,
+            number(s.mean),
+            number(s.deviation),
+            number(s.percentiles[0]),
+            number(s.percentiles[-1]),
+            number(s.tolerance[0]),
+            number(s.tolerance[1]),
+            sweeps.error_of(answer.sweep.repeated, s.quantity),
+        )
+        for s in answer.spreads
+    ]
+    blocks.append(
+        Cells(
+            "Numbers",
+            (
+                "quantity",
+                "unit",
+                "mean",
+                "standard deviation",
+                "2.5 %",
+                "97.5 %",
+                "tolerance, low",
+                "tolerance, high",
+                "error of a run",
+            ),
+            rows,
+            sweeps.trust_text(answer.sweep),
+            right=frozenset(range(2, 9)),
+        )
+    )
     if answer.limits:
-        blocks.append(Cells("Probability of keeping the limits", (
-            "limit", "low", "high", "standing", "samples", "probability", "95 %"), limit_rows(answer.limits),
-            "95 %: interval of the probability, from independent samples.", right=frozenset({1, 2, 4, 5, 6})))
+        blocks.append(
+            Cells(
+                "Probability of keeping the limits",
+                ("limit", "low", "high", "standing", "samples", "probability", "95 %"),
+                limit_rows(answer.limits),
+                "95 %: interval of the probability, from independent samples.",
+                right=frozenset({1, 2, 4, 5, 6}),
+            )
+        )
     if answer.effects:
-        blocks.append(Cells("Effects", ("effect", "quantity", "change without it", "over the standard deviation", "needed"), [
-            (e.effect, e.quantity, number(e.change), number(e.share), "yes" if e.needed else "no") for e in answer.effects],
-            f"Needed: {', '.join(answer.needed) or 'none'}. What is left out changes no quantity by more than "
-            f"{number(answer.left_error)} of its standard deviation by the parameters.", right=frozenset({2, 3})))
+        blocks.append(
+            Cells(
+                "Effects",
+                ("effect", "quantity", "change without it", "over the standard deviation", "needed"),
+                [(e.effect, e.quantity, number(e.change), number(e.share), "yes" if e.needed else "no") for e in answer.effects],
+                f"Needed: {', '.join(answer.needed) or 'none'}. What is left out changes no quantity by more than "
+                f"{number(answer.left_error)} of its standard deviation by the parameters.",
+                right=frozenset({2, 3}),
+            )
+        )
     blocks += many_runs.blocks(many_runs.table_of(answer.sweep))
-    parts = [f"{s.quantity}: {number(s.mean)} ± {number(s.deviation)}{f' {s.unit}' if s.unit not in ('', '1') else ''}"
-             for s in answer.spreads]
+    parts = [
+        f"{s.quantity}: {number(s.mean)} ± {number(s.deviation)}{f' {s.unit}' if s.unit not in ('', '1') else ''}"
+        for s in answer.spreads
+    ]
     lead = f"{'; '.join(parts)} (mean and standard deviation of {len(answer.sweep.outcomes)} runs)."
     return _page(f"Uncertainty of {answer.sweep.scene.name}", lead, blocks, answer.messages, answer.sweep.scene, directory)
 
@@ -128,19 +187,35 @@ def limit_rows(limits: Sequence[Inside]) -> list[tuple[str, ...]]:
 def for_fit(answer: SceneFit, directory: str | Path) -> Path:
     """`report.html`: parameters with their intervals, measured and fitted curves, correlations."""
     names = answer.fit.names
-    rows = [(n, answer.units[n], number(v), number(s), number(low), number(high), number(answer.start[n]))
-            for n, v, s, low, high in answer.fit.rows()]
-    blocks: list[Block] = [Cells("Parameters", ("parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)",
-                                                "start"), rows, right=frozenset(range(2, 7)))]
+    rows = [
+        (n, answer.units[n], number(v), number(s), number(low), number(high), number(answer.start[n]))
+        for n, v, s, low, high in answer.fit.rows()
+    ]
+    blocks: list[Block] = [
+        Cells(
+            "Parameters",
+            ("parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "start"),
+            rows,
+            right=frozenset(range(2, 7)),
+        )
+    ]
     blocks += [draw_chart(c) for c in answer.charts]
     if answer.targets:
-        blocks.append(Cells("Numbers", ("quantity", "measured", "its standard deviation", "fitted"),
-                            [(q, number(m), number(d), number(f)) for q, m, d, f in answer.targets], right=frozenset({1, 2, 3})))
+        blocks.append(
+            Cells(
+                "Numbers",
+                ("quantity", "measured", "its standard deviation", "fitted"),
+                [(q, number(m), number(d), number(f)) for q, m, d, f in answer.targets],
+                right=frozenset({1, 2, 3}),
+            )
+        )
     if len(names) > 1:
         cells = [(n, *(f"{c:.3f}".replace("-", "−") for c in row)) for n, row in zip(names, answer.fit.correlation, strict=True)]
         blocks.append(Cells("Correlations", ("", *names), cells, right=frozenset(range(1, 1 + len(names)))))
-    lead = (", ".join(f"{n} = {number(v)} ± {number(s)}" for n, v, s, _, _ in answer.fit.rows())
-            + f" (standard deviations); {answer.runs} runs, root mean square residual {number(answer.fit.rms)}.")
+    lead = (
+        ", ".join(f"{n} = {number(v)} ± {number(s)}" for n, v, s, _, _ in answer.fit.rows())
+        + f" (standard deviations); {answer.runs} runs, root mean square residual {number(answer.fit.rms)}."
+    )
     return _page(f"Fit of {answer.scene.name}", lead, blocks, list(answer.fit.messages), answer.scene, directory)
 
 
@@ -151,8 +226,10 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
     count = np.arange(1, len(answer.steps) + 1)
     y = np.array([s.quantity for s in answer.steps])
     good = np.array([s.feasible for s in answer.steps])
-    series = [Series("keeps all limits", count[good], y[good], "points"),
-              Series("breaks a limit or failed", count[~good], y[~good], "points")]
+    series = [
+        Series("keeps all limits", count[good], y[good], "points"),
+        Series("breaks a limit or failed", count[~good], y[~good], "points"),
+    ]
     panels = [Panel(answer.quantity, tuple(s for s in series if len(s.x)))]
     for k, (name, limit) in enumerate(answer.constraints.items()):
         values = np.array([s.constraints[k] for s in answer.steps])
@@ -163,16 +240,21 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         best = answer.steps[answer.best]
         facts = [(n, f"{number(v)} {answer.units.get(n, '')}".rstrip()) for n, v in answer.values.items()]
         facts += [(answer.quantity, number(best.quantity))]
-        facts += [(n, f"{number(v)}{' (at its limit)' if n in answer.active else ''}")
-                  for n, v in zip(answer.constraints, best.constraints, strict=True)]
+        facts += [
+            (n, f"{number(v)}{' (at its limit)' if n in answer.active else ''}")
+            for n, v in zip(answer.constraints, best.constraints, strict=True)
+        ]
         blocks.insert(0, Facts("Best run", facts))
         kind = "largest" if answer.maximise[0] else "least"
         lead = f"{answer.quantity} = {number(best.quantity)}, the {kind} of {len(y)} runs."
     else:
         lead = f"None of {len(y)} runs keeps all limits."
     notes = [*answer.messages, *recalled(answer.constraints)]
-    notes.append("A local search: another start may lead to a better place." if answer.starts == 1 else
-                 f"{answer.starts} local searches from points spread over the bounds: there may be a better place still.")
+    notes.append(
+        "A local search: another start may lead to a better place."
+        if answer.starts == 1
+        else f"{answer.starts} local searches from points spread over the bounds: there may be a better place still."
+    )
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 
 
@@ -185,35 +267,56 @@ def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
     runs = np.array([(*s.parameters, *s.quantities, *s.constraints) for s in answer.steps])
     whole = runs[front].reshape(front.size, len(columns))
     values = dict(zip(columns, whole.T, strict=True))
-    table = many_runs.Table({n: values[n] for n in answer.names}, {n: x for n, x in values.items() if n not in answer.names},
-                            answer.units, answer.constraints, False)
+    table = many_runs.Table(
+        {n: values[n] for n in answer.names},
+        {n: x for n, x in values.items() if n not in answer.names},
+        answer.units,
+        answer.constraints,
+        False,
+    )
     panels = []
     for i, j in list(combinations(range(len(answer.quantities)), 2))[:MOST_PAIRS]:
-        series = [Series("breaks a limit or failed", aims[~good, i], aims[~good, j], "dots", faint=True),
-                  Series("keeps all limits", aims[good, i], aims[good, j], "dots"),
-                  Series("front", aims[front, i], aims[front, j], "line+points" if len(answer.quantities) == 2 else "points")]
+        series = [
+            Series("breaks a limit or failed", aims[~good, i], aims[~good, j], "dots", faint=True),
+            Series("keeps all limits", aims[good, i], aims[good, j], "dots"),
+            Series("front", aims[front, i], aims[front, j], "line+points" if len(answer.quantities) == 2 else "points"),
+        ]
         first, second = answer.quantities[i], answer.quantities[j]
-        panels.append(Panel(table.label(second), tuple(s for s in series if len(s.x)), table.bands(second),
-                            x_label=table.label(first)))
+        panels.append(
+            Panel(table.label(second), tuple(s for s in series if len(s.x)), table.bands(second), x_label=table.label(first))
+        )
     text = "Every run; of a point of the front, no other run is better in one aim without being worse in another."
     blocks: list[Block] = [draw_chart(Chart("Front", "", tuple(panels), text, columns=min(2, len(panels)), height=380))]
     if front.size:
         shown = np.unique(np.linspace(0, front.size - 1, MOST_ROWS).round().astype(int))
         few = f"{shown.size} of {front.size} points; all are in design.csv." if front.size > shown.size else ""
-        blocks += [many_runs.parallel(table),
-                   Cells("Points of the front", [table.label(n) for n in columns],
-                         [tuple(number(v) for v in whole[k]) for k in shown], few, right=frozenset(range(len(columns))))]
+        blocks += [
+            many_runs.parallel(table),
+            Cells(
+                "Points of the front",
+                [table.label(n) for n in columns],
+                [tuple(number(v) for v in whole[k]) for k in shown],
+                few,
+                right=frozenset(range(len(columns))),
+            ),
+        ]
         blocks += many_runs.blocks(table)[:1]
         ways = ", ".join(f"{'large' if m else 'small'} {n}" for n, m in zip(answer.quantities, answer.maximise, strict=True))
         lead = f"{front.size} of {len(answer.steps)} runs make the front of {ways}."
     else:
         lead = f"None of {len(answer.steps)} runs keeps all limits."
-    notes = [*answer.messages, *recalled(answer.constraints),
-             "The front of these runs: NSGA-II has no proof that there is none beyond."]
+    notes = [
+        *answer.messages,
+        *recalled(answer.constraints),
+        "The front of these runs: NSGA-II has no proof that there is none beyond.",
+    ]
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 
 
 def _page(title: str, lead: str, blocks: list[Block], messages: Sequence[str], scene: Scene, directory: str | Path) -> Path:
-    blocks = [*([Text(list(messages), "note")] if messages else []), *blocks,
-              Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
+    blocks = [
+        *([Text(list(messages), "note")] if messages else []),
+        *blocks,
+        Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True),
+    ]
     return write_page(Page(title, lead, [Section("Answer", blocks)]), Path(directory) / "report.html")

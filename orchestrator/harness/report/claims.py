@@ -19,8 +19,12 @@ def overview(claims: Sequence[ClaimResult]) -> Cells:
     """One line a claim."""
     rows = [(c.claim.number, c.claim.announced, c.claim.kind, c.measured, c.verdict) for c in claims]
     header = ("claim", "announced", "kind", "measured", "verdict")
-    return Cells("What the abstract announces, and what is shown here", header, rows,
-                 "Criteria were derived before the runs; no number is one of the paper's own tables.")
+    return Cells(
+        "What the abstract announces, and what is shown here",
+        header,
+        rows,
+        "Criteria were derived before the runs; no number is one of the paper's own tables.",
+    )
 
 
 def section(result: ClaimResult) -> Section:
@@ -34,8 +38,10 @@ def section(result: ClaimResult) -> Section:
         blocks.append(Text([f"The last review had the verdict “{claim.verdict}”."], "warning"))
     if result.rows:
         conditions = dict.fromkeys(r.reference.condition for r in result.rows)
-        blocks += [generic.range_table(condition, [r for r in result.rows if r.reference.condition == condition])
-                   for condition in conditions]
+        blocks += [
+            generic.range_table(condition, [r for r in result.rows if r.reference.condition == condition])
+            for condition in conditions
+        ]
     blocks += [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in result.charts]
     if claim.discussion:
         blocks.append(Text([claim.discussion], "note"))

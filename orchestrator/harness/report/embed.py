@@ -43,8 +43,12 @@ class Samples:
 
 def lost_samples(figures: Sequence[Spec], points: int) -> Samples:
     """Samples of the lines that have fewer points in the page than there were. points: the most that a line has there."""
-    lost = {(k, i): samples for k, figure in enumerate(figures) for i, trace in enumerate(figure["data"])
-            if (samples := _samples(trace, points)) is not None and (np.diff(samples[0]) >= 0.0).all()}  # no orbits
+    lost = {
+        (k, i): samples
+        for k, figure in enumerate(figures)
+        for i, trace in enumerate(figure["data"])
+        if (samples := _samples(trace, points)) is not None and (np.diff(samples[0]) >= 0.0).all()
+    }  # no orbits
     most = _fitting([x.size for x, _ in lost.values()], ROOM_BESIDE)
     arrays: list[Any] = []
     places: dict[bytes, int] = {}  # most lines share their times

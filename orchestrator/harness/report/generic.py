@@ -90,8 +90,11 @@ def time_series(result: Result) -> list[Figure]:
     constant = [n for n, y in signals.items() if y.size and np.all(y == y[0])]
     names = [n for n in signals if n not in constant]
     shown = names[:SHOWN_SIGNALS]
-    panels = [panel for unit in dict.fromkeys(result.measures.get(n, "") for n in shown)
-              for panel in _panels(unit, {n: signals[n] for n in shown if result.measures.get(n, "") == unit})]
+    panels = [
+        panel
+        for unit in dict.fromkeys(result.measures.get(n, "") for n in shown)
+        for panel in _panels(unit, {n: signals[n] for n in shown if result.measures.get(n, "") == unit})
+    ]
     if not panels:
         return []
     n = len(panels)
@@ -109,7 +112,8 @@ def time_series(result: Result) -> list[Figure]:
         )
         for j, name in enumerate(members):
             trace, cut = dense_line(
-                result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k)
+                result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k
+            )
             thinned |= cut
             data.append(trace)
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}

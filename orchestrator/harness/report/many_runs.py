@@ -53,8 +53,14 @@ def table_of(sweep: Sweep) -> Table:
     done = sweep.done
     limits = {n: limit for n, limit in sweep.plan.limits.items() if n in sweep.measures}
     inside = np.array([all(limit.keeps(sweep.measures[n][k]) for n, limit in limits.items()) for k in np.flatnonzero(done)])
-    return Table({n: v[done] for n, v in sweep.varied.items()}, {n: sweep.measures[n][done] for n in shown(sweep)}, sweep.units,
-                 limits, sweep.plan.method == "grid", inside.astype(bool))
+    return Table(
+        {n: v[done] for n, v in sweep.varied.items()},
+        {n: sweep.measures[n][done] for n in shown(sweep)},
+        sweep.units,
+        limits,
+        sweep.plan.method == "grid",
+        inside.astype(bool),
+    )
 
 
 def shown(sweep: Sweep) -> list[str]:
@@ -69,7 +75,7 @@ def shown(sweep: Sweep) -> list[str]:
         if not any(np.array_equal(sweep.measures[name][done], sweep.measures[other][done]) for other in different):
             different.append(name)
     limited = sum(n in sweep.plan.limits for n in different)
-    return different[:max(MOST_SHOWN, limited)]
+    return different[: max(MOST_SHOWN, limited)]
 
 
 def blocks(table: Table) -> list[Block]:
@@ -130,8 +136,15 @@ def scatter_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart:
         for k, name in enumerate(names):
             kind = "dots" if y.size > CLOUD else "points"
             series = Series("points", numeric[name], y, kind)
-            panels.append(Panel(table.label(measure) if k == 0 else "", (series,), table.bands(measure),
-                                x_label=table.label(name), title=measure if k == 0 and row < MOST_SHOWN else ""))
+            panels.append(
+                Panel(
+                    table.label(measure) if k == 0 else "",
+                    (series,),
+                    table.bands(measure),
+                    x_label=table.label(name),
+                    title=measure if k == 0 and row < MOST_SHOWN else "",
+                )
+            )
     more = len(numeric) - len(names)
     text = f"A point for each run.{f' {more} more parameters are in the table.' if more else ''}"
     return Chart("Measures over parameters", "", tuple(panels), text, columns=len(names), height=230)
@@ -145,13 +158,20 @@ def parallel(table: Table) -> Figure:
     dimensions = [_dimension(name, x[kept], table) for name, x in columns.items()]
     colour = next(iter(table.measured.values()))[kept]
     scale = [[0.0, RISING[1][1]], [0.5, RISING[3][1]], [1.0, INK]]  # none is the paper's
-    line = {"color": drawn(colour, 4), "colorscale": scale, "showscale": True,
-            "colorbar": {"title": {"text": next(iter(table.measured)), "side": "right"}, "thickness": 12}}
+    line = {
+        "color": drawn(colour, 4),
+        "colorscale": scale,
+        "showscale": True,
+        "colorbar": {"title": {"text": next(iter(table.measured)), "side": "right"}, "thickness": 12},
+    }
     data = {"type": "parcoords", "dimensions": dimensions, "line": line, "labelangle": -20, "labelfont": {"size": 11}}
     figure = layout(430, margin={"l": 80, "r": 90, "t": 130, "b": 30})
     few = f" {LINES} of {n} runs, chosen by chance." if n > LINES else ""
-    return Figure("Parallel coordinates", {"data": [data], "layout": figure},
-                  f"A line for each run; drag along an axis to see only the runs that pass there.{few}")
+    return Figure(
+        "Parallel coordinates",
+        {"data": [data], "layout": figure},
+        f"A line for each run; drag along an axis to see only the runs that pass there.{few}",
+    )
 
 
 def _dimension(name: str, x: np.ndarray, table: Table) -> dict[str, Any]:
@@ -160,5 +180,9 @@ def _dimension(name: str, x: np.ndarray, table: Table) -> dict[str, Any]:
         unit = table.units.get(name, "")
         return {"label": f"{label}, {unit}" if unit not in ("", "1") else label, "values": drawn(x, 6)}
     texts: Sequence[str] = sorted(set(x.tolist()))
-    return {"label": label, "values": [texts.index(t) for t in x.tolist()], "tickvals": list(range(len(texts))),
-            "ticktext": [t[:24] for t in texts]}
+    return {
+        "label": label,
+        "values": [texts.index(t) for t in x.tolist()],
+        "tickvals": list(range(len(texts))),
+        "ticktext": [t[:24] for t in texts],
+    }

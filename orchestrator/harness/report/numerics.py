@@ -56,9 +56,12 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
     if "iterations" in master:
         yield "iterations", _iterations(result, master)
     for text, loop in master.get("algebraic_loops", {}).items():
-        yield f"algebraic loop of {text}", (
-            f"solved at {_counted(loop['points'], 'instant')} with {_counted(loop['evaluations'], 'evaluation')} and "
-            f"{_counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
+        yield (
+            f"algebraic loop of {text}",
+            (
+                f"solved at {_counted(loop['points'], 'instant')} with {_counted(loop['evaluations'], 'evaluation')} and "
+                f"{_counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
+            ),
         )
     if past := info.get("resumed"):
         yield "resumed", f"at {past['at']:.6g} s, from a checkpoint; iterations, loops, work and time are counted from there"

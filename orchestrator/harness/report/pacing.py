@@ -27,8 +27,10 @@ def blocks(result: Result) -> list[Block]:
     edges = 1e3 * np.array(of["bins"])
     x = np.repeat(edges, 2)[1:-1]
     step = 1e3 * result.scene.master.step
-    series = tuple(Series(text, x, np.maximum(np.repeat(np.array(of[f"{name}_counts"], dtype=float), 2), 0.5))
-                   for name, text in (("duration", "duration of a step"), ("lateness", "behind the clock")))
+    series = tuple(
+        Series(text, x, np.maximum(np.repeat(np.array(of[f"{name}_counts"], dtype=float), 2), 0.5))
+        for name, text in (("duration", "duration of a step"), ("lateness", "behind the clock"))
+    )
     largest = max(of["duration"]["100 %"], of["lateness"]["100 %"], 1e-3 * step)
     panel = Panel("steps", series, x_marks=((step, "macro step"),), logarithmic=True, x_range=(0.0, 1.2e3 * largest))
     text = f"{of['steps']} steps, {of['late']} of them behind the clock. Ten bins in a decade; an empty bin is drawn at 0.5."

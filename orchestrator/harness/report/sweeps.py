@@ -29,9 +29,11 @@ def section_chart(sweep: Sweep) -> Chart | None:
     label, panels = f"{signal}, {sweep.units[f'{signal}, mean']}", []
     for title, members in _groups(sweep):
         panels.append(section_panel(label, sweep.varied[last][members], [sweep.section[i] for i in members], title=title))
-    text = (f"Every point is {wanted.signal} at one passage of {wanted.angle}, {wanted.turns:g} a turn, after the "
-            "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
-            "quasi-periodic or chaotic.")
+    text = (
+        f"Every point is {wanted.signal} at one passage of {wanted.angle}, {wanted.turns:g} a turn, after the "
+        "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
+        "quasi-periodic or chaotic."
+    )
     return Chart("Bifurcation diagram", _label(sweep, last), tuple(panels), text, height=360)
 
 
@@ -69,13 +71,28 @@ def trust(sweep: Sweep) -> list[Block]:
     blocks: list[Block] = [Text([trust_text(sweep)], "" if sweep.repeated is not None else "note")]
     if (repeated := sweep.repeated) is not None and repeated.errors:
         worst = sorted(repeated.errors, key=lambda name: -repeated.shares[name])
-        rows = [(name, error_of(repeated, name), sweep.units.get(name, ""), percent(repeated.shares[name]),
-                 _point(sweep, repeated.at[name])) for name in worst[:SHOWN]]
+        rows = [
+            (
+                name,
+                error_of(repeated, name),
+                sweep.units.get(name, ""),
+                percent(repeated.shares[name]),
+                _point(sweep, repeated.at[name]),
+            )
+            for name in worst[:SHOWN]
+        ]
         rest = f" The other {len(worst) - SHOWN} columns have smaller ones." if len(worst) > SHOWN else ""
-        blocks.append(Cells("Errors of columns", ("column", "±", "unit", "share", "at"), rows,
-                            "±: twice what half of every macro step changes at the repeated points, the largest of them. Share: "
-                            "of the column's largest size; of a signal's statistics, of the largest of them. The points of a "
-                            f"section have no error.{rest}", frozenset({1, 3})))
+        blocks.append(
+            Cells(
+                "Errors of columns",
+                ("column", "±", "unit", "share", "at"),
+                rows,
+                "±: twice what half of every macro step changes at the repeated points, the largest of them. Share: "
+                "of the column's largest size; of a signal's statistics, of the largest of them. The points of a "
+                f"section have no error.{rest}",
+                frozenset({1, 3}),
+            )
+        )
     return blocks
 
 

@@ -31,16 +31,28 @@ def blocks(result: Result) -> list[Block]:
 def _table(verification: Mapping[str, Any], result: Result) -> Cells:
     signals = verification["signals"]
     worst = sorted(signals, key=lambda name: -signals[name]["rms"])
-    rows = [(name, percent(signals[name]["rms"]), percent(signals[name]["max"]),
-             f"{order:.2g}" if (order := signals[name]["order"]) is not None else "", _kind(signals[name]))
-            for name in worst[:SHOWN]]
+    rows = [
+        (
+            name,
+            percent(signals[name]["rms"]),
+            percent(signals[name]["max"]),
+            f"{order:.2g}" if (order := signals[name]["order"]) is not None else "",
+            _kind(signals[name]),
+        )
+        for name in worst[:SHOWN]
+    ]
     rest = f" The other {len(worst) - SHOWN} signals have smaller ones." if len(worst) > SHOWN else ""
     if missing := len({*result.columns, *result.texts} - {*signals}):  # windows show what units exchange
         rest += f" The errors of {missing} recorded signals, which no unit reads, are not known."
-    return Cells("Errors of signals", ("signal", "error, rms", "largest", "order", ""), rows,
-                 "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
-                 f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}. "
-                 f"Order: how the difference fell with the step, where three runs were made.{rest}", frozenset({1, 2, 3}))
+    return Cells(
+        "Errors of signals",
+        ("signal", "error, rms", "largest", "order", ""),
+        rows,
+        "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
+        f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}. "
+        f"Order: how the difference fell with the step, where three runs were made.{rest}",
+        frozenset({1, 2, 3}),
+    )
 
 
 def _kind(error: Mapping[str, Any]) -> str:
@@ -63,6 +75,10 @@ def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
     unit = result.measures.get(name, "")
     lines = (Series("half the macro step", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
     panel = Panel(name + (f", {unit}" if unit not in ("", "1") else ""), lines)
-    return Chart("Where the two runs differ most", "time, s", (panel,),
-                 "The signal with the largest error, about the instant of its largest difference: this run, and the one with a "
-                 f"macro step of {step:g} s.")
+    return Chart(
+        "Where the two runs differ most",
+        "time, s",
+        (panel,),
+        "The signal with the largest error, about the instant of its largest difference: this run, and the one with a "
+        f"macro step of {step:g} s.",
+    )

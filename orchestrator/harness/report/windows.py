@@ -70,7 +70,7 @@ def shaded(figure: Figure, windows: Sequence[Window], span: tuple[float, float],
         backwards = left + length > WIDTH
         start = max(left - length if backwards else left, 0.0)
         row = next((k for k, filled in enumerate(rows) if filled < start), len(rows))
-        rows[row:row + 1] = [start + length + CHARACTER]
+        rows[row : row + 1] = [start + length + CHARACTER]
         anchor = "right" if backwards else "left"
         font = {"size": 11.5, "color": window.colour}
         notes.append(label(window.name, window.begin, 1, xref="x", xanchor=anchor, yanchor="bottom", yshift=ROW * row, font=font))

@@ -125,16 +125,20 @@ class Accuracy:
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:
     """See `Accuracy.front`; left out is what does not come to the end, has no time, or is another model (without an effect)."""
     front: list[Point] = []
-    kept = [p for p in points if p.outcome == "done" and p.axis != "effect" and isfinite(p.error_with_finer)
-            and isfinite(p.cost(cost))]
+    kept = [
+        p
+        for p in points
+        if p.outcome == "done" and p.axis != "effect" and isfinite(p.error_with_finer) and isfinite(p.cost(cost))
+    ]
     for point in sorted(kept, key=lambda p: (p.cost(cost), p.error_with_finer)):
         if not front or point.error_with_finer < front[-1].error_with_finer:
             front.append(point)
     return front
 
 
-def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
-             on_message: Callable[[str], None] = lambda text: None) -> Accuracy:
+def accuracy(
+    scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS, on_message: Callable[[str], None] = lambda text: None
+) -> Accuracy:
     """Measure the default settings of a scene within a budget of seconds, to which the reference does not count.
 
     First how the scene is coupled over macro steps, from coarse to fine; then, for the settings on the front, the internal
@@ -160,16 +164,32 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
             bench.measure(setting)
     for setting in without_effects(scene):
         bench.measure(setting)
-    return Accuracy(scene.name, scene.title or scene.name, tuple(with_finer_errors(bench.points)), truth.method,
-                    "; ".join(s.method for s in truth.second), truth.agreement, machine_name(), versions(),
-                    ", ".join(truth.shares), truth.mesh_error)
+    return Accuracy(
+        scene.name,
+        scene.title or scene.name,
+        tuple(with_finer_errors(bench.points)),
+        truth.method,
+        "; ".join(s.method for s in truth.second),
+        truth.agreement,
+        machine_name(),
+        versions(),
+        ", ".join(truth.shares),
+        truth.mesh_error,
+    )
 
 
 class _Bench:
     """Measures settings until the budget is spent."""
 
-    def __init__(self, scene: Scene, quantities: tuple[Quantity, ...], truth: Reference, budget: float, repeats: int,
-                 on_message: Callable[[str], None]):
+    def __init__(
+        self,
+        scene: Scene,
+        quantities: tuple[Quantity, ...],
+        truth: Reference,
+        budget: float,
+        repeats: int,
+        on_message: Callable[[str], None],
+    ):
         self._scene, self._quantities, self._truth, self._repeats = scene, quantities, truth, repeats
         self._on_message = on_message
         self.left, self._budget = budget, budget
@@ -180,14 +200,16 @@ class _Bench:
         """Append the setting's point."""
         setting = replace(setting, changes={**pinned(self._scene), **setting.changes})
         expected = self._expected(setting)
-        point = Point(setting.series, setting.axis, setting.size, setting.changes, "skipped",
-                      f"not within the budget of {self._budget:g} s")
+        point = Point(
+            setting.series, setting.axis, setting.size, setting.changes, "skipped", f"not within the budget of {self._budget:g} s"
+        )
         if min(self.left, DEAREST * self._budget) <= expected:
             self.points.append(point)
             return
         self._on_message(f"{setting.series}, {setting.size:.3g}")
-        run = trial(self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget,
-                    confirm=self._repeats > 1)
+        run = trial(
+            self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget, confirm=self._repeats > 1
+        )
         if run.recorded is not None:
             self.left -= run.elapsed
             self._last[setting.series] = (setting.size, run.seconds)
@@ -212,8 +234,9 @@ class _Bench:
         error = max(each.values())
         if not error <= USELESS:
             worst = max(each, key=lambda name: each[name])
-            return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=distances,
-                           error=error)
+            return replace(
+                point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=distances, error=error
+            )
         largest = max(q.largest(run.history, self._truth.history) for q in self._quantities)
         return replace(point, error=error, errors=distances, largest=largest)
 
@@ -228,8 +251,11 @@ def with_finer_errors(points: Iterable[Point]) -> list[Point]:
 
     def largest(p: Point) -> float:
         alike = but_step[kept.index(p)]
-        return max(q.error for q, other in zip(kept, but_step, strict=True)
-                   if (q.series == p.series or other == alike) and q.size <= p.size and q.outcome != "skipped")
+        return max(
+            q.error
+            for q, other in zip(kept, but_step, strict=True)
+            if (q.series == p.series or other == alike) and q.size <= p.size and q.outcome != "skipped"
+        )
 
     return [replace(p, error_with_finer=largest(p)) if p.outcome == "done" else p for p in kept]
 

@@ -19,16 +19,27 @@ from .accuracy import Accuracy, Point
 from .trial import WORK
 
 COLUMNS = {  # of a point: field -> column
-    "series": "series", "axis": "axis",
-    "size": "size, s or tolerance", "outcome": "outcome", "reason": "reason", "error": "error",
-    "error_with_finer": "error with finer settings", "largest": "largest distance",
-    "seconds": "CPU time, s", "median": "median CPU time, s",
+    "series": "series",
+    "axis": "axis",
+    "size": "size, s or tolerance",
+    "outcome": "outcome",
+    "reason": "reason",
+    "error": "error",
+    "error_with_finer": "error with finer settings",
+    "largest": "largest distance",
+    "seconds": "CPU time, s",
+    "median": "median CPU time, s",
     "scatter": "scatter of the CPU time",
 }
 TIMES = ("seconds", "median", "scatter")
 NUMBERS = ("size", "error", "error_with_finer", "largest", *TIMES)
-ABOUT = {"reference": "reference", "second_solution": "second solution", "shares": "shared with the reference",
-         "machine": "machine", "versions": "versions"}
+ABOUT = {
+    "reference": "reference",
+    "second_solution": "second solution",
+    "shares": "shared with the reference",
+    "machine": "machine",
+    "versions": "versions",
+}
 ERROR_OF = "error of "
 AGREEMENT, MESH = "agreement of the reference", "mesh error of the reference"  # series of the last two rows
 
@@ -44,8 +55,16 @@ def write_points(measured: Accuracy, directory: str | Path, name: str = "accurac
     about = {column: getattr(measured, key) for key, column in ABOUT.items() if times or key != "machine"}
     about |= dict(measured.marks)
     header = [*columns.values(), "changes", *WORK, *(ERROR_OF + n for n in names), *about]
-    rows = [[*(_rounded(getattr(p, key)) for key in columns), json.dumps(p.changes), *(p.work.get(n, "") for n in WORK),
-             *(_rounded(p.errors.get(n, nan)) for n in names), *about.values()] for p in measured.points]
+    rows = [
+        [
+            *(_rounded(getattr(p, key)) for key in columns),
+            json.dumps(p.changes),
+            *(p.work.get(n, "") for n in WORK),
+            *(_rounded(p.errors.get(n, nan)) for n in names),
+            *about.values(),
+        ]
+        for p in measured.points
+    ]
     blank = ["" for _ in range(len(columns) - 1)]
     for series, values in ((AGREEMENT, measured.agreement), (MESH, measured.mesh_error)):
         numbers = (_rounded(values.get(n, 0.0)) for n in names)
@@ -69,13 +88,22 @@ def read_points(path: Path, text: str | None = None) -> Accuracy:
         numbers = [{n: float(row[ERROR_OF + n]) for n in names} for row in (agreement, mesh)]
         about = {key: agreement.get(column, "") for key, column in ABOUT.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, csv.Error) as error:
-        raise BadInput(str(path), f"no table of accuracy ({type(error).__name__}: {error})", "one that cosimo accuracy wrote",
-                       "Remove it and measure again.") from None
+        raise BadInput(
+            str(path),
+            f"no table of accuracy ({type(error).__name__}: {error})",
+            "one that cosimo accuracy wrote",
+            "Remove it and measure again.",
+        ) from None
     return Accuracy(path.stem, path.stem, points, agreement=numbers[0], mesh_error=numbers[1], marks=marks, **about)
 
 
 def _point(row: Mapping[str, str], names: Iterable[str]) -> Point:
-    fields: dict[str, Any] = {key: float(row[column]) if key in NUMBERS else row[column] for key, column in COLUMNS.items()
-                              if column in row}
-    return Point(**fields, changes=json.loads(row["changes"]), work={n: int(row[n]) for n in WORK if row[n]},
-                 errors={n: v for n in names if not isnan(v := float(row[ERROR_OF + n]))})
+    fields: dict[str, Any] = {
+        key: float(row[column]) if key in NUMBERS else row[column] for key, column in COLUMNS.items() if column in row
+    }
+    return Point(
+        **fields,
+        changes=json.loads(row["changes"]),
+        work={n: int(row[n]) for n in WORK if row[n]},
+        errors={n: v for n in names if not isnan(v := float(row[ERROR_OF + n]))},
+    )

@@ -44,8 +44,11 @@ class Choice:
         for unit, on in self.on.items():
             reasons = {name.removeprefix(f"{unit}."): why["why"] for name, why in self.why.items() if why["unit"] == unit}
             listed[unit] = {"on": {e: reasons[e] for e in on}, "off": {e: why for e, why in reasons.items() if e not in on}}
-        return {**info, "effects": listed,
-                "selection": {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)}}
+        return {
+            **info,
+            "effects": listed,
+            "selection": {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)},
+        }
 
 
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
@@ -88,5 +91,8 @@ def reason(finding: Finding, tolerance: float) -> str:
         return f"required: {finding.reason}"
     if not finding.chosen:
         return f"error without it {percent(finding.actual)}, without all that is left out within {percent(tolerance)}"
-    return (f"error without it {percent(finding.breaking)}, more than {percent(tolerance)}" if isfinite(finding.breaking)
-            else f"without it the run fails: {finding.reason}")
+    return (
+        f"error without it {percent(finding.breaking)}, more than {percent(tolerance)}"
+        if isfinite(finding.breaking)
+        else f"without it the run fails: {finding.reason}"
+    )

@@ -54,8 +54,15 @@ class ComponentRun:
     Integrated over `stop` s in macro steps of `step` s, by itself (`own`) or by a method of SciPy (`by_scipy`).
     """
 
-    def __init__(self, name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None,
-                 stop: float | None = None, wave: float = SHARE, preset: str = ""):
+    def __init__(
+        self,
+        name: str,
+        effects: tuple[str, ...] = (),
+        parameters: Mapping[str, Any] | None = None,
+        stop: float | None = None,
+        wave: float = SHARE,
+        preset: str = "",
+    ):
         self.cls: type[Component] = component_class(name, "component")
         self.effects, self.parameters, self.preset = effects, dict(parameters or {}), preset
         self.key = (self.cls, effects, self.parameters, stop, wave, preset)  # for a study's journal
@@ -71,7 +78,8 @@ class ComponentRun:
         h = self.step
         # (steps, 3, m): through the three values of each step
         self.inputs = np.stack(
-            [left, (4.0 * middle - 3.0 * left - right) / h, 2.0 * (left - 2.0 * middle + right) / h**2], axis=1)
+            [left, (4.0 * middle - 3.0 * left - right) / h, 2.0 * (left - 2.0 * middle + right) / h**2], axis=1
+        )
         self.kernel = rate_kernel(self.cls)
 
     def make(self, substep: float | None = None) -> Component:
@@ -93,8 +101,7 @@ class ComponentRun:
             rows[k + 1] = component.y
         return Solved(self._history(component, rows), process_time() - start_time, component.work)
 
-    def by_scipy(self, method: str, tolerance: float, patience: float = inf,
-                 longest: float = inf) -> Solved:
+    def by_scipy(self, method: str, tolerance: float, patience: float = inf, longest: float = inf) -> Solved:
         """The outputs by `solve_ivp` with the component's right-hand side; raises `StepFailed` where that gives up.
 
         longest: s, of its steps; one macro step keeps the kinks of the inputs out of them.
@@ -118,8 +125,7 @@ class ComponentRun:
             return dx.copy()
 
         start_time = process_time()
-        solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least,
-                           max_step=longest)
+        solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least, max_step=longest)
         seconds = process_time() - start_time
         if not solved.success or not np.isfinite(solved.y).all():
             raise StepFailed(method, float(solved.t[-1]) if solved.t.size else 0.0, str(solved.message), "")
@@ -136,29 +142,53 @@ class ComponentRun:
         return TimeHistory(np.linspace(0.0, self.stop, self.steps + 1), dict(zip(component.outputs, rows.T, strict=True)))
 
 
-def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None, *,
-                       preset: str = "", stop: float | None = None, budget: float = BUDGET, repeats: int = REPEATS,
-                       on_message: Callable[[str], None] = lambda text: None) -> Accuracy:
+def component_accuracy(
+    name: str,
+    effects: tuple[str, ...] = (),
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    preset: str = "",
+    stop: float | None = None,
+    budget: float = BUDGET,
+    repeats: int = REPEATS,
+    on_message: Callable[[str], None] = lambda text: None,
+) -> Accuracy:
     """Measure a component of the catalogue alone; raises `BadInput` where it integrates nothing."""
     one = ComponentRun(name, effects, parameters, stop, preset=preset)
     probe = one.make()
     probe.initialize(0.0)
     usual = float(probe.get("substep")) if "substep" in probe.parameters else None
     if not probe.x.size or (usual is None and one.kernel is None):
-        raise BadInput(f"component:{name}", "nothing that is integrated with steps to choose",
-                       "a component with a parameter substep, or a differential equation")
-    truth, second = once("solutions", one.key, lambda: _solutions(one, usual, on_message),
-                         lambda kept: [Solution(**{**s, "history": TimeHistory(**s["history"])}) for s in kept],
-                         lambda several: [asdict(s) for s in several])
-    quantities = [Quantity(f"{n}, time history", n, "time history", 0.0, 0.0, v.nominal, v.unit)
-                  for n in probe.outputs for v in [probe.variables[n]]]
+        raise BadInput(
+            f"component:{name}",
+            "nothing that is integrated with steps to choose",
+            "a component with a parameter substep, or a differential equation",
+        )
+    truth, second = once(
+        "solutions",
+        one.key,
+        lambda: _solutions(one, usual, on_message),
+        lambda kept: [Solution(**{**s, "history": TimeHistory(**s["history"])}) for s in kept],
+        lambda several: [asdict(s) for s in several],
+    )
+    quantities = [
+        Quantity(f"{n}, time history", n, "time history", 0.0, 0.0, v.nominal, v.unit)
+        for n in probe.outputs
+        for v in [probe.variables[n]]
+    ]
     agreement = {q.name: q.error(second.history, truth.history) for q in quantities}
     points: list[Point] = []
 
     def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
         on_message(f"{series}, {size:.3g}")
-        points.append(once("point", (*one.key, budget, repeats, series, size), partial(measured, series, size, solve),
-                           lambda kept: Point(**kept)))
+        points.append(
+            once(
+                "point",
+                (*one.key, budget, repeats, series, size),
+                partial(measured, series, size, solve),
+                lambda kept: Point(**kept),
+            )
+        )
 
     def measured(series: str, size: float, solve: Callable[[], Solved]) -> Point:
         axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
@@ -180,8 +210,15 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
         reason = f"error of {worst}: {100.0 * largest:.3g} %" if useless else ""
         distances = (q.largest(solved[0].history, truth.history) for q in quantities)
-        return replace(point, outcome="useless" if useless else "done", errors=each, error=largest, reason=reason,
-                       largest=max(distances), work=counted).timed(timing)
+        return replace(
+            point,
+            outcome="useless" if useless else "done",
+            errors=each,
+            error=largest,
+            reason=reason,
+            largest=max(distances),
+            work=counted,
+        ).timed(timing)
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)
@@ -194,8 +231,17 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
             for tolerance in TOLERANCES:
                 measure(f"SciPy {method}", tolerance, partial(one.by_scipy, method, tolerance, 0.05 * budget))
     title = ", ".join([f"{one.cls.title} alone", *([preset] if preset else []), f"{one.stop:g} s"])
-    return Accuracy(f"component:{name}", title, tuple(with_finer_errors(points)), truth.method, second.method, agreement,
-                    machine_name(), versions(), ", ".join(truth.shares))
+    return Accuracy(
+        f"component:{name}",
+        title,
+        tuple(with_finer_errors(points)),
+        truth.method,
+        second.method,
+        agreement,
+        machine_name(),
+        versions(),
+        ", ".join(truth.shares),
+    )
 
 
 def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str], None]) -> list[Solution]:

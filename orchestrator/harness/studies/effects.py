@@ -50,7 +50,7 @@ class Finding:
 
     @property
     def name(self) -> str:
-        """"unit.effect"."""
+        """ "unit.effect"."""
         return f"{self.unit}.{self.effect}"
 
 
@@ -84,19 +84,53 @@ class Effects:
 
     def save(self, directory: str | Path) -> Path:
         """Write effects.csv: one row an effect, the first line the column names."""
-        header = ["unit", "effect", "on in the scene", "chosen", "standing", "reason", "predicted", "actual", "largest in",
-                  "error of the set without it", "states", "calls", "seconds, s"]
-        return write_table(directory, "effects.csv", header, [
-            (f.unit, f.effect, _yes(f.given), _yes(f.chosen), f.standing, f.reason, f.predicted, f.actual, f.worst, f.breaking,
-             f.states, f.calls, f.seconds) for f in self.findings])
+        header = [
+            "unit",
+            "effect",
+            "on in the scene",
+            "chosen",
+            "standing",
+            "reason",
+            "predicted",
+            "actual",
+            "largest in",
+            "error of the set without it",
+            "states",
+            "calls",
+            "seconds, s",
+        ]
+        return write_table(
+            directory,
+            "effects.csv",
+            header,
+            [
+                (
+                    f.unit,
+                    f.effect,
+                    _yes(f.given),
+                    _yes(f.chosen),
+                    f.standing,
+                    f.reason,
+                    f.predicted,
+                    f.actual,
+                    f.worst,
+                    f.breaking,
+                    f.states,
+                    f.calls,
+                    f.seconds,
+                )
+                for f in self.findings
+            ],
+        )
 
 
 def _yes(value: bool) -> str:
     return "yes" if value else "no"
 
 
-def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
-            on_message: Callable[[str], None] = lambda text: None) -> Effects:
+def effects(
+    scene: Scene, tolerance: float, *, more: Iterable[str] = (), on_message: Callable[[str], None] = lambda text: None
+) -> Effects:
     """Measure every effect of a scene and find the smallest set that keeps `tolerance`, a share.
 
     more: effects, "unit.effect", that are taken into the full model beside those that go with the scene. `on_message` gets what
@@ -120,10 +154,17 @@ def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
     on = {u: tuple(e for e in names if (u, e) not in chosen.dropped) for u, names in model.on.items()}
     order = {place: k for k, place in enumerate((u, e) for u, cls in classes(scene).items() for e in cls.effects)}
     return Effects(
-        scene, with_effects(scene, on), tolerance,
+        scene,
+        with_effects(scene, on),
+        tolerance,
         tuple(sorted((*findings.values(), *left), key=lambda f: order[f.unit, f.effect])),
-        bench.cost(frozenset()), bench.cost(frozenset(p for p in model.places if p[1] not in own[p[0]])),
-        bench.cost(chosen.dropped), tuple(q.name for q in bench.quantities), bench.runs, bench.remarks)
+        bench.cost(frozenset()),
+        bench.cost(frozenset(p for p in model.places if p[1] not in own[p[0]])),
+        bench.cost(chosen.dropped),
+        tuple(q.name for q in bench.quantities),
+        bench.runs,
+        bench.remarks,
+    )
 
 
 def _looking(scene: Scene) -> Scene:
@@ -168,8 +209,9 @@ class _Bench:
         added = [(unit, effect) for unit, effect in whole.places if effect not in on[unit]]
         best = self._trial(self.scene) if added else failed
         if not best.done:
-            raise BadInput(f"{self.scene.name}: effects", f"a scene that {best.outcome}: {best.reason}",
-                           "one that comes to its end")
+            raise BadInput(
+                f"{self.scene.name}: effects", f"a scene that {best.outcome}: {best.reason}", "one that comes to its end"
+            )
         for unit, effect in added:
             self._on_message(f"with {unit}.{effect}")
             trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}

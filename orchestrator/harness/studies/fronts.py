@@ -122,8 +122,9 @@ def known(scene: Scene) -> Known | None:
     else:
         return None
     other = changed_number(scene, measured)
-    return Known(measured, origin, f"the numbers of {scene.name} have changed since its accuracy was measured ({other})" if other
-                 else "")
+    return Known(
+        measured, origin, f"the numbers of {scene.name} have changed since its accuracy was measured ({other})" if other else ""
+    )
 
 
 def choose(scene: Scene, measured: Accuracy, tolerance: float) -> Point:
@@ -133,16 +134,28 @@ def choose(scene: Scene, measured: Accuracy, tolerance: float) -> Point:
     """
     asked = percent(tolerance)
     if tolerance < measured.smallest_known:
-        raise BadInput("accuracy", asked, f"at least {100.0 * measured.smallest_known:.2g} %, the reference's own error",
-                       f"It is {measured.reference}.")
+        raise BadInput(
+            "accuracy",
+            asked,
+            f"at least {100.0 * measured.smallest_known:.2g} %, the reference's own error",
+            f"It is {measured.reference}.",
+        )
     timed = any(isfinite(p.seconds) for p in measured.points)
     front = measured.front("seconds" if timed else "calls")
     within = [p for p in front if p.error_with_finer <= tolerance]
     if not within:
-        best = (f"the best setting measured has {100.0 * front[-1].error_with_finer:.3g} %" if front
-                else "no setting measured comes to the end with a time that could be confirmed")
-        raise BadInput("accuracy", asked, best, "Ask for less, or measure finer settings: cosimo accuracy with a larger "
-                       "--budget, or a scene with a shorter macro step.")
+        best = (
+            f"the best setting measured has {100.0 * front[-1].error_with_finer:.3g} %"
+            if front
+            else "no setting measured comes to the end with a time that could be confirmed"
+        )
+        raise BadInput(
+            "accuracy",
+            asked,
+            best,
+            "Ask for less, or measure finer settings: cosimo accuracy with a larger "
+            "--budget, or a scene with a shorter macro step.",
+        )
     return within[0] if timed else quickest_here(scene, [p for p in measured.points if _comes_into_question(p, tolerance)])
 
 
@@ -168,12 +181,20 @@ def why(chosen: Point, front: Known, tolerance: float) -> dict[str, Any]:
     measured = front.measured
     others = [p for p in measured.points if p.outcome == "done"]
     return {
-        "asked": tolerance, "setting": chosen.series, "size": chosen.size, "changes": dict(chosen.changes),
-        "error": chosen.error, "error_with_finer": chosen.error_with_finer, "seconds": chosen.seconds, "measured": len(others),
-        "from": front.origin, "reference": measured.reference, "shared_with_reference": measured.shares,
+        "asked": tolerance,
+        "setting": chosen.series,
+        "size": chosen.size,
+        "changes": dict(chosen.changes),
+        "error": chosen.error,
+        "error_with_finer": chosen.error_with_finer,
+        "seconds": chosen.seconds,
+        "measured": len(others),
+        "from": front.origin,
+        "reference": measured.reference,
+        "shared_with_reference": measured.shares,
         "reference_error": measured.smallest_known,
         "reason": f"the quickest of {len(others)} measured settings whose error, and that of all finer ones of its series, "
-                  f"stays within {100.0 * tolerance:g} %",
+        f"stays within {100.0 * tolerance:g} %",
     }
 
 

@@ -79,7 +79,8 @@ def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
             preset = None
         gone = cls.effects.keys() - set(on) | {n for e in on for n in cls.effects[e].replaces}
         changes[f"units.{name}.parameters"] = {
-            k: v for k, v in parameters.items() if k.partition(".")[0].partition("[")[0] not in gone}
+            k: v for k, v in parameters.items() if k.partition(".")[0].partition("[")[0] not in gone
+        }
         changes[f"units.{name}.effects"] = [e for e in on if preset is None or e not in preset.effects]
     return scene.with_changes(changes) if changes else scene
 
@@ -120,8 +121,12 @@ def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
         if unit not in known:
             raise BadInput(f"{scene.name}: effects", f"unit {unit!r}", "a component of the scene", nearest(unit, known))
         if effect not in known[unit].effects:
-            raise BadInput(f"{scene.name}: effects", repr(text), f"unit.effect with an effect of {known[unit].__name__}",
-                           nearest(effect, known[unit].effects))
+            raise BadInput(
+                f"{scene.name}: effects",
+                repr(text),
+                f"unit.effect with an effect of {known[unit].__name__}",
+                nearest(effect, known[unit].effects),
+            )
         places.add((unit, effect))
     return places
 

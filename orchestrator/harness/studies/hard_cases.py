@@ -65,8 +65,12 @@ class HardCases:
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each claim."""
         header = ["component", "case", "claim", "reached", "limit", "margin, 1", "holds", "message"]
-        return write_table(directory, "stability.csv", header, [
-            (v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts])
+        return write_table(
+            directory,
+            "stability.csv",
+            header,
+            [(v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts],
+        )
 
 
 def declared() -> dict[str, tuple[HardCase, ...]]:
@@ -89,10 +93,19 @@ def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> Har
         if name not in cases:
             raise BadInput("--hard-cases", repr(name), "a component of the catalogue", nearest(name, cases))
     tasks = tracked([(name, case) for name in chosen for case in cases[name]], "hard cases", progress)
-    return HardCases(tuple(verdict for name, case in tasks for verdict in once(
-        "hard case", (component_class(name), case.name), partial(verdicts, name, case),
-        lambda kept, case=case: [Verdict(case=case, **one) for one in kept],  # type: ignore[misc]
-        lambda several: [{key: value for key, value in vars(one).items() if key != "case"} for one in several])))
+    return HardCases(
+        tuple(
+            verdict
+            for name, case in tasks
+            for verdict in once(
+                "hard case",
+                (component_class(name), case.name),
+                partial(verdicts, name, case),
+                lambda kept, case=case: [Verdict(case=case, **one) for one in kept],  # type: ignore[misc]
+                lambda several: [{key: value for key, value in vars(one).items() if key != "case"} for one in several],
+            )
+        )
+    )
 
 
 def verdicts(name: str, case: HardCase) -> list[Verdict]:

@@ -124,12 +124,18 @@ class Windows:
     def _alike(self, master: Master) -> bool:
         """Whether a state of the solution fits this master, but for the units with other effects."""
         mine = self._master
-        return (master.positions == mine.positions and [n.links for n in master.nodes] == [n.links for n in mine.nodes]
-                and len(master.loops) == len(mine.loops) and all(isinstance(n.unit, ComponentUnit) for n in master.nodes))
+        return (
+            master.positions == mine.positions
+            and [n.links for n in master.nodes] == [n.links for n in mine.nodes]
+            and len(master.loops) == len(mine.loops)
+            and all(isinstance(n.unit, ComponentUnit) for n in master.nodes)
+        )
 
     def _restore(self, master: Master, saved: Saved, changed: Sequence[str], others: Mapping[str, Component], t: float) -> None:
-        states = [_translated(state, self._components[n], others[n]) if (n := node.unit.name) in changed else state
-                  for node, state in zip(master.nodes, saved.units, strict=True)]
+        states = [
+            _translated(state, self._components[n], others[n]) if (n := node.unit.name) in changed else state
+            for node, state in zip(master.nodes, saved.units, strict=True)
+        ]
         master.adopt(replace(saved, units=states))
         for node in master.nodes:
             if node.unit.name in changed:

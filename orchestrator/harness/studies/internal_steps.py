@@ -65,12 +65,23 @@ class InternalSteps:
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each set of effects."""
         header = ["effects", "longest stable internal step, s", "own limit, s", "margin, 1", "seen", "tried, s"]
-        return write_table(directory, "stability.csv", header,
-                           [(" ".join(s.effects), s.longest, s.own, s.margin, s.seen, s.tried) for s in self.steps])
+        return write_table(
+            directory,
+            "stability.csv",
+            header,
+            [(" ".join(s.effects), s.longest, s.own, s.margin, s.seen, s.tried) for s in self.steps],
+        )
 
 
-def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameters: Mapping[str, Any] | None = None,
-                   preset: str = "", steps: int = STEPS, progress: bool = False) -> InternalSteps:
+def internal_steps(
+    name: str,
+    *,
+    effects: Sequence[str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    preset: str = "",
+    steps: int = STEPS,
+    progress: bool = False,
+) -> InternalSteps:
     """Measure the limits of a component of the catalogue, with the effects given or with none and each alone.
 
     Raises `BadInput` for a component without internal steps or without inputs, and for what cannot be set.
@@ -82,14 +93,21 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
     sets = [tuple(effects)] if effects is not None else [*each]
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
-    limits = [once("internal step", (cls, one, dict(parameters or {}), preset, steps),
-                   partial(_measured, cls, one, parameters or {}, preset, steps), lambda kept: InternalStep(**kept))
-              for one in chosen]
+    limits = [
+        once(
+            "internal step",
+            (cls, one, dict(parameters or {}), preset, steps),
+            partial(_measured, cls, one, parameters or {}, preset, steps),
+            lambda kept: InternalStep(**kept),
+        )
+        for one in chosen
+    ]
     return InternalSteps(name, cls.title, tuple(limits))
 
 
-def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int
-              ) -> InternalStep:
+def _measured(
+    cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int
+) -> InternalStep:
     def make(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
@@ -109,8 +127,9 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
         by_itself = Own(_sizes(make, usual / FINE, int(FINE * steps))[0], usual / FINE)
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
-    longest, seen, tried = longest_stable(lambda h: _growth(make, h, steps), by_itself, EVEN, usual, usual / FARTHEST,
-                                          usual * FARTHEST, PACE)
+    longest, seen, tried = longest_stable(
+        lambda h: _growth(make, h, steps), by_itself, EVEN, usual, usual / FARTHEST, usual * FARTHEST, PACE
+    )
     return InternalStep(effects, own, longest, seen, tried)
 
 

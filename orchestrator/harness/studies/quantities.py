@@ -151,14 +151,16 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     """The quantities that the scene names, or else the history and the maximum of every recorded signal."""
     coupling = scene.coupling
     texts = [wanted(text) for text in scene.study.quantities] or [
-        Wanted(".".join(end), kind) for end in coupling.signals for kind in ("time history", "maximum")]
+        Wanted(".".join(end), kind) for end in coupling.signals for kind in ("time history", "maximum")
+    ]
     transient = scene.analysis.transient
     quantities = []
     for text in texts:
         unit, output = scene.split(text.signal)
         of = coupling.interfaces[unit].outputs[output]
-        quantities.append(Quantity(
-            str(text), text.signal, text.kind, text.frequency, transient, of.nominal, of.unit, text.cutoff))
+        quantities.append(
+            Quantity(str(text), text.signal, text.kind, text.frequency, transient, of.nominal, of.unit, text.cutoff)
+        )
     return tuple(quantities)
 
 
@@ -167,9 +169,12 @@ def quantities_to_judge(scene: Scene) -> tuple[Quantity, ...]:
     quantities = quantities_of(scene)
     for q in quantities:
         if q.cutoff and scene.stop_time <= (shortest := max(q.transient, EDGE / q.cutoff) + EDGE / q.cutoff):
-            raise BadInput(f"{scene.name}: study.quantities", f'"{q.name}" of a run of {scene.stop_time:g} s',
-                           f"a run of more than {shortest:g} s, with transient and both ends of the filter",
-                           "Lengthen the run, or filter at a higher frequency.")
+            raise BadInput(
+                f"{scene.name}: study.quantities",
+                f'"{q.name}" of a run of {scene.stop_time:g} s',
+                f"a run of more than {shortest:g} s, with transient and both ends of the filter",
+                "Lengthen the run, or filter at a higher frequency.",
+            )
     return quantities
 
 

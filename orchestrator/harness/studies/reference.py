@@ -38,7 +38,11 @@ MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi"
 PROBED = 100  # macro steps, to tell how long a run will take
 TOLERANCE = 1e-10  # of the iteration
 EQUATIONS, INTEGRATORS, COUPLING, MESH = (
-    "the components' equations", "the components' integrators", "the coupling", "the kind of mesh")
+    "the components' equations",
+    "the components' integrators",
+    "the coupling",
+    "the kind of mesh",
+)
 
 
 class _TooLong(Exception):
@@ -85,8 +89,10 @@ class Reference:
     def agreement(self) -> dict[str, float]:
         """By quantity the largest distance of a second solution, and of an extreme what may lie between two samples."""
         names = dict.fromkeys(name for solution in self.second for name in solution.errors)
-        return {name: max(s.errors[name] for s in self.second if name in s.errors) + self.between_samples.get(name, 0.0)
-                for name in names}
+        return {
+            name: max(s.errors[name] for s in self.second if name in s.errors) + self.between_samples.get(name, 0.0)
+            for name in names
+        }
 
     @property
     def uncertainty(self) -> dict[str, float]:
@@ -94,8 +100,9 @@ class Reference:
         return {name: error + self.mesh_error.get(name, 0.0) for name, error in self.agreement.items()}
 
 
-def reference(scene: Scene, quantities: Sequence[Quantity], finest: float,
-              on_message: Callable[[str], None] = lambda text: None) -> Reference:
+def reference(
+    scene: Scene, quantities: Sequence[Quantity], finest: float, on_message: Callable[[str], None] = lambda text: None
+) -> Reference:
     """The reference of a scene for runs whose macro steps are no shorter than `finest`, s.
 
     `on_message` gets what is being done. Raises `BadInput` where fewer than two solutions come to the end.
@@ -105,19 +112,30 @@ def reference(scene: Scene, quantities: Sequence[Quantity], finest: float,
     finer = scene.with_changes(with_mesh(scene, FINER_MESH)) if mesh else scene
     solutions = _solutions(finer, signals, finest, on_message)
     if len(solutions) < 2:
-        raise BadInput(f"{scene.name}: reference", f"{len(solutions)} solutions that come to the end",
-                       "two that can be compared", "Shorten the run, or its macro step.")
+        raise BadInput(
+            f"{scene.name}: reference",
+            f"{len(solutions)} solutions that come to the end",
+            "two that can be compared",
+            "Shorten the run, or its macro step.",
+        )
     first, *others = solutions
     second = [SecondSolution(other.method, errors(quantities, other.history, first.history)) for other in others]
     if scene.study.monolith is not None:
         second.append(_monolith(scene, quantities, first.history, finest, on_message))
     method = f"{first.method}, elements x {FINER_MESH:g}" if mesh else first.method
-    return Reference(first.history, method, tuple(second), (*first.shares, MESH) if mesh else first.shares, mesh,
-                     {q.name: q.between_samples(first.history) for q in quantities})
+    return Reference(
+        first.history,
+        method,
+        tuple(second),
+        (*first.shares, MESH) if mesh else first.shares,
+        mesh,
+        {q.name: q.between_samples(first.history) for q in quantities},
+    )
 
 
-def mesh_error(scene: Scene, quantities: Sequence[Quantity], on_message: Callable[[str], None] = lambda text: None
-               ) -> dict[str, float]:
+def mesh_error(
+    scene: Scene, quantities: Sequence[Quantity], on_message: Callable[[str], None] = lambda text: None
+) -> dict[str, float]:
     """By quantity the error of a mesh of `FINER_MESH` times the scene's; empty where the scene's [study] names no mesh.
 
     Three runs with the scene's own settings, elements of 2, 1 and 1/2 times the scene's: with the distances d1 of the first two
@@ -131,8 +149,12 @@ def mesh_error(scene: Scene, quantities: Sequence[Quantity], on_message: Callabl
         on_message(f"elements x {factor:g}")
         history = _run(scene, with_mesh(scene, factor))
         if history is None:
-            raise BadInput(f"{scene.name}: study.mesh", f"a run with elements x {factor:g} that fails",
-                           "meshes from twice to half the scene's", "Shorten the elements, or the steps.")
+            raise BadInput(
+                f"{scene.name}: study.mesh",
+                f"a run with elements x {factor:g} that fails",
+                "meshes from twice to half the scene's",
+                "Shorten the elements, or the steps.",
+            )
         histories.append(history)
     coarse, fine = errors(quantities, *histories[:2]), errors(quantities, *histories[1:])
     return {name: remaining_error(coarse[name], fine[name]) for name in fine}
@@ -152,8 +174,11 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
         for method, tolerance in METHODS:
             if len(solutions) < 2:
                 on_message(f"reference: SciPy {method}")
-                history = _kept("ode", (scene, signals, finest, method, tolerance),
-                                partial(solved_as_ode, scene, signals, finest, method, tolerance))
+                history = _kept(
+                    "ode",
+                    (scene, signals, finest, method, tolerance),
+                    partial(solved_as_ode, scene, signals, finest, method, tolerance),
+                )
                 if history is not None:
                     text = f"one differential equation, SciPy {method}, tolerance {tolerance:g}"
                     solutions.append(Solution(text, history, (EQUATIONS,)))
@@ -174,8 +199,9 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
     return solutions
 
 
-def solved_as_ode(scene: Scene, signals: Sequence[str], step: float, method: str, tolerance: float,
-                  patience: float = PATIENCE) -> TimeHistory | None:
+def solved_as_ode(
+    scene: Scene, signals: Sequence[str], step: float, method: str, tolerance: float, patience: float = PATIENCE
+) -> TimeHistory | None:
     """The scene as one differential equation at multiples of `step`, s; None where it takes longer than `patience`, s.
 
     Absolute tolerances are that share of the largest value a coarse solution gives each state.
@@ -202,12 +228,19 @@ def solved_as_ode(scene: Scene, signals: Sequence[str], step: float, method: str
         return None
 
 
-def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, degree: int,
-           factor: float) -> tuple[str, dict[str, Any]]:
+def _finer(
+    scene: Scene, signals: Sequence[str], finest: float, algorithm: str, degree: int, factor: float
+) -> tuple[str, dict[str, Any]]:
     """How a solution by the master is called, and its changes; without connections only the internal steps matter."""
     step = finest / FINER
-    changes: dict[str, Any] = {**refined(scene, factor), "master.step": step, "record.signals": list(signals),
-                               "record.interval": None, "record.snapshots": (), "record.snapshot_interval": None}
+    changes: dict[str, Any] = {
+        **refined(scene, factor),
+        "master.step": step,
+        "record.signals": list(signals),
+        "record.interval": None,
+        "record.snapshots": (),
+        "record.snapshot_interval": None,
+    }
     how = f"internal steps / {round(1.0 / factor)}"
     if scene.coupling.links:
         changes |= coupling_changes(scene, algorithm, degree)
@@ -235,6 +268,7 @@ def _probed(scene: Scene, changes: Mapping[str, Any]) -> float:
 
 def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
     """What the scene with changes records, kept in a study's journal; None where it does not start, or not come to its end."""
+
     def solve() -> TimeHistory | None:
         try:
             result = run(scene.with_changes(changes), in_process=True).unless_stopped()
@@ -246,12 +280,14 @@ def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
 
 
 def _kept(kind: str, of: tuple[Any, ...], solve: Callable[[], TimeHistory | None]) -> TimeHistory | None:
-    return once(kind, of, solve, lambda kept: None if kept is None else TimeHistory(**kept),
-                lambda history: history and vars(history))
+    return once(
+        kind, of, solve, lambda kept: None if kept is None else TimeHistory(**kept), lambda history: history and vars(history)
+    )
 
 
-def _monolith(scene: Scene, quantities: Sequence[Quantity], history: TimeHistory, finest: float,
-              on_message: Callable[[str], None]) -> SecondSolution:
+def _monolith(
+    scene: Scene, quantities: Sequence[Quantity], history: TimeHistory, finest: float, on_message: Callable[[str], None]
+) -> SecondSolution:
     """What the scene's monolith gives of the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
     given = scene.study.monolith
     assert given is not None
@@ -260,12 +296,14 @@ def _monolith(scene: Scene, quantities: Sequence[Quantity], history: TimeHistory
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
     names = {ours: theirs for ours, theirs in names.items() if theirs in outputs}
     if not names:
-        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, with none of the signals",
-                       "signals = { ours = theirs }")
+        raise BadInput(
+            f"{scene.name}: study.monolith", f"{given.scene!r}, with none of the signals", "signals = { ours = theirs }"
+        )
     solutions = _solutions(whole, list(names.values()), finest, on_message)
     if not solutions:
-        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, of which no solution comes to the end",
-                       "one that does")
+        raise BadInput(
+            f"{scene.name}: study.monolith", f"{given.scene!r}, of which no solution comes to the end", "one that does"
+        )
     solution = solutions[0]
     columns = {ours: solution.history.columns[theirs] for ours, theirs in names.items()}
     kept = [q for q in quantities if q.signal in columns]

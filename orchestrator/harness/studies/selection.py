@@ -18,8 +18,9 @@ class Selection(Generic[T]):
     breaking: Mapping[T, float]
 
 
-def select(sizes: Mapping[T, float], groups: Mapping[T, frozenset[T]], error: Callable[[frozenset[T]], float],
-           tolerance: float) -> Selection[T]:
+def select(
+    sizes: Mapping[T, float], groups: Mapping[T, frozenset[T]], error: Callable[[frozenset[T]], float], tolerance: float
+) -> Selection[T]:
     """Leave out as much as the tolerance allows, what matters least first.
 
     sizes: error without each alone.  groups: each with what cannot be without it, and goes with it.  error: of a set that is

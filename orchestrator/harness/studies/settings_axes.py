@@ -38,8 +38,11 @@ class Setting:
 def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any]:
     """The changes to another algorithm and degree of the inputs; what belongs to the scene's own algorithm goes."""
     own = algorithm == scene.master.algorithm
-    changes: dict[str, Any] = {"master.algorithm": algorithm, "master.control": None,
-               "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None}
+    changes: dict[str, Any] = {
+        "master.algorithm": algorithm,
+        "master.control": None,
+        "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None,
+    }
     if scene.coupling.links:  # without any, a degree or an order would have no effect, which a scene refuses
         changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
     return changes
@@ -47,10 +50,16 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
 
 def substeps(scene: Scene) -> dict[str, float]:
     """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
-    components = {name: make(name, unit) for name, unit in scene.units.items()
-                  if unit.component and "substep" in component_class(unit.component, name).variables}
-    return {f"units.{name}.parameters.substep": float(component.get("substep")) for name, component in components.items()
-            if not component.unused(["substep"])}
+    components = {
+        name: make(name, unit)
+        for name, unit in scene.units.items()
+        if unit.component and "substep" in component_class(unit.component, name).variables
+    }
+    return {
+        f"units.{name}.parameters.substep": float(component.get("substep"))
+        for name, component in components.items()
+        if not component.unused(["substep"])
+    }
 
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
@@ -85,8 +94,13 @@ def pinned(scene: Scene) -> dict[str, Any]:
     """The scene's own setting as changes, so that a measured one means the same when the scene runs at another."""
     master = scene.master
     control = {"master.control": master.control.model_dump() if master.control else None}
-    return {**coupling_changes(scene, master.algorithm, master.extrapolation), **control, "master.step": master.step,
-            **refined(scene, 1.0), **meshes(scene)}
+    return {
+        **coupling_changes(scene, master.algorithm, master.extrapolation),
+        **control,
+        "master.step": master.step,
+        **refined(scene, 1.0),
+        **meshes(scene),
+    }
 
 
 def macro_steps(scene: Scene) -> list[float]:
@@ -105,8 +119,9 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "macro step", {}
         return
     circles = any(len(group) > 1 for group in coupling.groups)
-    algorithms = [name for name, of in ALGORITHMS.items()
-                  if (circles or not of.iterates) and (scene.contacts or not of.reduces_contacts)]
+    algorithms = [
+        name for name, of in ALGORITHMS.items() if (circles or not of.iterates) and (scene.contacts or not of.reduces_contacts)
+    ]
     for algorithm in algorithms:
         for degree, name in enumerate(DEGREES):
             yield f"{algorithm}, {name}", coupling_changes(scene, algorithm, degree)
@@ -125,8 +140,12 @@ def settings(scene: Scene) -> Iterator[Setting]:
     if scene.coupling.links:
         for tolerance in ADAPTIVE:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
-            yield Setting("gauss-seidel, linear, step control", "adaptive", tolerance,
-                          {**coupling_changes(scene, "gauss-seidel", 1), "master.control": control})
+            yield Setting(
+                "gauss-seidel, linear, step control",
+                "adaptive",
+                tolerance,
+                {**coupling_changes(scene, "gauss-seidel", 1), "master.control": control},
+            )
 
 
 def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:
@@ -140,6 +159,12 @@ def without_effects(scene: Scene) -> Iterator[Setting]:
     """The scene's own settings without one of its effects, each in turn; what needs that effect refuses to start."""
     for name, unit in scene.units.items():
         for effect in unit.effects if unit.component else ():
-            yield Setting(f"without {name}.{effect}", "effect", scene.master.step, {
-                f"units.{name}.effects": [e for e in unit.effects if e != effect],
-                f"units.{name}.parameters": {k: v for k, v in unit.parameters.items() if not k.startswith(f"{effect}.")}})
+            yield Setting(
+                f"without {name}.{effect}",
+                "effect",
+                scene.master.step,
+                {
+                    f"units.{name}.effects": [e for e in unit.effects if e != effect],
+                    f"units.{name}.parameters": {k: v for k, v in unit.parameters.items() if not k.startswith(f"{effect}.")},
+                },
+            )

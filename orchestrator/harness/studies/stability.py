@@ -82,11 +82,34 @@ class Stability:
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each scheme at each point."""
         names = [f"{name}, {unit}" if unit else name for name, unit in self.varied.items()]
-        header = [*names, "algorithm", "extrapolation", "longest stable macro step, s", "closed form, s", "seen", "tried, s",
-                  "macro steps made"]
-        return write_table(directory, "stability.csv", header, [
-            (*limit.point.values(), limit.algorithm, limit.extrapolation, limit.longest, limit.closed, limit.seen, limit.tried,
-             limit.steps) for limit in self.limits])
+        header = [
+            *names,
+            "algorithm",
+            "extrapolation",
+            "longest stable macro step, s",
+            "closed form, s",
+            "seen",
+            "tried, s",
+            "macro steps made",
+        ]
+        return write_table(
+            directory,
+            "stability.csv",
+            header,
+            [
+                (
+                    *limit.point.values(),
+                    limit.algorithm,
+                    limit.extrapolation,
+                    limit.longest,
+                    limit.closed,
+                    limit.seen,
+                    limit.tried,
+                    limit.steps,
+                )
+                for limit in self.limits
+            ],
+        )
 
 
 def schemes_of(scene: Scene, algorithms: Sequence[str] = (), extrapolations: Sequence[int] = ()) -> list[Scheme]:
@@ -102,8 +125,12 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     Raises `BadInput` where no units feed one another, and for units that cannot be run again from their start.
     """
     if all(len(group) == 1 for group in scene.coupling.groups):
-        raise BadInput(f"{scene.name}: stability", "units of which none feeds back to another",
-                       "a coupling that can grow", "For the internal step of a component: cosimo stability component:Name.")
+        raise BadInput(
+            f"{scene.name}: stability",
+            "units of which none feeds back to another",
+            "a coupling that can grow",
+            "For the internal step of a component: cosimo stability component:Name.",
+        )
     if steps < FEWEST:
         raise BadInput("steps", str(steps), f"at least {FEWEST}")
     varied = {name: unit_of(scene, name) for name in scene.study.stability}
@@ -117,8 +144,14 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
         if place not in own:
             own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: Own(**kept))
             messages |= dict.fromkeys(_remarks(one, own[place]))
-        limits.append(once("limit", (one, scheme, steps), partial(_measured, point, one, scheme, own[place], steps),
-                           lambda kept: Limit(**kept)))
+        limits.append(
+            once(
+                "limit",
+                (one, scheme, steps),
+                partial(_measured, point, one, scheme, own[place], steps),
+                lambda kept: Limit(**kept),
+            )
+        )
     return Stability(scene, varied, tuple(limits), tuple(messages))
 
 
@@ -147,8 +180,10 @@ def _remarks(scene: Scene, own: Own) -> Iterator[str]:
     if not own.sizes.size:
         yield f"a run with a macro step of {own.h:g} s ends early: what grows by itself is not known"
     elif (factor := own.factor(math.inf)) > EVEN:
-        yield (f"disturbances grow by themselves, in {own.sizes.size * own.h:.3g} s by a factor of {factor:.3g}; a coupling is "
-               "called unstable where they grow faster")
+        yield (
+            f"disturbances grow by themselves, in {own.sizes.size * own.h:.3g} s by a factor of {factor:.3g}; a coupling is "
+            "called unstable where they grow faster"
+        )
     if master.control is not None or master.events:
         yield "all macro steps were of one length: without step control and located events"
     if master.smoothing:

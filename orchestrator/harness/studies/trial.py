@@ -62,8 +62,14 @@ class _Ended(Exception):
     """A run that failed, which is not repeated."""
 
 
-def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: int = REPEATS, patience: float = PATIENCE,
-          confirm: bool = False) -> Trial:
+def trial(
+    scene: Scene,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    repeats: int = REPEATS,
+    patience: float = PATIENCE,
+    confirm: bool = False,
+) -> Trial:
     """Run the scene with changes, in process, up to `repeats` times or until the runs have taken `patience` seconds together.
 
     confirm: more often, until two times agree; see `repeated`. What has to be compiled is compiled first, by a run of a few
@@ -74,19 +80,37 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
         changed = scene.with_changes(changes) if changes else scene
     except BadInput as error:
         return Trial(changes, "refused", str(error))
-    return once("trial", (changed, repeats, patience, confirm), lambda: _trial(changed, changes, repeats, patience, confirm),
-                lambda kept: _restored(changes, kept), _plain)
+    return once(
+        "trial",
+        (changed, repeats, patience, confirm),
+        lambda: _trial(changed, changes, repeats, patience, confirm),
+        lambda kept: _restored(changes, kept),
+        _plain,
+    )
 
 
 def _plain(trial: Trial) -> dict[str, Any]:
-    return {"outcome": trial.outcome, "reason": trial.reason, "timing": trial.timing and asdict(trial.timing), "work": trial.work,
-            "recorded": trial.recorded and vars(trial.recorded), "elapsed": trial.elapsed}
+    return {
+        "outcome": trial.outcome,
+        "reason": trial.reason,
+        "timing": trial.timing and asdict(trial.timing),
+        "work": trial.work,
+        "recorded": trial.recorded and vars(trial.recorded),
+        "elapsed": trial.elapsed,
+    }
 
 
 def _restored(changes: Mapping[str, Any], kept: Mapping[str, Any]) -> Trial:
     timing, recorded = kept["timing"], kept["recorded"]
-    return Trial(changes, kept["outcome"], kept["reason"], Timing(**timing) if timing else None, kept["work"],
-                 TimeHistory(**recorded) if recorded else None, kept["elapsed"])
+    return Trial(
+        changes,
+        kept["outcome"],
+        kept["reason"],
+        Timing(**timing) if timing else None,
+        kept["work"],
+        TimeHistory(**recorded) if recorded else None,
+        kept["elapsed"],
+    )
 
 
 def _trial(changed: Scene, changes: Mapping[str, Any], repeats: int, patience: float, confirm: bool) -> Trial:
@@ -109,19 +133,26 @@ def _trial(changed: Scene, changes: Mapping[str, Any], repeats: int, patience: f
         timing = timing_of([results[0].info["timing"][measured]])
     last = results[0]
     outcome = "done" if last.outcome == "done" else "failed"
-    return Trial(changes, outcome, last.message, timing, work_of(last), TimeHistory(last.time, last.columns),
-                 perf_counter() - start)
+    return Trial(
+        changes, outcome, last.message, timing, work_of(last), TimeHistory(last.time, last.columns), perf_counter() - start
+    )
 
 
 def _warm_up(scene: Scene) -> None:
     master = scene.master
-    key = (*((u.component, u.fmu, u.effects, u.preset) for u in scene.units.values()), master.algorithm, master.extrapolation,
-           master.control is None)
+    key = (
+        *((u.component, u.fmu, u.effects, u.preset) for u in scene.units.values()),
+        master.algorithm,
+        master.extrapolation,
+        master.control is None,
+    )
     if key not in _warm:
         _warm.add(key)
         stop = min(scene.stop_time, WARMING * master.step)
-        run(scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshot_interval": None, "faults": ()}),
-            in_process=True).unless_stopped()
+        run(
+            scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshot_interval": None, "faults": ()}),
+            in_process=True,
+        ).unless_stopped()
 
 
 WORK = ("macro_steps", "hand_overs", "unit_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from ..system import Systems
 
 
-def run_cases(cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool,
-              verify: Wish = "auto") -> list[CaseResult]:
+def run_cases(
+    cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool, verify: Wish = "auto"
+) -> list[CaseResult]:
     """Run the cases, with errors as `repeated.find` finds them; write `report.html` and `validation.json`."""
     from ..report import for_cases
     from .repeated import find

@@ -130,16 +130,28 @@ class ClaimResult:
     def to_json(self) -> dict[str, Any]:
         """The claim of the machine-readable output."""
         c = self.claim
-        return {"number": c.number, "kind": c.kind, "announced": c.announced, "criterion": c.criterion, "verdict": self.verdict,
-                "reviewed": c.verdict, "missing": c.missing, "discussion": c.discussion, "shown_by": list(c.shown_by)}
+        return {
+            "number": c.number,
+            "kind": c.kind,
+            "announced": c.announced,
+            "criterion": c.criterion,
+            "verdict": self.verdict,
+            "reviewed": c.verdict,
+            "missing": c.missing,
+            "discussion": c.discussion,
+            "shown_by": list(c.shown_by),
+        }
 
 
-def claim_results(claims: Iterable[Claim], rows: Iterable[Row],
-                  charts: Mapping[str, tuple[Chart | Grid, ...]]) -> tuple[ClaimResult, ...]:
+def claim_results(
+    claims: Iterable[Claim], rows: Iterable[Row], charts: Mapping[str, tuple[Chart | Grid, ...]]
+) -> tuple[ClaimResult, ...]:
     """Every claim with its rows and its figures, those by its number."""
     rows = tuple(rows)
-    return tuple(ClaimResult(claim, tuple(r for r in rows if r.reference.claim == claim.number), charts.get(claim.number, ()))
-                 for claim in claims)
+    return tuple(
+        ClaimResult(claim, tuple(r for r in rows if r.reference.claim == claim.number), charts.get(claim.number, ()))
+        for claim in claims
+    )
 
 
 @dataclass(frozen=True)
@@ -196,12 +208,15 @@ class CaseResult:
     @property
     def warnings(self) -> list[str]:
         """Rows outside of recalled ranges and undecided ones, one sentence each: they fail nothing, but may be a defect."""
-        return [f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
-                if not r.inside else
-                f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: its "
-                f"range ends {r.margin:.2g} away"
-                for r in self.findings.rows if (r.reference.standing == "recalled" and not r.inside) or r.undecided
-                for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]]
+        return [
+            f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
+            if not r.inside
+            else f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: its "
+            f"range ends {r.margin:.2g} away"
+            for r in self.findings.rows
+            if (r.reference.standing == "recalled" and not r.inside) or r.undecided
+            for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]
+        ]
 
     @property
     def verdict(self) -> str:
@@ -218,8 +233,12 @@ class CaseResult:
             if some:
                 undecided = f", {n} undecided" if (n := sum(r.undecided for r in some)) else ""
                 parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}{undecided}")
-        text = {"passed": "Passed", "failed": "Failed", "undecided": "Undecided, as errors reach beyond a range",
-                "recalled": "No pass, as not every range was read or computed"}
+        text = {
+            "passed": "Passed",
+            "failed": "Failed",
+            "undecided": "Undecided, as errors reach beyond a range",
+            "recalled": "No pass, as not every range was read or computed",
+        }
         return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."
 
     def to_json(self) -> dict[str, Any]:

@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 EDGE = 2.0  # periods of the cut-off at either end, which a filter distorts
 STATISTICS: Mapping[str, Callable[[np.ndarray], Any]] = {
-    "mean": np.mean, "standard deviation": np.std, "maximum": np.max, "minimum": np.min}
+    "mean": np.mean,
+    "standard deviation": np.std,
+    "maximum": np.max,
+    "minimum": np.min,
+}
 LEAST = 8  # samples of both within the stretch that is compared
 
 
@@ -106,8 +110,9 @@ def compare_curve(curve: CurveSettings, folder: Path, result: Recorded) -> Compa
     if curve.cutoff is not None:
         for name, r in (("the run", rate), ("the file", measured_rate)):
             if not curve.cutoff < 0.5 * r:
-                raise BadInput(where, f"a cut-off of {curve.cutoff:g} Hz at {r:g} samples a second of {name}",
-                               f"less than {0.5 * r:g} Hz")
+                raise BadInput(
+                    where, f"a cut-off of {curve.cutoff:g} Hz at {r:g} samples a second of {name}", f"less than {0.5 * r:g} Hz"
+                )
         low_pass = Filter(curve.cutoff)
         even, measured = low_pass.apply(even, rate), low_pass.apply(measured, measured_rate)
     trim = EDGE / curve.cutoff if curve.cutoff else 0.0
@@ -115,12 +120,22 @@ def compare_curve(curve: CurveSettings, folder: Path, result: Recorded) -> Compa
     end = min(measured_at[-1], instants[-1]) - trim
     kept = (instants >= begin) & (instants <= end)
     if kept.sum() < LEAST:
-        raise BadInput(where, f"measured {measured_at[0]:.4g} to {measured_at[-1]:.4g} s, simulated {instants[0]:.4g} to "
-                       f"{instants[-1]:.4g} s", "a stretch that both have, without the transient and the ends of the filter",
-                       "Look at abscissa, shift and over.")
+        raise BadInput(
+            where,
+            f"measured {measured_at[0]:.4g} to {measured_at[-1]:.4g} s, simulated {instants[0]:.4g} to {instants[-1]:.4g} s",
+            "a stretch that both have, without the transient and the ends of the filter",
+            "Look at abscissa, shift and over.",
+        )
     t = instants[kept]
-    return Comparison(curve, result.measures.get(curve.signal, ""), t, np.interp(t, result.time, way),
-                      np.interp(t, measured_at, measured), even[kept], rate)
+    return Comparison(
+        curve,
+        result.measures.get(curve.signal, ""),
+        t,
+        np.interp(t, result.time, way),
+        np.interp(t, measured_at, measured),
+        even[kept],
+        rate,
+    )
 
 
 def read_curve(curve: CurveSettings, folder: Path) -> tuple[np.ndarray, np.ndarray]:

@@ -49,8 +49,10 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         raise BadInput(f"{name}: runs", f"condition {twice[0]!r} twice", "a condition of its own for each run")
     scenes = {r.condition: scene.with_changes(r.changes) for r in settings.runs} or {scene.name: scene}
     only = next(iter(scenes)) if len(scenes) == 1 else ""  # what rows and curves without a condition are of
-    rows = tuple(_in_run(r, scenes, f"{name}, row {i}")
-                 for i, r in enumerate(table_rows(name, [{"condition": only, **r} for r in given], settings.sources), 1))
+    rows = tuple(
+        _in_run(r, scenes, f"{name}, row {i}")
+        for i, r in enumerate(table_rows(name, [{"condition": only, **r} for r in given], settings.sources), 1)
+    )
     curves = tuple(c.model_copy(update={"condition": c.condition or only}) for c in settings.curves)
     for curve in curves:
         _check_curve(curve, settings, scenes, path.parent, name)
@@ -88,8 +90,15 @@ def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSett
     return recording(scene.with_changes({"study.quantities": kinds})) if kinds else scene
 
 
-def _findings(sources: dict[str, str], rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...], scenes: dict[str, Scene],
-              folder: Path, summarize: Summarize, options: Options) -> Findings:
+def _findings(
+    sources: dict[str, str],
+    rows: tuple[TableRow, ...],
+    curves: tuple[CurveSettings, ...],
+    scenes: dict[str, Scene],
+    folder: Path,
+    summarize: Summarize,
+    options: Options,
+) -> Findings:
     """Every run, its rows beside the numbers of its summary, its curves beside the measured ones."""
     rows_of_runs: list[Row] = []
     runs: dict[str, Result] = {}
@@ -124,8 +133,12 @@ def _measured(rows: tuple[TableRow, ...], result: Result, summarize: Summarize) 
         elif name in summary:
             measured[row.measure], unit = summary[name].value, summary[name].unit
         else:
-            raise BadInput(f"row {row.quantity!r}", f"measure {row.measure!r}", 'a name of the summary, or "unit.output, kind"',
-                           nearest(row.measure, summary) or f"This run has {', '.join(summary) or 'no summary'}.")
+            raise BadInput(
+                f"row {row.quantity!r}",
+                f"measure {row.measure!r}",
+                'a name of the summary, or "unit.output, kind"',
+                nearest(row.measure, summary) or f"This run has {', '.join(summary) or 'no summary'}.",
+            )
         if unit != row.unit:
             raise BadInput(f"row {row.quantity!r}", f"unit {row.unit!r}", f"{unit!r}, which {row.measure} has")
     return measured
@@ -140,7 +153,15 @@ def _curve_rows(comparison: Comparison, source: str) -> list[Row]:
         half = tolerance * size
         low, high = (None, half) if kind == "difference" else (measured - half, measured + half)
         quantity = f"{curve.signal}: {'root mean square difference' if kind == 'difference' else kind}"
-        row = TableRow(quantity, f"{curve.file} {kind}", curve.condition, comparison.unit or "1", low, high, "measured",
-                       f"{source} ({curve.file}, {100.0 * tolerance:g} %)")
+        row = TableRow(
+            quantity,
+            f"{curve.file} {kind}",
+            curve.condition,
+            comparison.unit or "1",
+            low,
+            high,
+            "measured",
+            f"{source} ({curve.file}, {100.0 * tolerance:g} %)",
+        )
         rows.append(Row(row, simulated))
     return rows

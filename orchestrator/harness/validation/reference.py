@@ -97,8 +97,12 @@ def parse_table(name: str, text: str, lines: str) -> Table:
     numbers = {claim.number for claim in claims}
     for i, row in enumerate(rows, 1):
         if (row.claim or claims) and row.claim not in numbers:
-            raise BadInput(f"table {name}, row {i}", f"claim {row.claim!r}", "the number of a claim of this table",
-                           nearest(row.claim, sorted(numbers)))
+            raise BadInput(
+                f"table {name}, row {i}",
+                f"claim {row.claim!r}",
+                "the number of a claim of this table",
+                nearest(row.claim, sorted(numbers)),
+            )
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
     return Table(name, data["title"], data["text"], rows, claims, data.get("measures", ""))
@@ -114,8 +118,9 @@ def read_rows(name: str, lines: str) -> list[dict[str, Any]]:
     columns = next(csv.reader([first], delimiter=separator), [])
     for column in columns:
         if column not in FIELDS + OPTIONAL:
-            raise BadInput(f"table {name}", f"column {column!r}", "a column of a reference table",
-                           nearest(column, FIELDS + OPTIONAL))
+            raise BadInput(
+                f"table {name}", f"column {column!r}", "a column of a reference table", nearest(column, FIELDS + OPTIONAL)
+            )
     rows = []
     for i, cells in enumerate(csv.reader(others, delimiter=separator), 1):
         if not any(cells):
@@ -123,8 +128,9 @@ def read_rows(name: str, lines: str) -> list[dict[str, Any]]:
         if len(cells) != len(columns):
             raise BadInput(f"table {name}, row {i}", f"{len(cells)} cells", f"{len(columns)}, as the first line has")
         given = {column: cell.strip() for column, cell in zip(columns, cells, strict=True) if cell.strip()}
-        rows.append(given | {column: _number(given[column], f"table {name}, row {i}, {column}")
-                             for column in NUMBERS if column in given})
+        rows.append(
+            given | {column: _number(given[column], f"table {name}, row {i}, {column}") for column in NUMBERS if column in given}
+        )
     if not rows:
         raise BadInput(f"table {name}", "no rows", "at least one line behind the names of the columns")
     return rows

@@ -53,12 +53,21 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -
     x = even[instants >= result.scene.analysis.transient]
     samples = round(wanted.segment * rate) if wanted.segment is not None else x.size
     if not LEAST <= samples <= x.size:
-        raise BadInput(where, f"segments of {samples} samples of {x.size}", f"{LEAST} or more, no more than the record has",
-                       "Look at segment, the transient and the length of the run.")
+        raise BadInput(
+            where,
+            f"segments of {samples} samples of {x.size}",
+            f"{LEAST} or more, no more than the record has",
+            "Look at segment, the transient and the length of the run.",
+        )
     lines, spectrum = welch_spectrum(x, rate, samples, wanted.overlap, wanted.window, wanted.kind)
     if f[0] < lines[1] * (1.0 - 1e-9) or f[-1] > lines[-1] * (1.0 + 1e-9):
-        raise BadInput(where, f"frequencies from {f[0]:g} to {f[-1]:g} Hz", f"from {lines[1]:.4g} Hz, the first line of segments "
-                       f"of {samples / rate:.4g} s, to {lines[-1]:.4g} Hz, half of the samples a second", "Give low and high.")
+        raise BadInput(
+            where,
+            f"frequencies from {f[0]:g} to {f[-1]:g} Hz",
+            f"from {lines[1]:.4g} Hz, the first line of segments "
+            f"of {samples / rate:.4g} s, to {lines[-1]:.4g} Hz, half of the samples a second",
+            "Give low and high.",
+        )
     if wanted.logarithmic:
         with np.errstate(divide="ignore"):
             simulated = np.exp(np.interp(f, lines[1:], np.log(spectrum[1:])))

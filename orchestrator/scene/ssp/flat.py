@@ -69,27 +69,40 @@ class Flat:
     def _element(self, path: Path, system: Element, element: str, connection: Connection) -> Element:
         inner = self.elements.get((*path, element)) if element else system
         if inner is None:
-            raise BadInput(connection.where, f"element {element!r}", f"an element of {system.name!r}",
-                           nearest(element, [e.name for e in system.elements]))
+            raise BadInput(
+                connection.where,
+                f"element {element!r}",
+                f"an element of {system.name!r}",
+                nearest(element, [e.name for e in system.elements]),
+            )
         return inner
 
-    def _connect_scalars(self, path: Path, system: Element, connection: Connection, inner_of: list[Element],
-                         names: tuple[str, ...]) -> None:
+    def _connect_scalars(
+        self, path: Path, system: Element, connection: Connection, inner_of: list[Element], names: tuple[str, ...]
+    ) -> None:
         gives: list[Place] = []
         takes: list[Place] = []
         for (element, _), inner, name in zip(connection.ends, inner_of, names, strict=True):
             if name not in inner.connectors and not self._taken_from_fmu(inner, name):
-                raise BadInput(connection.where, f"connector {name!r}", f"a connector of {inner.name!r}",
-                               nearest(name, inner.connectors))
+                raise BadInput(
+                    connection.where, f"connector {name!r}", f"a connector of {inner.name!r}", nearest(name, inner.connectors)
+                )
             outward = inner.connectors[name].kind in GIVES
             (gives if outward == bool(element) else takes).append(((*path, element) if element else path, name))
         if len(gives) != 1:
             ends = " and ".join(".".join(filter(None, end)) for end in connection.ends)
-            raise BadInput(connection.where, f"{ends}, which both {'give' if gives else 'take'} a value",
-                           "one that gives and one that takes", "As their kinds say.")
+            raise BadInput(
+                connection.where,
+                f"{ends}, which both {'give' if gives else 'take'} a value",
+                "one that gives and one that takes",
+                "As their kinds say.",
+            )
         if takes[0] in self._edges:
-            raise BadInput(connection.where, f"connector {_text(takes[0])} driven a second time",
-                           f"one source; {_text(self._edges[takes[0]].source)} drives it already")
+            raise BadInput(
+                connection.where,
+                f"connector {_text(takes[0])} driven a second time",
+                f"one source; {_text(self._edges[takes[0]].source)} drives it already",
+            )
         self._edges[takes[0]] = Edge(gives[0], connection)
 
     def _taken_from_fmu(self, element: Element, name: str) -> bool:
@@ -122,8 +135,12 @@ class Flat:
                 continue  # a connector of the root system, or one that nothing feeds: it may still carry a parameter
             kinds = [self._connector(end).kind for end in (source, target)]
             if kinds != ["output", "input"]:
-                raise BadInput(edge.connection.where, f"a {kinds[0]} that feeds a {kinds[1]}", "an output that feeds an input",
-                               "Give the parameter its value in a parameter set.")
+                raise BadInput(
+                    edge.connection.where,
+                    f"a {kinds[0]} that feeds a {kinds[1]}",
+                    "an output that feeds an input",
+                    "Give the parameter its value in a parameter set.",
+                )
             yield self._link(source, target, chain)
 
     def _link(self, source: Place, target: Place, chain: list[tuple[Place, Edge]]) -> str | dict[str, Any]:
@@ -131,8 +148,12 @@ class Flat:
         for place, edge in chain:
             own, t = self._measure(place), edge.connection.transformation
             if not t.is_linear:
-                raise BadInput(edge.connection.where, f"a mapping of {t.type} values in a connection", "a LinearTransformation",
-                               "Mappings are read for parameters only.")
+                raise BadInput(
+                    edge.connection.where,
+                    f"a mapping of {t.type} values in a connection",
+                    "a LinearTransformation",
+                    "Mappings are read for parameters only.",
+                )
             a, b = (1.0, 0.0) if edge.connection.suppress else between(measure, own, edge.connection.where)
             factor, offset = t.factor * (a * factor), t.factor * (a * offset + b) + t.offset
             measure = own or (None if edge.connection.suppress else measure)
@@ -197,8 +218,12 @@ class Flat:
         self._remark(element, [] if self._starts else driven, "are of inputs that a connection drives")
         interfaces = {"CoSimulation": "co-simulation", "ModelExchange": "model-exchange"}
         interface = {"interface": interfaces[element.implementation]} if element.implementation in interfaces else {}
-        return {"fmu": str(element.fmu), **({"effects": effects} if effects else {}),
-                **({"parameters": parameters} if parameters else {}), **interface}
+        return {
+            "fmu": str(element.fmu),
+            **({"effects": effects} if effects else {}),
+            **({"parameters": parameters} if parameters else {}),
+            **interface,
+        }
 
     def _of_component(self, path: Path, element: Element, driven: list[str]) -> Iterator[tuple[str, Any, str]]:
         """Values of a component's variables: assigned to them, or to what they are connected with; the farthest end wins.

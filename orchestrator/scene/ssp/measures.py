@@ -67,8 +67,12 @@ def between(source: Measure | None, target: Measure | None, where: str) -> tuple
     a, b = source.meaning, target.meaning
     if a is None or b is None:
         unknown = source if a is None else target
-        raise BadInput(where, f"{source.name!r} to {target.name!r}", "units that are defined",
-                       f"{unknown.name!r} has no definition among the units of its file.")
+        raise BadInput(
+            where,
+            f"{source.name!r} to {target.name!r}",
+            "units that are defined",
+            f"{unknown.name!r} has no definition among the units of its file.",
+        )
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source.name!r} cannot become {target.name!r}", "units of the same quantity")
     return a.factor / b.factor, (a.offset - b.offset) / b.factor

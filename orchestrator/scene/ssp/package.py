@@ -22,8 +22,10 @@ from ....components.core.store import digest_of, kept, replaced
 from ....fmus.loader import cache_root
 from ...loading import MOST_INSIDE, check_archive
 
-NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
-    ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))}
+NAMESPACES = {
+    letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for letters, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))
+}
 DEFAULT = "SystemStructure.ssd"
 PROXY = "proxyfmu://localhost?file="
 LARGEST_TEXT = 1 << 28  # bytes of an XML file, unpacked: far above what systems need, far below what fills a memory
@@ -86,8 +88,16 @@ class Package:
         parts = urlsplit(uri)
         path = unquote(parts.path)
         pieces = [p for p in PurePosixPath(normpath(path)).parts if p != "."]
-        if parts.scheme or parts.netloc or path.startswith("/") or "\\" in path or ":" in path or "\0" in path \
-                or not pieces or (".." in pieces and self._archive is not None):
+        if (
+            parts.scheme
+            or parts.netloc
+            or path.startswith("/")
+            or "\\" in path
+            or ":" in path
+            or "\0" in path
+            or not pieces
+            or (".." in pieces and self._archive is not None)
+        ):
             raise BadInput(where, f"source {uri!r}", "a relative path to a file inside the package", "Put the file there.")
         if ".." in pieces:
             self.remarks.append(f"{where}: source {uri!r} lies outside the folder of {self.name}; an .ssp archive cannot have it")
@@ -134,8 +144,9 @@ def parsed(content: bytes, where: str, remarks: list[str]) -> etree._Element:
     Prefixes that the file does not declare get a remark: those of SSP mean what they usually do, others are passed by.
     """
     # undeclared prefixes alone are what this parser may recover from; the first of all other faults is an error
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True,
-                             recover=True)
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True, recover=True
+    )
     try:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:  # nothing is left

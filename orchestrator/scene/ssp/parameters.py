@@ -21,8 +21,11 @@ from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, 
 REALS = ("Real", "Float64", "Float32")  # the first of each is of version 1.0, the others of 2.0
 WHOLES = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 OTHERS = ("Boolean", "String", "Enumeration", "Binary")
-MAPPINGS = {"BooleanMappingTransformation": "Boolean", "IntegerMappingTransformation": "Integer",
-            "EnumerationMappingTransformation": "Enumeration"}
+MAPPINGS = {
+    "BooleanMappingTransformation": "Boolean",
+    "IntegerMappingTransformation": "Integer",
+    "EnumerationMappingTransformation": "Enumeration",
+}
 
 
 @dataclass(frozen=True)
@@ -82,8 +85,10 @@ def transformation(node: etree._Element, where: str) -> Transformation:
             return Transformation(number(child, "factor", 1.0, where), number(child, "offset", 0.0, where))
         if name in MAPPINGS:
             entries = child.findall("{*}MapEntry")
-            return Transformation(table={_key(MAPPINGS[name], e.get("source", ""), where): e.get("target", "") for e in entries},
-                                  type=MAPPINGS[name])
+            return Transformation(
+                table={_key(MAPPINGS[name], e.get("source", ""), where): e.get("target", "") for e in entries},
+                type=MAPPINGS[name],
+            )
     return Transformation()
 
 
@@ -99,8 +104,11 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     if root is None:
         raise BadInput(where, "a ParameterBinding without values", "a source, or a ParameterSet inside")
     measures, prefix = definitions(root, "ssv", place), binding.get("prefix", "")
-    values = {prefix + name: value for p in find_all(root, "ssv:Parameters", "ssv:Parameter")
-              for name, value in _values(p, required(p, "name", place), measures, f"{place}:{p.sourceline}")}
+    values = {
+        prefix + name: value
+        for p in find_all(root, "ssv:Parameters", "ssv:Parameter")
+        for name, value in _values(p, required(p, "name", place), measures, f"{place}:{p.sourceline}")
+    }
     mappings = find_all(binding, "ssd:ParameterMapping")
     if not mappings:
         for name, value in values.items():
@@ -120,8 +128,9 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
             yield Assignment(target, values[source], transformation(entry, at), suppress, at)
 
 
-def _content(node: etree._Element, holder: str, wanted: str, package: Package, fmu: Path | None,
-             where: str) -> tuple[etree._Element | None, str]:
+def _content(
+    node: etree._Element, holder: str, wanted: str, package: Package, fmu: Path | None, where: str
+) -> tuple[etree._Element | None, str]:
     """The root of a set or mapping, from another file or inline, and where it stands."""
     source = node.get("source")
     if not source:  # some tools write an empty one beside what is inline

@@ -79,13 +79,17 @@ def _stop_time(document: Document, flat: Flat, remarks: list[str]) -> float:
     for node in find_all(document.root, "ssd:DefaultExperiment"):
         start = number(node, "startTime", 0.0, document.where)
         if start != 0.0:
-            remarks.append(f"{document.where}:{node.sourceline}: startTime {start:g} s; the run begins at 0 and is as long, "
-                           "which differs where a model depends on the time itself")
+            remarks.append(
+                f"{document.where}:{node.sourceline}: startTime {start:g} s; the run begins at 0 and is as long, "
+                "which differs where a model depends on the time itself"
+            )
         if node.get("stopTime") is not None:
             return number(node, "stopTime", 0.0, document.where) - start
     stop_time = max(_defaults(flat, "stopTime"), default=1.0)
-    remarks.append(f"{document.where}: no stop time is given; {stop_time:g} s is taken, "
-                   f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}")
+    remarks.append(
+        f"{document.where}: no stop time is given; {stop_time:g} s is taken, "
+        f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}"
+    )
     return stop_time
 
 
@@ -96,8 +100,10 @@ def _master(document: Document, flat: Flat, stop: float, remarks: list[str]) -> 
         return {"step": min(step, stop), "algorithm": "jacobi"} | ({"extrapolation": 0} if flat.connections else {})
     steps = _defaults(flat, "stepSize")
     step = min(steps, default=PART * stop)
-    remarks.append(f"{document.where}: no macro step is given; {step:g} s is taken, "
-                   f"{'the shortest default of its FMUs' if steps else 'a thousandth of the run'}")
+    remarks.append(
+        f"{document.where}: no macro step is given; {step:g} s is taken, "
+        f"{'the shortest default of its FMUs' if steps else 'a thousandth of the run'}"
+    )
     return {"step": min(step, stop)}
 
 

@@ -26,8 +26,14 @@ FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp
 GIVES = ("output", "calculatedParameter", "constant")  # kinds of connectors, as their element is seen
 TAKES = ("input", "parameter", "structuralParameter")
 INSIDE = ("local",)  # no connection reaches it
-TYPES = {"Boolean": "boolean", "String": "string", "Enumeration": "enumeration", "Binary": "binary",
-         **dict.fromkeys(REALS, "real"), **dict.fromkeys(WHOLES, "integer")}
+TYPES = {
+    "Boolean": "boolean",
+    "String": "string",
+    "Enumeration": "enumeration",
+    "Binary": "binary",
+    **dict.fromkeys(REALS, "real"),
+    **dict.fromkeys(WHOLES, "integer"),
+}
 UNREAD = ("Clock",)
 DEEPEST = 32  # systems in systems; more of them is a file that contains itself
 MOST = 10_000  # elements; files that each name the next one twice would make millions
@@ -115,20 +121,34 @@ class Document:
         if depth > DEEPEST:
             raise BadInput(self._at(node), f"systems nested more than {DEEPEST} deep", "fewer", "Does a file contain itself?")
         if find_all(node, "ssd:Elements", "ssd:SignalDictionaryReference") or find_all(node, "ssd:SignalDictionaries"):
-            raise BadInput(self._at(node), "a signal dictionary", "connections between elements",
-                           "Signal dictionaries are not read: connect the elements directly.")
+            raise BadInput(
+                self._at(node),
+                "a signal dictionary",
+                "connections between elements",
+                "Signal dictionaries are not read: connect the elements directly.",
+            )
         elements: list[Element] = []
         for child in (c for group in find_all(node, "ssd:Elements") for c in group):
             label = required(child, "name", self.where)
             if label in {e.name for e in elements}:
                 raise BadInput(self._at(child), f"a second element {label!r}", "names that are unique within a system")
             if next(self._numbers) > MOST:
-                raise BadInput(self._at(child), f"a system of more than {MOST} elements", "fewer",
-                               "Do its files name one another many times?")
+                raise BadInput(
+                    self._at(child),
+                    f"a system of more than {MOST} elements",
+                    "fewer",
+                    "Do its files name one another many times?",
+                )
             read = self._system if etree.QName(child).localname == "System" else self._component
             elements.append(read(child, label, depth + 1))
-        system = Element(name, self._at(node), self._connectors(node), self._parameters(node, None), tuple(elements),
-                         tuple(self._connection(c) for c in find_all(node, "ssd:Connections", "ssd:Connection")))
+        system = Element(
+            name,
+            self._at(node),
+            self._connectors(node),
+            self._parameters(node, None),
+            tuple(elements),
+            tuple(self._connection(c) for c in find_all(node, "ssd:Connections", "ssd:Connection")),
+        )
         system.arrays = self._arrays(node)
         system.connectors = {e: replace(c, name=e) for n, c in system.connectors.items() for e in system.arrays.get(n, [n])}
         return system
@@ -147,9 +167,17 @@ class Document:
         description = read_description(str(path), where)
         measures = of_fmu(description.model)
         hints = [number(h, "value", 0.0, self.where) for h in node.iter("{*}StepSizeHint")]
-        element = Element(name, where, self._connectors(node), self._parameters(node, path), fmu=path, description=description,
-                          measures=measures, implementation=node.get("implementation", "any"),
-                          step_hint=hints[0] if hints else None)
+        element = Element(
+            name,
+            where,
+            self._connectors(node),
+            self._parameters(node, path),
+            fmu=path,
+            description=description,
+            measures=measures,
+            implementation=node.get("implementation", "any"),
+            step_hint=hints[0] if hints else None,
+        )
         self._check(element)
         return element
 
@@ -190,8 +218,12 @@ class Document:
             if dimensions := child.findall("{*}Dimension"):
                 sizes = [int(number(d, "size", 0.0, self.where)) for d in dimensions]
                 if not 0 < prod(sizes) <= MOST:
-                    raise BadInput(self._at(child), f"connector {name!r} of sizes {sizes}", f"at most {MOST} elements",
-                                   "Give sizes as numbers: that of a system's connector cannot follow from another connector.")
+                    raise BadInput(
+                        self._at(child),
+                        f"connector {name!r} of sizes {sizes}",
+                        f"at most {MOST} elements",
+                        "Give sizes as numbers: that of a system's connector cannot follow from another connector.",
+                    )
                 arrays[name] = [f"{name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in sizes))]
         return arrays
 
@@ -202,8 +234,11 @@ class Document:
         return Connection((ends[0], ends[1]), transformation(node, where), suppress, where)
 
     def _parameters(self, node: etree._Element, fmu: Path | None) -> tuple[Assignment, ...]:
-        return tuple(a for binding in find_all(node, "ssd:ParameterBindings", "ssd:ParameterBinding")
-                     for a in assignments(binding, self.package, fmu, self._at(binding)))
+        return tuple(
+            a
+            for binding in find_all(node, "ssd:ParameterBindings", "ssd:ParameterBinding")
+            for a in assignments(binding, self.package, fmu, self._at(binding))
+        )
 
     def _check(self, element: Element) -> None:
         """Connectors of a component against the variables of its FMU."""
@@ -223,8 +258,10 @@ class Document:
             label = f"connector {element.name}.{connector.name}"
             causality, kind = scalar.variable.causality, TYPES.get(connector.type, scalar.kind)
             alike = {"structuralParameter": "parameter", "constant": "output"}  # constants are outputs or locals of an FMU
-            if alike.get(causality, causality) != alike.get(connector.kind, connector.kind) \
-                    and (causality, connector.kind) != ("local", "constant"):
+            if alike.get(causality, causality) != alike.get(connector.kind, connector.kind) and (causality, connector.kind) != (
+                "local",
+                "constant",
+            ):
                 raise BadInput(element.where, f"{label} of kind {connector.kind!r}", f"{causality!r}, as the FMU says")
             if kind != scalar.kind:
                 raise BadInput(element.where, f"{label} of type {connector.type}", f"{scalar.variable.type}, as the FMU says")

@@ -33,8 +33,12 @@ from .measures import Measure, of_fmu
 from .package import DEFAULT, NAMESPACES
 from .read import ANNOTATION, NAMESPACE
 
-PREFIXES = {**NAMESPACES, "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations", "cosimo": NAMESPACE,
-            "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}
+PREFIXES = {
+    **NAMESPACES,
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+    "cosimo": NAMESPACE,
+    "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
+}
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
 IN_THE_SYSTEM = ("units", "connections", "stop_time")  # what the standard's own elements say
 PARAMETER_SET = "initialValues"  # the name that Ecos applies by default
@@ -46,8 +50,12 @@ def check(scene: Scene, path: Path) -> None:
     names no package.
     """
     if scene.contacts:
-        raise BadInput(f"{scene.name}: contacts", "a contact law that the master integrates", "connections between units",
-                       "A package holds FMUs and connections only.")
+        raise BadInput(
+            f"{scene.name}: contacts",
+            "a contact law that the master integrates",
+            "connections between units",
+            "A package holds FMUs and connections only.",
+        )
     if path.suffix != ".ssp":
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
 
@@ -97,8 +105,9 @@ class _System:
     def text(self) -> bytes:
         """SystemStructure.ssd."""
         scene = self.scene
-        root = etree.Element(_tag("ssd:SystemStructureDescription"), {"version": "1.0", "name": _identifier(scene.name)},
-                             nsmap=PREFIXES)
+        root = etree.Element(
+            _tag("ssd:SystemStructureDescription"), {"version": "1.0", "name": _identifier(scene.name)}, nsmap=PREFIXES
+        )
         if scene.title:
             root.set("description", scene.title)
         root.set("generationTool", f"cosimo {version('cosimo')}")
@@ -112,16 +121,25 @@ class _System:
             for link in links:
                 self._connection(connections, link)
         _add(_add(_annotation(system, "org.openmodelica"), "oms:Annotations"), "oms:SimulationInformation").append(
-            etree.Element(_tag("oms:FixedStepMaster"), {"description": "oms-ma", "stepSize": repr(scene.master.step),
-                                                        "absoluteTolerance": TOLERANCE, "relativeTolerance": TOLERANCE}))
+            etree.Element(
+                _tag("oms:FixedStepMaster"),
+                {
+                    "description": "oms-ma",
+                    "stepSize": repr(scene.master.step),
+                    "absoluteTolerance": TOLERANCE,
+                    "relativeTolerance": TOLERANCE,
+                },
+            )
+        )
         self._definitions(root)
         self._experiment(root)
         etree.indent(root)
         return etree.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
     def _component(self, parent: etree._Element, name: str) -> None:
-        component = _add(parent, "ssd:Component", name=self.names[name], type="application/x-fmu-sharedlibrary",
-                         source=self.sources[name])
+        component = _add(
+            parent, "ssd:Component", name=self.names[name], type="application/x-fmu-sharedlibrary", source=self.sources[name]
+        )
         interface = self.scene.units[name].interface
         if interface is not None:
             component.set("implementation", {"co-simulation": "CoSimulation", "model-exchange": "ModelExchange"}[interface])
@@ -133,7 +151,8 @@ class _System:
         scalars = self.descriptions[name].scalars
         driven = {link.target[1] for link in self.coupling.links if link.target[0] == name}
         values = _values(name, self.scene.units[name]) | {
-            n: v for n, v in self.starts.get(name, {}).items() if n in driven and v != scalars[n].start}
+            n: v for n, v in self.starts.get(name, {}).items() if n in driven and v != scalars[n].start
+        }
         if values:
             binding = _add(_add(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
             inline = _add(_add(binding, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
@@ -152,8 +171,12 @@ class _System:
                 label, k = f"{declared.name}_{k}", k + 1
             type_.set("name", label)
         unit = scalar.variable.unit or (declared.unit if declared else None)
-        if scalar.kind == "real" and unit and (meaning := _meaning(unit, self.descriptions[name])) is not None \
-                and self.measures.setdefault(unit, meaning) == meaning:  # else another FMU means something else by this name
+        if (
+            scalar.kind == "real"
+            and unit
+            and (meaning := _meaning(unit, self.descriptions[name])) is not None
+            and self.measures.setdefault(unit, meaning) == meaning
+        ):  # else another FMU means something else by this name
             type_.set("unit", unit)
 
     def _value(self, parameter: etree._Element, name: str, variable: str, value: Any) -> None:
@@ -161,15 +184,25 @@ class _System:
         if scalar.kind == "enumeration" and not isinstance(value, str):
             value = next((n for n, v in members(scalar).items() if v == value), value)
         if scalar.kind == "integer" and not -(2**31) <= value < 2**31:
-            raise BadInput(f"{self.scene.name}: units.{name}.parameters", f"{variable} = {value}", "a whole number of 32 bits",
-                           "SSP 1.0 has no others.")
+            raise BadInput(
+                f"{self.scene.name}: units.{name}.parameters",
+                f"{variable} = {value}",
+                "a whole number of 32 bits",
+                "SSP 1.0 has no others.",
+            )
         text = str(value).lower() if isinstance(value, bool) else repr(float(value)) if scalar.kind == "real" else str(value)
         _add(parameter, f"ssv:{TYPES[scalar.kind]}", value=text)
 
     def _connection(self, parent: etree._Element, link: Link) -> None:
         """Units of measure that differ are converted by the transformation, which every importer understands."""
-        connection = _add(parent, "ssd:Connection", startElement=self.names[link.source[0]], startConnector=link.source[1],
-                          endElement=self.names[link.target[0]], endConnector=link.target[1])
+        connection = _add(
+            parent,
+            "ssd:Connection",
+            startElement=self.names[link.source[0]],
+            startConnector=link.source[1],
+            endElement=self.names[link.target[0]],
+            endConnector=link.target[1],
+        )
         interfaces = self.coupling.interfaces
         units = {interfaces[link.source[0]].outputs[link.source[1]].unit, interfaces[link.target[0]].inputs[link.target[1]].unit}
         if len(units - {""}) == 2:
@@ -196,14 +229,19 @@ class _System:
         """Stop time, libcosim's step, and all of the scene that has no other place."""
         scene = self.scene
         experiment = _add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(scene.stop_time))
-        _add(_add(_annotation(experiment, "com.opensimulationplatform"), "osp:Algorithm"), "osp:FixedStepAlgorithm",
-             baseStepSize=repr(scene.master.step))
+        _add(
+            _add(_annotation(experiment, "com.opensimulationplatform"), "osp:Algorithm"),
+            "osp:FixedStepAlgorithm",
+            baseStepSize=repr(scene.master.step),
+        )
         settings = scene.model_dump(mode="json", exclude_unset=True)
         in_the_set = ("fmu", "component", "preset", "effects", "parameters", "interface")
         units = {n: {k: v for k, v in u.items() if k not in in_the_set} for n, u in settings["units"].items()}
-        own = {"scene": {k: v for k, v in settings.items() if k not in IN_THE_SYSTEM},
-               "units": {n: u for n, u in units.items() if u},
-               "elements": {element: name for name, element in self.names.items()}}
+        own = {
+            "scene": {k: v for k, v in settings.items() if k not in IN_THE_SYSTEM},
+            "units": {n: u for n, u in units.items() if u},
+            "elements": {element: name for name, element in self.names.items()},
+        }
         _add(_annotation(experiment, ANNOTATION), "cosimo:Scene").text = json.dumps(own, indent=1)
 
 

@@ -91,7 +91,10 @@ def check(directory: str | Path, sensor: Sensor, seed: int = 0) -> FaultCheck:
     model = RandomForestClassifier(TREES, random_state=seed).fit(table[train], np.array(labels)[train])
     right = model.predict(table[test]) == np.array(labels)[test]
     names = list(rows[0])
-    by_label = {label: {n: float(np.median(table[np.array(labels) == label, k])) for k, n in enumerate(names)}
-                for label in CLASSES if label in labels}
+    by_label = {
+        label: {n: float(np.median(table[np.array(labels) == label, k])) for k, n in enumerate(names)}
+        for label in CLASSES
+        if label in labels
+    }
     counts = np.unique(np.array(labels)[test], return_counts=True)[1]
     return FaultCheck(float(right.mean()), float(counts.max() / counts.sum()), int(test.sum()), by_label)

@@ -30,8 +30,13 @@ from .. import load_scene
 
 RPM = 2.0 * math.pi / 60.0
 CLASSES: Mapping[str, tuple[str, ...]] = {  # label -> defects of the component
-    "healthy": (), "outer": ("outer_defect",), "inner": ("inner_defect",), "ball": ("ball_defect",),
-    "cage": ("cage_fault",), "combined": ("outer_defect", "inner_defect"), "combined_cage": ("outer_defect", "cage_fault"),
+    "healthy": (),
+    "outer": ("outer_defect",),
+    "inner": ("inner_defect",),
+    "ball": ("ball_defect",),
+    "cage": ("cage_fault",),
+    "combined": ("outer_defect", "inner_defect"),
+    "combined_cage": ("outer_defect", "cage_fault"),
 }
 CONDITIONS = ((1797.0, 400.0), (1772.0, 700.0), (1750.0, 1000.0), (1730.0, 1300.0))  # rpm of CWRU (recalled), N (our choice)
 DIAMETER = (0.18e-3, 0.53e-3)  # m, of defects: 7 to 21 thousandths of an inch, as in the CWRU set (recalled)
@@ -112,9 +117,23 @@ def planned(individuals: int, seed: int, run_up: bool, conditions: int = len(CON
             pit = any(d != "cage_fault" for d in CLASSES[label])
             for rpm, load in CONDITIONS[:conditions]:
                 for up in (False, True) if run_up else (False,):
-                    records.append(Record(len(records), label, k * individuals + j, parts[j], rpm, load, up,
-                                          diameter if pit else 0.0, depth if pit else 0.0, clearance, damping,
-                                          position if pit else 0.0, offset if "cage_fault" in CLASSES[label] else 0.0))
+                    records.append(
+                        Record(
+                            len(records),
+                            label,
+                            k * individuals + j,
+                            parts[j],
+                            rpm,
+                            load,
+                            up,
+                            diameter if pit else 0.0,
+                            depth if pit else 0.0,
+                            clearance,
+                            damping,
+                            position if pit else 0.0,
+                            offset if "cage_fault" in CLASSES[label] else 0.0,
+                        )
+                    )
     return records
 
 
@@ -129,8 +148,10 @@ def point(record: Record, component: Any) -> dict[str, Any]:
     """A record as values of a plan: effects and parameters of the bearing."""
     p: dict[str, Any] = component.parameters
     speed = record.rpm * RPM
-    effects, parameters = ["clearance"], {"load": record.load, "damping": record.damping,
-                                          "clearance.radial_clearance": record.clearance, "substep": STEP}
+    effects, parameters = (
+        ["clearance"],
+        {"load": record.load, "damping": record.damping, "clearance.radial_clearance": record.clearance, "substep": STEP},
+    )
     if record.run_up:
         effects.append("speed_ramp")
         parameters |= {"speed": RUN_UP * speed, "speed_ramp.acceleration": (1.0 - RUN_UP) * speed, "speed_ramp.duration": 1.0}
@@ -143,22 +164,45 @@ def point(record: Record, component: Any) -> dict[str, Any]:
             parameters["cage_fault.offset"] = record.offset
             continue
         radius = {"outer_defect": 0.5 * (pitch + ball), "inner_defect": 0.5 * (pitch - ball), "ball_defect": 0.5 * ball}[defect]
-        parameters |= {f"{defect}.depth": record.depth, f"{defect}.width": record.diameter / radius,
-                       f"{defect}.position": record.position}
+        parameters |= {
+            f"{defect}.depth": record.depth,
+            f"{defect}.width": record.diameter / radius,
+            f"{defect}.position": record.position,
+        }
     return {"units.bearing.effects": effects, "units.bearing.parameters": parameters}
 
 
 def base_scene(duration: float) -> Scene:
     """A 6205, the drive-end bearing of the CWRU rig, without what the records differ in."""
-    return load_scene("outer-ring-defect").with_changes({
-        "title": "records of ball bearings", "units.bearing.preset": "6205", "units.bearing.effects": ["clearance"],
-        "units.bearing.parameters": {}, "stop_time": TRANSIENT + duration, "master.step": STEP, "record.signals": [SIGNAL],
-        "study.quantities": [], "analysis.transient": TRANSIENT})
+    return load_scene("outer-ring-defect").with_changes(
+        {
+            "title": "records of ball bearings",
+            "units.bearing.preset": "6205",
+            "units.bearing.effects": ["clearance"],
+            "units.bearing.parameters": {},
+            "stop_time": TRANSIENT + duration,
+            "master.step": STEP,
+            "record.signals": [SIGNAL],
+            "study.quantities": [],
+            "analysis.transient": TRANSIENT,
+        }
+    )
 
 
-def fault_data(directory: str | Path, *, individuals: int = 5, duration: float = 1.0, seed: int = 1, run_up: bool = False,
-               conditions: int = len(CONDITIONS), sensor: Sensor | None = None, layout: str = "cwru", jobs: int | None = 1,
-               scheduler: str = "", progress: bool = False) -> tuple[list[Record], Sweep]:
+def fault_data(
+    directory: str | Path,
+    *,
+    individuals: int = 5,
+    duration: float = 1.0,
+    seed: int = 1,
+    run_up: bool = False,
+    conditions: int = len(CONDITIONS),
+    sensor: Sensor | None = None,
+    layout: str = "cwru",
+    jobs: int | None = 1,
+    scheduler: str = "",
+    progress: bool = False,
+) -> tuple[list[Record], Sweep]:
     """Write the data set into a directory: a .mat file a record in folders train, validation and test, and labels.csv.
 
     `duration`: s of every record. `conditions`: how many of `CONDITIONS`. Records whose run has failed are left out;
@@ -170,8 +214,11 @@ def fault_data(directory: str | Path, *, individuals: int = 5, duration: float =
     scene, records = base_scene(duration), planned(individuals, seed, run_up, conditions)
     component = component_of(scene, "bearing")
     points = [point(r, component) for r in records]
-    plan = {"method": "list", "vary": {name: [p[name] for p in points] for name in points[0]},
-            "keep": {"signals": [SIGNAL], "summary": False}}
+    plan = {
+        "method": "list",
+        "vary": {name: [p[name] for p in points] for name in points[0]},
+        "keep": {"signals": [SIGNAL], "summary": False},
+    }
     folder = ensure_directory(directory)
     runs = sweep(scene, plan, folder / "runs", jobs=jobs, scheduler=scheduler, progress=progress)
     if runs.stopped is not None:
@@ -180,7 +227,7 @@ def fault_data(directory: str | Path, *, individuals: int = 5, duration: float =
     for record, (_, acceleration) in zip(records, runs.signals(SIGNAL), strict=True):
         if acceleration.size:
             rng = np.random.default_rng([seed, record.number])
-            x = chosen.record(acceleration, 1.0 / STEP, rng)[int(TRANSIENT * chosen.rate):]
+            x = chosen.record(acceleration, 1.0 / STEP, rng)[int(TRANSIENT * chosen.rate) :]
             _write(folder, record, x, layout, chosen)
             written.append(record)
     _labels(folder, written, chosen)
@@ -224,6 +271,14 @@ def name_of(record: Record, layout: str) -> str:
 def _labels(folder: Path, records: list[Record], sensor: Sensor) -> Path:
     names = list(Record.__dataclass_fields__)
     rows = [tuple("yes" if v is True else "no" if v is False else v for v in (getattr(r, n) for n in names)) for r in records]
-    units = {"diameter": "m", "depth": "m", "clearance": "m", "damping": "N.s/m", "position": "rad", "offset": "rad",
-             "load": "N", "rpm": "1/min"}
+    units = {
+        "diameter": "m",
+        "depth": "m",
+        "clearance": "m",
+        "damping": "N.s/m",
+        "position": "rad",
+        "offset": "rad",
+        "load": "N",
+        "rpm": "1/min",
+    }
     return write_table(folder, "labels.csv", [f"{n}, {units[n]}" if n in units else n for n in names], rows)

@@ -165,8 +165,9 @@ class Bodies:
             diagonal += np.bincount(cells, conductance, self.size)
             right += np.bincount(cells, conductance * t, self.size)
         every = np.arange(self.size)
-        matrix = coo_matrix((np.concatenate([diagonal, -g, -g]),
-                             (np.concatenate([every, i, j]), np.concatenate([every, j, i])))).tocsr()
+        matrix = coo_matrix(
+            (np.concatenate([diagonal, -g, -g]), (np.concatenate([every, i, j]), np.concatenate([every, j, i])))
+        ).tocsr()
         if self.size <= DIRECT:
             return spsolve(matrix.tocsc(), right)
         return _conjugate_gradients(matrix, right, diagonal, guess)

@@ -63,8 +63,13 @@ class HeatPath:
 
 
 def solve_path(
-    inner: RingPart, outer: RingPart, ball_radius: float, ball_conductivity: float, around: Surroundings | None = None,
-    temperatures: tuple[float, float] = (303.15, 293.15), fineness: int = 4,
+    inner: RingPart,
+    outer: RingPart,
+    ball_radius: float,
+    ball_conductivity: float,
+    around: Surroundings | None = None,
+    temperatures: tuple[float, float] = (303.15, 293.15),
+    fineness: int = 4,
 ) -> HeatPath:
     """Heat from the inner to the outer ring by way of one ball; cells at the contact: the short semi-axis over `fineness`."""
     around = around or Surroundings()
@@ -90,8 +95,11 @@ def solve_path(
     solution, heat = bodies.solve(0.5 * sum(temperatures))
     skin = solution[surface.ravel()]
     conductance = 4.0 * heat[0] / (temperatures[0] - temperatures[1])
-    return HeatPath(conductance, (heat[0] + heat[1]) / heat[0],
-                    (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())))
+    return HeatPath(
+        conductance,
+        (heat[0] + heat[1]) / heat[0],
+        (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())),
+    )
 
 
 def solve_bearing(
@@ -117,8 +125,14 @@ def solve_bearing(
     return solve_rings(balls[ball], (bore, *bearing.raceways, outside), p["width"], p["ring_conductivity"])
 
 
-def ball_path(bearing: AngularContactConductance, load: float, bore: float, outside: float, around: Surroundings | None = None,
-              fineness: int = 3) -> HeatPath:
+def ball_path(
+    bearing: AngularContactConductance,
+    load: float,
+    bore: float,
+    outside: float,
+    around: Surroundings | None = None,
+    fineness: int = 3,
+) -> HeatPath:
     """The path through one ball under a load in N with its parts of the rings; diameters in m as for `solve_bearing`."""
     p: Any = bearing.parameters
     inner, outer = _ring_parts(bearing, load, bore, outside)

@@ -1,9 +1,9 @@
 """What of a run belongs to its bearings and rotors: their recorded motion, their frequencies, found by the scene's connections.
 
-    [analysis]
-    system = "bearings"     # or "rotor": which figures the report has
-    transient = 0.5         # s, left out of spectra, orbits and measures
-    bearing = "front"       # the bearings to show, a name or a list; all of them without it
+[analysis]
+system = "bearings"     # or "rotor": which figures the report has
+transient = 0.5         # s, left out of spectra, orbits and measures
+bearing = "front"       # the bearings to show, a name or a list; all of them without it
 """
 
 from __future__ import annotations

@@ -29,8 +29,10 @@ def _rows(bearing: BearingRecord, begin: float) -> list[SummaryRow]:
         x, called, unit = values[kept], name.replace("_", " "), bearing.measures.get(name) or "1"
         centred = x - x.mean()
         rms = float(np.sqrt(np.mean(centred**2)))
-        numbers += [SummaryRow(f"{bearing.unit}.{name}_rms", rms, unit, f"{called}, rms about the mean"),
-                  SummaryRow(f"{bearing.unit}.{name}_peak_to_peak", float(np.ptp(x)), unit, f"{called}, peak to peak")]
+        numbers += [
+            SummaryRow(f"{bearing.unit}.{name}_rms", rms, unit, f"{called}, rms about the mean"),
+            SummaryRow(f"{bearing.unit}.{name}_peak_to_peak", float(np.ptp(x)), unit, f"{called}, peak to peak"),
+        ]
         if rms > 0.0:
             kurtosis = float(np.mean(centred**4)) / rms**4
             numbers.append(SummaryRow(f"{bearing.unit}.{name}_kurtosis", kurtosis, "1", f"{called}, kurtosis; a sine has 1.5"))
@@ -38,7 +40,11 @@ def _rows(bearing: BearingRecord, begin: float) -> list[SummaryRow]:
         load, unit = float(bearing.signals["max_ball_load"][kept].max()), bearing.measures.get("max_ball_load") or "1"
         numbers.append(SummaryRow(f"{bearing.unit}.ball_load_max", load, unit, "largest load of a ball"))
     per_time = "Hz" if "m/s2" in bearing.measures.values() or "m" in bearing.measures.values() else "1"
-    numbers += [SummaryRow(f"{bearing.unit}.{name}_frequency", bearing.frequencies[name], per_time,
-                         f"{text}, from the geometry and speed")
-              for name, text in LINES.items() if name in bearing.frequencies]
+    numbers += [
+        SummaryRow(
+            f"{bearing.unit}.{name}_frequency", bearing.frequencies[name], per_time, f"{text}, from the geometry and speed"
+        )
+        for name, text in LINES.items()
+        if name in bearing.frequencies
+    ]
     return numbers

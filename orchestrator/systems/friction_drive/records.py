@@ -1,9 +1,9 @@
 """Friction-wheel drives of a run, found by the sleeve they move: way and set point, wheels, contacts, moves, rest, energies.
 
-    [analysis]
-    system = "friction_drive"
-    feed_band = 1e-4        # m, error within which a move of the feed counts as settled
-    rotation_band = 0.01    # rad, the same of the rotation
+[analysis]
+system = "friction_drive"
+feed_band = 1e-4        # m, error within which a move of the feed counts as settled
+rotation_band = 0.01    # rad, the same of the rotation
 """
 
 from __future__ import annotations
@@ -79,8 +79,7 @@ class Move:
 
 def drives(result: Result) -> list[Drive]:
     """The drives of a run whose feed and rotation were recorded, in the order of the scene."""
-    return [_drive(result, unit) for unit in result.scene.units
-            if all(f"{unit}.{axis}" in result.columns for axis in AXES)]
+    return [_drive(result, unit) for unit in result.scene.units if all(f"{unit}.{axis}" in result.columns for axis in AXES)]
 
 
 def _drive(result: Result, unit: str) -> Drive:
@@ -111,8 +110,17 @@ def _drive(result: Result, unit: str) -> Drive:
     wanted = known({axis: column(controller, f"wanted_{axis}") for axis in AXES})
     way = {axis: np.asarray(result.columns[f"{unit}.{axis}"], dtype=float) for axis in AXES}
     signals = known({n: column(unit, n) for n in ("margin", "contact_power", "mechanical_energy", "electrical_power")})
-    return Drive(unit, result.time, way, wanted, {axis: wanted[axis] - way[axis] for axis in wanted}, (wheels[0], wheels[1]),
-                 *_levels(result, unit), known(rests), signals)
+    return Drive(
+        unit,
+        result.time,
+        way,
+        wanted,
+        {axis: wanted[axis] - way[axis] for axis in wanted},
+        (wheels[0], wheels[1]),
+        *_levels(result, unit),
+        known(rests),
+        signals,
+    )
 
 
 def _levels(result: Result, unit: str) -> tuple[float, float]:

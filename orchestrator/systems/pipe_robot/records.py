@@ -1,10 +1,10 @@
 """Pipe robots of a run: motion in the mean over a period of the exciter, modes of the friction, where the energy goes.
 
-    [analysis]
-    system = "pipe_robot"
-    transient = 2.0         # s, left out of tables, and where a motion that repeats is shown
-    average = 0.1           # s, of mean speeds; without it the exciter's period at each instant
-    detail = [8.0, 8.4]     # s, the part of the run that is shown in detail; the last four periods without it
+[analysis]
+system = "pipe_robot"
+transient = 2.0         # s, left out of tables, and where a motion that repeats is shown
+average = 0.1           # s, of mean speeds; without it the exciter's period at each instant
+detail = [8.0, 8.4]     # s, the part of the run that is shown in detail; the last four periods without it
 """
 
 from __future__ import annotations

@@ -78,8 +78,10 @@ class PantographFit:
         """What a user should know of the fit."""
         texts = [m for m in self.fit.messages if not any(m.startswith(f"{name} has stopped") for name in self.ranges)]
         for name, (low, high) in self.ranges.items():
-            texts.append(f"{name} is not identified: {low:.3g} to {high:.3g} {UNITS[name.rpartition('_')[2]]} explain the data "
-                         "as well. Fix it from another measurement")
+            texts.append(
+                f"{name} is not identified: {low:.3g} to {high:.3g} {UNITS[name.rpartition('_')[2]]} explain the data "
+                "as well. Fix it from another measurement"
+            )
         if self.agreeing < 3:
             texts.append(f"{self.agreeing} of {SEARCHES} searches end here: there may be a better fit")
         return texts
@@ -153,8 +155,9 @@ def receptance(frequency: np.ndarray, values: Mapping[str, float]) -> np.ndarray
     return 1.0 / below
 
 
-def fit_pantograph(response: FrequencyResponse, masses: int = 3, fixed: Mapping[str, float] | None = None,
-                   seed: int = 1) -> PantographFit:
+def fit_pantograph(
+    response: FrequencyResponse, masses: int = 3, fixed: Mapping[str, float] | None = None, seed: int = 1
+) -> PantographFit:
     """Fit a pantograph of two or three masses; `fixed`: values of parameters that are known, such as the base's stiffness."""
     known = dict(fixed or {})
     names = parameter_names(masses)
@@ -196,8 +199,17 @@ def fit_pantograph(response: FrequencyResponse, masses: int = 3, fixed: Mapping[
         if name not in identified:
             low, high = (_edge(residuals, best, i, bound, allowed) for bound in bounds[name])
             ranges[name] = (math.exp(low), math.exp(high))
-    return PantographFit(response, values_of(best.values), known, best, identified, ranges, agreeing,
-                         float(np.sqrt(np.mean(magnitude**2))), float(np.sqrt(np.mean(phase**2))))
+    return PantographFit(
+        response,
+        values_of(best.values),
+        known,
+        best,
+        identified,
+        ranges,
+        agreeing,
+        float(np.sqrt(np.mean(magnitude**2))),
+        float(np.sqrt(np.mean(phase**2))),
+    )
 
 
 def _edge(residuals: Callable[[np.ndarray], np.ndarray], best: Fit, i: int, bound: float, allowed: float) -> float:
@@ -221,10 +233,15 @@ def scene_text(result: PantographFit) -> str:
     """The table of a unit for a scene, with the uncertainty of each number beside it."""
     deviations = dict(zip(result.fit.names, result.fit.deviations, strict=True))
     lower = "lower_frame_mass" in result.values
-    lines = [f"# fitted to {result.response.name}: misfit {100.0 * result.magnitude:.2g} % of the magnitude, "
-             f"{math.degrees(result.phase):.2g} deg of the phase (rms)", "[units.pantograph]", 'component = "Pantograph"',
-             f"effects = [\"contact_loss\"{', ' + chr(34) + 'lower_frame' + chr(34) if lower else ''}]", "",
-             "[units.pantograph.parameters]"]
+    lines = [
+        f"# fitted to {result.response.name}: misfit {100.0 * result.magnitude:.2g} % of the magnitude, "
+        f"{math.degrees(result.phase):.2g} deg of the phase (rms)",
+        "[units.pantograph]",
+        'component = "Pantograph"',
+        f'effects = ["contact_loss"{", " + chr(34) + "lower_frame" + chr(34) if lower else ""}]',
+        "",
+        "[units.pantograph.parameters]",
+    ]
     for name, value in result.values.items():
         if name in result.fixed:
             remark = "given"
@@ -241,12 +258,18 @@ def report(result: PantographFit, directory: str | Path) -> Path:
     """`report.html`: measured and fitted response, what is left, the parameters with their uncertainty."""
     f, data = result.response.frequency, result.response.receptance
     model = receptance(f, result.values)
-    panels = (Panel("head's displacement per force, mm/N", (
-                  Series("measured", f, 1e3 * np.abs(data), "points"), Series("fitted", f, 1e3 * np.abs(model))),
-                    logarithmic=True),
-              Panel("phase, degrees", (Series("measured", f, np.degrees(np.angle(data)), "points"),
-                                       Series("fitted", f, np.degrees(np.angle(model))))),
-              Panel("fitted over measured, %", (Series("magnitude", f, 100.0 * (np.abs(model / data) - 1.0), "line+points"),)))
+    panels = (
+        Panel(
+            "head's displacement per force, mm/N",
+            (Series("measured", f, 1e3 * np.abs(data), "points"), Series("fitted", f, 1e3 * np.abs(model))),
+            logarithmic=True,
+        ),
+        Panel(
+            "phase, degrees",
+            (Series("measured", f, np.degrees(np.angle(data)), "points"), Series("fitted", f, np.degrees(np.angle(model)))),
+        ),
+        Panel("fitted over measured, %", (Series("magnitude", f, 100.0 * (np.abs(model / data) - 1.0), "line+points"),)),
+    )
     chart = Chart("Frequency response at the head, on a fixed base", "frequency, Hz", panels)
     deviations = dict(zip(result.fit.names, result.fit.deviations, strict=True))
     rows = []
@@ -254,13 +277,20 @@ def report(result: PantographFit, directory: str | Path) -> Path:
         known = "given" if name in result.fixed else f"{100.0 * deviations[name]:.2g} %" if name in result.identified else ""
         other = "{:.3g} to {:.3g}".format(*result.ranges[name]) if name in result.ranges else ""
         rows.append((name, UNITS[name.rpartition("_")[2]], "not identified" if other else number(value), known, other))
-    grid = Grid("Parameters", ("parameter", "unit", "value", "standard deviation", "explains the data as well"), tuple(rows),
-                "Deviations are linearised at the fit; ranges are at 95 % with the other parameters as fitted.")
+    grid = Grid(
+        "Parameters",
+        ("parameter", "unit", "value", "standard deviation", "explains the data as well"),
+        tuple(rows),
+        "Deviations are linearised at the fit; ranges are at 95 % with the other parameters as fitted.",
+    )
     blocks: list[Block] = [draw_chart(chart), grid_table(grid), *([Text(result.messages, "warning")] if result.messages else [])]
-    lead = (f"{len(result.values) // 3} masses fitted to {f.size} lines from {f[0]:g} to {f[-1]:g} Hz: misfit "
-            f"{100.0 * result.magnitude:.2g} % of the magnitude, {math.degrees(result.phase):.2g} degrees of the phase (rms).")
-    return write_page(Page(f"Pantograph fitted to {result.response.name}", lead, [Section("Fit", blocks)]),
-                      Path(directory) / "report.html")
+    lead = (
+        f"{len(result.values) // 3} masses fitted to {f.size} lines from {f[0]:g} to {f[-1]:g} Hz: misfit "
+        f"{100.0 * result.magnitude:.2g} % of the magnitude, {math.degrees(result.phase):.2g} degrees of the phase (rms)."
+    )
+    return write_page(
+        Page(f"Pantograph fitted to {result.response.name}", lead, [Section("Fit", blocks)]), Path(directory) / "report.html"
+    )
 
 
 def save(result: PantographFit, directory: str | Path) -> list[Path]:
@@ -269,7 +299,16 @@ def save(result: PantographFit, directory: str | Path) -> list[Path]:
     with replaced(folder / "pantograph.toml") as file:
         file.write(scene_text(result))
     deviations = zip(result.fit.names, result.fit.deviations, strict=True)
-    rows = [(name, UNITS[name.rpartition("_")[2]], result.values[name], float(s), int(name in result.identified),
-             *result.ranges.get(name, (result.values[name],) * 2)) for name, s in deviations]
+    rows = [
+        (
+            name,
+            UNITS[name.rpartition("_")[2]],
+            result.values[name],
+            float(s),
+            int(name in result.identified),
+            *result.ranges.get(name, (result.values[name],) * 2),
+        )
+        for name, s in deviations
+    ]
     header = ["parameter", "unit", "value", "relative standard deviation [1]", "identified", "from", "to"]
     return [folder / "pantograph.toml", write_table(folder, "fit.csv", header, rows), report(result, folder)]

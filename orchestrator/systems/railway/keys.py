@@ -16,8 +16,9 @@ Counted = Annotated[int, Field(strict=True, ge=1)]
 class RailwayKeys(AnalysisKeys):
     """Figures of pantographs under a catenary; spans and droppers are those of the run's catenary."""
 
-    spans: tuple[Counted, Counted] | None = Field(default=None, description=(
-        "[first, last] span for the statistics, counted from 1 at position 0"))
+    spans: tuple[Counted, Counted] | None = Field(
+        default=None, description=("[first, last] span for the statistics, counted from 1 at position 0")
+    )
     window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
 
     def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:

@@ -30,8 +30,9 @@ PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a met
 MARGIN = 40.0  # pixels at the left and at the right
 
 
-def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None, temperature: float | None = None
-         ) -> tuple[Form, str]:
+def read(
+    path: Path, values: Mapping[str, Any], droppers: Path | None = None, temperature: float | None = None
+) -> tuple[Form, str]:
     """Form and title of the line in a file.
 
     values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table;
@@ -72,8 +73,12 @@ def dropper_rows(form: Form) -> list[tuple[Any, ...]]:
     """A row a dropper, columns `DROPPER_COLUMNS`; heights as in the line's table."""
     d, half = form.layout.droppers, 0.5 * form.layout.droppers.mass
     numbers = (form.length, form.cut_length, form.preload, d.stiffness, d.mass, d.mass_below - half, d.mass_above - half)
-    return [(x, lower // 2 + 1, _wire(form, upper), z, *rest) for x, lower, upper, z, *rest in zip(
-        d.position, d.lower, d.upper, d.height + form.layout.reference, *numbers, strict=True)]
+    return [
+        (x, lower // 2 + 1, _wire(form, upper), z, *rest)
+        for x, lower, upper, z, *rest in zip(
+            d.position, d.lower, d.upper, d.height + form.layout.reference, *numbers, strict=True
+        )
+    ]
 
 
 def support_rows(form: Form) -> list[tuple[float, ...]]:
@@ -84,8 +89,10 @@ def support_rows(form: Form) -> list[tuple[float, ...]]:
 def shown(rows: list[tuple[Any, ...]], columns: tuple[str, ...]) -> list[tuple[str, ...]]:
     """The first columns of a table in the digits of a crew: mm, 0.1 mm of heights and lengths, 0.1 N."""
     digits = {"position [m]": ".3f", "preload [N]": ".1f", "reaction [N]": ".1f"}
-    return [tuple(f"{v:{digits.get(c, '.4f')}}" if isinstance(v, float) else str(v) for c, v in zip(columns, row, strict=False))
-            for row in rows]
+    return [
+        tuple(f"{v:{digits.get(c, '.4f')}}" if isinstance(v, float) else str(v) for c, v in zip(columns, row, strict=False))
+        for row in rows
+    ]
 
 
 def save(form: Form, title: str, folder: Path) -> list[Path]:
@@ -172,8 +179,10 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
     def text(x: float, y: float, words: str, anchor: str = "middle") -> str:
         return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(words)}</text>'
 
-    parts = [text(MARGIN, 24.0, title, "start"),
-             text(MARGIN, 42.0, f"at rest; heights {TALL / per_metre:.3g} times as large as lengths", "start")]
+    parts = [
+        text(MARGIN, 24.0, title, "start"),
+        text(MARGIN, 42.0, f"at rest; heights {TALL / per_metre:.3g} times as large as lengths", "start"),
+    ]
     for i, x in enumerate(form.layout.supports):
         if left <= x <= right:
             parts.append(path([(x, low - 0.2), (x, high + 0.1)], stroke="#888", stroke_dasharray="4 4"))
@@ -191,8 +200,9 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
         middle = side + 80.0
         scale = f"plan, sides {BESIDE / per_metre:.3g} times as large as lengths, and forces on the arms"
         parts.append(text(MARGIN, side + 16.0, scale, "start"))
-        parts.append(f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="#888" '
-                     'stroke-dasharray="8 4"/>')
+        parts.append(
+            f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="#888" stroke-dasharray="8 4"/>'
+        )
         for wire in np.unique(lateral[:, 0]):
             mine = lateral[:, 0] == wire
             rows = list(zip(*lateral[mine, 1:3].T, form.layout.lateral_force[mine], strict=True))
@@ -200,12 +210,17 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
             points = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
             colour = "#0072B2" if wire == 0 else "#CC3311"
             parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="2"/>')
-            parts += [text(along(x), middle - b * BESIDE + (16.0 if b < 0.0 else -8.0), f"{force:+.0f} N")
-                      for x, b, force in rows if force and left <= x <= right]
+            parts += [
+                text(along(x), middle - b * BESIDE + (16.0 if b < 0.0 else -8.0), f"{force:+.0f} N")
+                for x, b, force in rows
+                if force and left <= x <= right
+            ]
     body = "\n".join(parts)
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
-            f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'
-            f'<rect width="100%" height="100%" fill="white"/>\n{body}\n</svg>\n')
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
+        f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'
+        f'<rect width="100%" height="100%" fill="white"/>\n{body}\n</svg>\n'
+    )
 
 
 def _clipped(points: list[tuple[float, float]], left: float, right: float) -> list[tuple[float, float]]:
@@ -215,5 +230,8 @@ def _clipped(points: list[tuple[float, float]], left: float, right: float) -> li
     if a >= b:
         return []
     inside = (x > a) & (x < b)
-    return [(a, float(np.interp(a, x, z))), *zip(x[inside].tolist(), z[inside].tolist(), strict=True),
-            (b, float(np.interp(b, x, z)))]
+    return [
+        (a, float(np.interp(a, x, z))),
+        *zip(x[inside].tolist(), z[inside].tolist(), strict=True),
+        (b, float(np.interp(b, x, z))),
+    ]

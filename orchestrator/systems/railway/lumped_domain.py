@@ -31,7 +31,10 @@ from .records import analysis_window, measured, parameters, passages, statistics
 from .runs import WITHOUT_PICTURES, at_speed
 
 ERRORS = {  # column -> what it says
-    "mean": "mean force", "std": "σ of the force", "std_0_5": "σ, 0-5 Hz", "std_5_20": "σ, 5-20 Hz",
+    "mean": "mean force",
+    "std": "σ of the force",
+    "std_0_5": "σ, 0-5 Hz",
+    "std_5_20": "σ, 5-20 Hz",
     "history": "time history of the force below 20 Hz, rms over σ",
     "uplift": "uplift of the contact point, rms over its mean",
 }
@@ -62,15 +65,18 @@ class LumpedDomain:
     def save(self, directory: str | Path) -> list[Path]:
         """`lumped.toml`, the scene, and `lumped.csv`, a row for each speed."""
         folder = ensure_directory(directory)
-        remarks = [f"Lumped catenary of the scene {self.name}: static elasticity under {self.force:g} N; its stiffness is off by",
-                   f"{100.0 * self.fit.rms:.2g} % (rms), {100.0 * self.fit.worst:.2g} % at worst."]
+        remarks = [
+            f"Lumped catenary of the scene {self.name}: static elasticity under {self.force:g} N; its stiffness is off by",
+            f"{100.0 * self.fit.rms:.2g} % (rms), {100.0 * self.fit.worst:.2g} % at worst.",
+        ]
         header = ["speed [km/h]", *(f"error of {name} [1]" for name in ERRORS)]
         rows = [(float(v), *(float(self.errors[q][i]) for q in ERRORS)) for i, v in enumerate(self.speeds)]
         return [write_scene(self.lumped, folder / "lumped.toml", remarks), write_table(folder, "lumped.csv", header, rows)]
 
 
-def lumped_domain(scene: Scene, speeds: Sequence[float], force: float | None = None, span: int | None = None,
-                  inerter: bool = False) -> LumpedDomain:
+def lumped_domain(
+    scene: Scene, speeds: Sequence[float], force: float | None = None, span: int | None = None, inerter: bool = False
+) -> LumpedDomain:
     """Derive a lumped catenary from the line of a scene with one pantograph, and run both at each speed (km/h).
 
     force: N, at which the static elasticity is taken; without it the line's own mean force at the lowest speed.
@@ -107,20 +113,32 @@ def _pair(scene: Scene) -> tuple[str, str]:
         unit, _, name = source.partition(".")
         given = scene.units.get(unit)
         component = given.component if given is not None else ""
-        if (target.endswith(".wire_height") and component and ":" not in component
-                and issubclass(component_class(component), Catenary)):
+        if (
+            target.endswith(".wire_height")
+            and component
+            and ":" not in component
+            and issubclass(component_class(component), Catenary)
+        ):
             pairs.append((target.partition(".")[0], unit, name))
     if len(pairs) != 1 or pairs[0][2] != "wire_height":
-        raise BadInput(scene.name, f"{len(pairs)} pantographs under a distributed catenary", "a scene with one",
-                       "A lumped catenary has no waves, and so no other pantograph's wake.")
+        raise BadInput(
+            scene.name,
+            f"{len(pairs)} pantographs under a distributed catenary",
+            "a scene with one",
+            "A lumped catenary has no waves, and so no other pantograph's wake.",
+        )
     return pairs[0][0], pairs[0][1]
 
 
 def _equal_spans(line: Catenary, name: str) -> None:
     lengths = np.diff(line.mesh.position[line.mesh.support])
     if np.ptp(lengths) > 1e-6:
-        raise BadInput(f"units.{name}", f"spans of {lengths.min():g} to {lengths.max():g} m", "spans of one length",
-                       "The lumped catenary repeats one span; fit a span of this line alone with LumpedCatenary.from_line.")
+        raise BadInput(
+            f"units.{name}",
+            f"spans of {lengths.min():g} to {lengths.max():g} m",
+            "spans of one length",
+            "The lumped catenary repeats one span; fit a span of this line alone with LumpedCatenary.from_line.",
+        )
 
 
 def _done(scene: Scene) -> Result:
@@ -137,8 +155,11 @@ def _with_lumped(scene: Scene, catenary: str, fit: SpanFit, reference: float | N
     values["harmonic"] = [v for k, v in fit.parameters.items() if k.startswith("harmonic[")]
     if reference is not None:
         values["inerter.reference_force"] = reference
-    data["units"][catenary] = {"component": "LumpedCatenary", "effects": [] if reference is None else ["inerter"],
-                               "parameters": values}
+    data["units"][catenary] = {
+        "component": "LumpedCatenary",
+        "effects": [] if reference is None else ["inerter"],
+        "parameters": values,
+    }
     kept = {f"{catenary}.{port}" for port in PORTS}
 
     def known(name: str) -> bool:
@@ -167,28 +188,48 @@ def _errors(distributed: Result, lumped: Result, line: Catenary) -> dict[str, fl
         heights.append(np.interp(grid, x[cut], height[cut]))
     unloaded = np.zeros(line.mesh.mass.size)
     uplift = heights[0] - [wire_height(x, unloaded, 0, line.mesh) for x in grid]
-    return errors | {"history": float(np.sqrt(np.mean((forces[1] - forces[0]) ** 2)) / theirs["std"]),
-                     "uplift": float(np.sqrt(np.mean((heights[1] - uplift) ** 2)) / uplift.mean())}
+    return errors | {
+        "history": float(np.sqrt(np.mean((forces[1] - forces[0]) ** 2)) / theirs["std"]),
+        "uplift": float(np.sqrt(np.mean((heights[1] - uplift) ** 2)) / uplift.mean()),
+    }
 
 
 def report(domain: LumpedDomain, tolerance: float, directory: str | Path) -> Path:
     """`report.html`: errors over the speed, how far each stays within the tolerance, the parameters."""
-    series = tuple(Series(text, domain.speeds, 100.0 * np.abs(domain.errors[name]), "line+points")
-                   for name, text in ERRORS.items())
-    chart = Chart("Error of the lumped catenary over the speed", "speed, km/h", (Panel("error, %", series, logarithmic=True),),
-                  "Against the line itself under the same pantograph; the force below 20 Hz in the window of analysis.")
-    rows = tuple((text, *(f"{100.0 * e:+.2g}" for e in domain.errors[name]), domain_text(domain, name, tolerance))
-                 for name, text in ERRORS.items())
+    series = tuple(
+        Series(text, domain.speeds, 100.0 * np.abs(domain.errors[name]), "line+points") for name, text in ERRORS.items()
+    )
+    chart = Chart(
+        "Error of the lumped catenary over the speed",
+        "speed, km/h",
+        (Panel("error, %", series, logarithmic=True),),
+        "Against the line itself under the same pantograph; the force below 20 Hz in the window of analysis.",
+    )
+    rows = tuple(
+        (text, *(f"{100.0 * e:+.2g}" for e in domain.errors[name]), domain_text(domain, name, tolerance))
+        for name, text in ERRORS.items()
+    )
     header = ("quantity", *(f"{v:g} km/h, %" for v in domain.speeds), f"within {100.0 * tolerance:g} % up to")
     grid = Grid("Errors", header, rows)
-    values = Grid("Parameters", ("parameter", "value"), tuple((k, number(v)) for k, v in domain.fit.parameters.items()),
-                  f"Static elasticity of one span under {domain.force:.4g} N. The series leaves {100.0 * domain.fit.rms:.2g} % "
-                  f"(rms) of the stiffness out; {100.0 * domain.fit.asymmetry:.2g} % of its swing is odd about midspan.")
-    lead = (f"A mass on a spring that varies along the span, fitted to the line of {domain.name}. It has no waves and not the "
-            "line's shape at rest: it may stand for the line only where the errors below are small enough for the purpose.")
-    return write_page(Page(f"Lumped catenary of {domain.name}", lead, [
-        Section("Where it may be used", [draw_chart(chart), grid_table(grid)]), Section("The fit", [grid_table(values)])]),
-        Path(directory) / "report.html")
+    values = Grid(
+        "Parameters",
+        ("parameter", "value"),
+        tuple((k, number(v)) for k, v in domain.fit.parameters.items()),
+        f"Static elasticity of one span under {domain.force:.4g} N. The series leaves {100.0 * domain.fit.rms:.2g} % "
+        f"(rms) of the stiffness out; {100.0 * domain.fit.asymmetry:.2g} % of its swing is odd about midspan.",
+    )
+    lead = (
+        f"A mass on a spring that varies along the span, fitted to the line of {domain.name}. It has no waves and not the "
+        "line's shape at rest: it may stand for the line only where the errors below are small enough for the purpose."
+    )
+    return write_page(
+        Page(
+            f"Lumped catenary of {domain.name}",
+            lead,
+            [Section("Where it may be used", [draw_chart(chart), grid_table(grid)]), Section("The fit", [grid_table(values)])],
+        ),
+        Path(directory) / "report.html",
+    )
 
 
 def domain_text(domain: LumpedDomain, quantity: str, tolerance: float) -> str:

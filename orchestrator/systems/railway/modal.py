@@ -69,9 +69,15 @@ def passage(line: Line, head: Head, speed: float, start: float, seconds: float, 
     preload, *shape = at_rest(line, x_d)
 
     wave = np.sin(k * start)
-    g, r, F = equilibrium([scale[w] * (S / squares[w]) @ S.T for w in (0, 1)], scale[0] * (S / squares[0]) @ wave,
-                          scale[0] * float(wave**2 @ (1.0 / squares[0])), (dropper, support, contact), preload, head,
-                          float(np.interp(start, shape[0], shape[1])))
+    g, r, F = equilibrium(
+        [scale[w] * (S / squares[w]) @ S.T for w in (0, 1)],
+        scale[0] * (S / squares[0]) @ wave,
+        scale[0] * float(wave**2 @ (1.0 / squares[0])),
+        (dropper, support, contact),
+        preload,
+        head,
+        float(np.interp(start, shape[0], shape[1])),
+    )
 
     def points(on_droppers, on_supports):
         """Modal forces of both wires, without the contact: droppers pull the contact wire up and the messenger down."""

@@ -103,12 +103,20 @@ def analysis_window(result: Result) -> tuple[float, float]:
     if keys.window is not None:
         return keys.window
     if keys.spans is None:
-        raise BadInput(f"{scene.name}: analysis.spans", "nothing", "the first and the last span for the statistics",
-                       "Add spans = [first, last] to [analysis], or window = [from, to] in m.")
+        raise BadInput(
+            f"{scene.name}: analysis.spans",
+            "nothing",
+            "the first and the last span for the statistics",
+            "Add spans = [first, last] to [analysis], or window = [from, to] in m.",
+        )
     track = track_of(result)
     if not track.span > 0.0:
-        raise BadInput(f"{scene.name}: analysis.spans", f"[{keys.spans[0]}, {keys.spans[1]}]",
-                       "a catenary with a parameter span_length", "Give window = [from, to] in m instead.")
+        raise BadInput(
+            f"{scene.name}: analysis.spans",
+            f"[{keys.spans[0]}, {keys.spans[1]}]",
+            "a catenary with a parameter span_length",
+            "Give window = [from, to] in m instead.",
+        )
     first, last = keys.spans
     return track.support(first - 1), track.support(last)
 
@@ -142,8 +150,12 @@ def passages(result: Result) -> list[Passage]:
     named = {p.pantograph: p for p in all_passages}
     for unit, missing in left_out.items():
         if any(other in named for other in (unit.removesuffix(SECOND), unit.removesuffix(STRIPS), unit + SECOND, unit + STRIPS)):
-            raise BadInput(f"{result.scene.name}: record.signals", f"no {' and no '.join(missing)}",
-                           "all of a collector's force, which is judged as a whole", "Add it, or leave out [record].")
+            raise BadInput(
+                f"{result.scene.name}: record.signals",
+                f"no {' and no '.join(missing)}",
+                "all of a collector's force, which is judged as a whole",
+                "Add it, or leave out [record].",
+            )
     parts = set()
     for name, rear in named.items():
         if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):
@@ -165,8 +177,12 @@ def _support_positions(result: Result, catenary: str, watched: list[str]) -> tup
     values = result.info["units"][catenary]["parameters"]
     for name in ("span_length", "first_watched_support"):
         if name not in values:
-            raise BadInput(f"units.{catenary}", f"no parameter {name!r}", "what tells where the supports of its uplifts are",
-                           f"Or do not record {catenary}.support_uplift.")
+            raise BadInput(
+                f"units.{catenary}",
+                f"no parameter {name!r}",
+                "what tells where the supports of its uplifts are",
+                f"Or do not record {catenary}.support_uplift.",
+            )
     first, track = values["first_watched_support"], _track(values)
     return tuple(track.support(first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
 

@@ -26,15 +26,23 @@ def _rows(rotor: RotorRecord, kept: slice) -> list[SummaryRow]:
     if {"x", "y"} <= rotor.signals.keys():
         radius = np.hypot(rotor.signals["x"], rotor.signals["y"])[kept]
         largest = int(np.argmax(radius))
-        numbers += [SummaryRow(f"{rotor.unit}.displacement_max", float(radius[largest]), "m",
-                             "largest displacement where it is watched"),
-                  SummaryRow(f"{rotor.unit}.speed_at_max", float(speed[largest]), "rad/s", "speed at the largest displacement")]
+        numbers += [
+            SummaryRow(f"{rotor.unit}.displacement_max", float(radius[largest]), "m", "largest displacement where it is watched"),
+            SummaryRow(f"{rotor.unit}.speed_at_max", float(speed[largest]), "rad/s", "speed at the largest displacement"),
+        ]
     for port, signals in rotor.ports.items():
         if {"force_x", "force_y"} <= signals.keys():
             force = np.hypot(signals["force_x"], signals["force_y"])[kept]
-            numbers.append(SummaryRow(f"{rotor.unit}.{port}.force_max", float(force.max()), "N",
-                                      f"largest radial force at {port}"))
+            numbers.append(
+                SummaryRow(f"{rotor.unit}.{port}.force_max", float(force.max()), "N", f"largest radial force at {port}")
+            )
         if "max_ball_load" in signals:
-            numbers.append(SummaryRow(f"{rotor.unit}.{port}.ball_load_max", float(signals["max_ball_load"][kept].max()), "N",
-                                    f"largest load of a ball at {port}"))
+            numbers.append(
+                SummaryRow(
+                    f"{rotor.unit}.{port}.ball_load_max",
+                    float(signals["max_ball_load"][kept].max()),
+                    "N",
+                    f"largest load of a ball at {port}",
+                )
+            )
     return numbers

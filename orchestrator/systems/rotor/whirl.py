@@ -62,8 +62,14 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
     speed = np.linspace(0.0, highest, SPEEDS)
     frequency, direction = campbell(matrices, speed, MODES)
     critical = np.asarray(keys.critical_speeds, dtype=float) if keys.critical_speeds else critical_speeds(matrices)
-    text = ("Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "
-            "may stand above its line.") if tangents else ""
+    text = (
+        (
+            "Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "
+            "may stand above its line."
+        )
+        if tangents
+        else ""
+    )
     return Whirl(speed, frequency, direction, critical[critical <= highest], text)
 
 

@@ -115,13 +115,18 @@ def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:
 
 def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Rotation matrices of unit quaternions, (3, 3, n)."""
-    return np.array([[1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-                     [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-                     [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)]])
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
 
 
-def _constants(result: Result, unit: str, position: np.ndarray, axes: np.ndarray,
-               signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _constants(
+    result: Result, unit: str, position: np.ndarray, axes: np.ndarray, signals: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """Kinetic energy, (1, n), impulse and its moment about the origin of the world's axes, (3, n), of a body in a perfect fluid.
 
     Empty for a vehicle with drag, weight, current, or anything driven, and where velocities were not recorded.

@@ -150,8 +150,10 @@ def poincare(result: Result, record: JointRecord, begin: float) -> list[tuple[st
     if len(record.moving) < 2 or "energy" not in record.constant:
         return []
     first, second = record.moving[:2]
-    return [(f"the {passed.name} passes 0", _passages(record.time[kept], passed, other, kept))
-            for passed, other in ((first, second), (second, first))]
+    return [
+        (f"the {passed.name} passes 0", _passages(record.time[kept], passed, other, kept))
+        for passed, other in ((first, second), (second, first))
+    ]
 
 
 def _passages(time: np.ndarray, passed: Axis, other: Axis, kept: slice) -> Axis:

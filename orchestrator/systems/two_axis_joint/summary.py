@@ -22,11 +22,14 @@ def _rows(joint: JointRecord) -> list[SummaryRow]:
     numbers = []
     for axis in joint.axes:
         key = f"{joint.unit}.{axis.name.replace(' ', '_').replace('.', '_')}"
-        numbers += [SummaryRow(f"{key}_angle_max", float(np.abs(axis.angle).max()), "rad", f"largest angle of the {axis.name}"),
-                  SummaryRow(f"{key}_rate_max", float(np.abs(axis.rate).max()), "rad/s", f"largest rate of the {axis.name}")]
+        numbers += [
+            SummaryRow(f"{key}_angle_max", float(np.abs(axis.angle).max()), "rad", f"largest angle of the {axis.name}"),
+            SummaryRow(f"{key}_rate_max", float(np.abs(axis.rate).max()), "rad/s", f"largest rate of the {axis.name}"),
+        ]
     for name, values in joint.kept.items():
         change = float(np.abs(values - values[0]).max()) / (float(np.abs(values).max()) or 1.0)
         kept = "which the equations keep" if name in joint.constant else "which forces, losses or partners may change"
-        numbers.append(SummaryRow(f"{joint.unit}.{name}_change", change, "1",
-                                f"largest change of the {name} over its size, {kept}"))
+        numbers.append(
+            SummaryRow(f"{joint.unit}.{name}_change", change, "1", f"largest change of the {name} over its size, {kept}")
+        )
     return numbers

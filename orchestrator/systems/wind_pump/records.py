@@ -1,10 +1,10 @@
 """Wind pumps of a run, found by their connections: speeds, powers along the chain, starts and stops, water.
 
-    [analysis]
-    system = "wind_pump"
-    average = 2.0           # s, moving mean of speeds and powers before they are compared: a piston's pulsation is gone
-    standstill = 0.1        # rad/s, below which a shaft counts as standing
-    pause = 10.0            # s, a shorter standstill between two strokes is no stop
+[analysis]
+system = "wind_pump"
+average = 2.0           # s, moving mean of speeds and powers before they are compared: a piston's pulsation is gone
+standstill = 0.1        # rad/s, below which a shaft counts as standing
+pause = 10.0            # s, a shorter standstill between two strokes is no stop
 """
 
 from __future__ import annotations

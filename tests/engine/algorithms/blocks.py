@@ -27,8 +27,13 @@ class Block(Linear):
         return np.array([self.parameters[f"{name}[{k + 1}]"] for k in range(STATES * columns)]).reshape(STATES, columns)
 
     def matrices(self):
-        return (self.matrix("a", STATES), self.matrix("b", INPUTS), self.matrix("c", STATES), np.zeros((STATES, INPUTS)),
-                self.matrix("start", 1).ravel())
+        return (
+            self.matrix("a", STATES),
+            self.matrix("b", INPUTS),
+            self.matrix("c", STATES),
+            np.zeros((STATES, INPUTS)),
+            self.matrix("start", 1).ravel(),
+        )
 
 
 class DirectBlock(Linear):
@@ -45,8 +50,13 @@ class DirectBlock(Linear):
     matrix = Block.matrix
 
     def matrices(self):
-        return (self.matrix("a", STATES), self.matrix("b", INPUTS), self.matrix("c", STATES), self.matrix("d", INPUTS),
-                self.matrix("start", 1).ravel())
+        return (
+            self.matrix("a", STATES),
+            self.matrix("b", INPUTS),
+            self.matrix("c", STATES),
+            self.matrix("d", INPUTS),
+            self.matrix("start", 1).ravel(),
+        )
 
 
 @dataclass(frozen=True)

@@ -73,13 +73,25 @@ HERE = "cosimo.tests.engine.algorithms.bonded"
 BOND = "a.v_out * b.force"
 
 
-def bonded(second: str, algorithm: str, step: float, degree: int, *, stop: float = 10.0, a: dict | None = None,
-           b: dict | None = None, **master) -> dict:
+def bonded(
+    second: str,
+    algorithm: str,
+    step: float,
+    degree: int,
+    *,
+    stop: float = 10.0,
+    a: dict | None = None,
+    b: dict | None = None,
+    **master,
+) -> dict:
     """A body `a` and a `Link` or `Tethered` mass `b` as scene data, with their bond."""
     return {
-        "stop_time": stop, "connections": ["b.force -> a.force", "a.v_out -> b.velocity"],
-        "units": {"a": {"component": f"{HERE}:Body", "parameters": a or {}},
-                  "b": {"component": f"{HERE}:{second}", "parameters": b or {}}},
+        "stop_time": stop,
+        "connections": ["b.force -> a.force", "a.v_out -> b.velocity"],
+        "units": {
+            "a": {"component": f"{HERE}:Body", "parameters": a or {}},
+            "b": {"component": f"{HERE}:{second}", "parameters": b or {}},
+        },
         "master": {"algorithm": algorithm, "step": step, "extrapolation": degree, "bonds": [BOND], **master},
     }
 

@@ -123,8 +123,14 @@ class TwoMasses:
     def whole(self) -> np.ndarray:
         """Matrix of the uncut system, (4, 4)."""
         k1, kc, k2, c1, cc, c2, m1, m2 = self.k1, self.kc, self.k2, self.c1, self.cc, self.c2, self.m1, self.m2
-        return np.array([[0, 1, 0, 0], [-(k1 + kc) / m1, -(c1 + cc) / m1, kc / m1, cc / m1],
-                         [0, 0, 0, 1], [kc / m2, cc / m2, -(k2 + kc) / m2, -(c2 + cc) / m2]])
+        return np.array(
+            [
+                [0, 1, 0, 0],
+                [-(k1 + kc) / m1, -(c1 + cc) / m1, kc / m1, cc / m1],
+                [0, 0, 0, 1],
+                [kc / m2, cc / m2, -(k2 + kc) / m2, -(c2 + cc) / m2],
+            ]
+        )
 
     def exact(self, t: float) -> np.ndarray:
         """(x1, v1, x2, v2) at t."""
@@ -140,13 +146,21 @@ class TwoMasses:
         units = {
             "FF": {"a": first, "b": second, "f": {"component": f"{HERE}:Between", "parameters": coupling}},
             "FD": {"a": first, "b": {**owner, "parameters": second["parameters"] | coupling}},
-            "DD": {"a": {**owner, "parameters": first["parameters"] | coupling},
-                   "b": {**owner, "parameters": second["parameters"] | coupling}},
+            "DD": {
+                "a": {**owner, "parameters": first["parameters"] | coupling},
+                "b": {**owner, "parameters": second["parameters"] | coupling},
+            },
         }[split]
         motion = ["a.x_out -> b.position", "a.v_out -> b.velocity"]
         connections = {
-            "FF": ["f.force -> a.force", {"source": "f.force", "target": "b.force", "factor": -1.0},
-                   "a.x_out -> f.x1", "a.v_out -> f.v1", "b.x_out -> f.x2", "b.v_out -> f.v2"],
+            "FF": [
+                "f.force -> a.force",
+                {"source": "f.force", "target": "b.force", "factor": -1.0},
+                "a.x_out -> f.x1",
+                "a.v_out -> f.v1",
+                "b.x_out -> f.x2",
+                "b.v_out -> f.v2",
+            ],
             "FD": ["b.force -> a.force", *motion],
             "DD": [*motion, "b.x_out -> a.position", "b.v_out -> a.velocity"],
         }[split]

@@ -125,7 +125,7 @@ def circle(masses: TwoMasses, step: float, degree: int, method: str = "newton"):
     """A master with the force between two free masses as the one signal at the cut, and its circle."""
     scene = masses.scene("FF", step, stop=100.0 * step, algorithm="iterative", extrapolation=degree)
     master = open_master(scene, iteration=IterationSettings(method=method))
-    (chain, _), = master._chains
+    ((chain, _),) = master._chains
     return master, chain
 
 
@@ -182,14 +182,18 @@ def test_methods_converge_where_the_fixed_point_does_not(degree, limit):
 def test_lagged_added_mass():
     """A light mass that carries a heavy one: the plain exchange multiplies errors by -100, and the methods find cos t."""
     here = "cosimo.tests.engine.algorithms.oscillators"
-    scene = {"stop_time": 1.0,
-             "units": {"a": {"component": f"{here}:Accelerated", "parameters": {"m": 1.0, "k": 1.0}},
-                       "b": {"component": f"{here}:Carried", "parameters": {"m": 100.0, "k": 100.0}}},
-             "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
-             "master": {"algorithm": "iterative", "step": 0.02, "extrapolation": 1}}
+    scene = {
+        "stop_time": 1.0,
+        "units": {
+            "a": {"component": f"{here}:Accelerated", "parameters": {"m": 1.0, "k": 1.0}},
+            "b": {"component": f"{here}:Carried", "parameters": {"m": 100.0, "k": 100.0}},
+        },
+        "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
+        "master": {"algorithm": "iterative", "step": 0.02, "extrapolation": 1},
+    }
     for method in METHODS:
         master = open_master(scene, [("a", "x_out")], IterationSettings(method=method))
-        (chain, _), = master._chains
+        ((chain, _),) = master._chains
         chain.save()
         guess = chain.predicted(0.02)
         answer = chain.respond(guess, 0.0, 0.02)

@@ -87,8 +87,12 @@ def described(monkeypatch):
 
 def scene(algorithm: str, degree: int, order=("c", "b"), **master) -> dict:
     units = {"c": {"component": f"{HERE}:Clocked"}, "b": {"component": f"{HERE}:Both"}}
-    return {"stop_time": 1.0, "units": {n: units[n] for n in order}, "connections": ["c.ticks -> b.jumps", "c.time -> b.moves"],
-            "master": {"algorithm": algorithm, "step": STEP, "extrapolation": degree, **master}}
+    return {
+        "stop_time": 1.0,
+        "units": {n: units[n] for n in order},
+        "connections": ["c.ticks -> b.jumps", "c.time -> b.moves"],
+        "master": {"algorithm": algorithm, "step": STEP, "extrapolation": degree, **master},
+    }
 
 
 @pytest.mark.parametrize("what", [{"discrete": True}, {"kind": "integer", "discrete": True}, {"kind": "enumeration"}], ids=str)
@@ -121,9 +125,13 @@ def test_wide_ports_hold_their_discrete_inputs_too(algorithm, described):
     described(("c", "ticks"), discrete=True)
     connections = [f"c.{'ticks' if i % 2 else 'time'} -> m.u_in[{i}]" for i in range(1, N + 1)]
     connections = [{"source": c.split(" -> ")[0], "target": c.split(" -> ")[1], "convert_units": False} for c in connections]
-    wide = {"stop_time": 1.0, "units": {"c": {"component": f"{HERE}:Clocked"}, "m": {"component": f"{HERE}:Many"}},
-            "connections": connections, "record": {"signals": ["m.sums"]},
-            "master": {"algorithm": algorithm, "step": STEP, "extrapolation": 1}}
+    wide = {
+        "stop_time": 1.0,
+        "units": {"c": {"component": f"{HERE}:Clocked"}, "m": {"component": f"{HERE}:Many"}},
+        "connections": connections,
+        "record": {"signals": ["m.sums"]},
+        "master": {"algorithm": algorithm, "step": STEP, "extrapolation": 1},
+    }
     result = run(read_scene(wide))
     for i in range(1, N + 1):
         exact = STEP * 45.0 if i % 2 else {"jacobi": 0.5 - STEP**2 / 2.0, "gauss-seidel": 0.5}[algorithm]
@@ -150,8 +158,12 @@ def test_smoothing_leaves_jumps_that_are_meant(described):
 @pytest.mark.parametrize("feedthrough", ["immediate", "delayed"])
 def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(feedthrough, described):
     both = {"component": f"{HERE}:Both"}
-    loop = {"stop_time": 1.0, "units": {"p": both, "q": both}, "connections": ["p.now -> q.jumps", "q.now -> p.jumps"],
-            "master": {"algorithm": "jacobi", "step": STEP, "feedthrough": feedthrough}}
+    loop = {
+        "stop_time": 1.0,
+        "units": {"p": both, "q": both},
+        "connections": ["p.now -> q.jumps", "q.now -> p.jumps"],
+        "master": {"algorithm": "jacobi", "step": STEP, "feedthrough": feedthrough},
+    }
     for unit in "pq":
         described((unit, "now"), discrete=True)
     if feedthrough == "delayed":
@@ -183,8 +195,11 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
     def describe(name, settings):
         interface = original(name, settings)
         text = {"kind": "string", "discrete": True, "feedthrough": ()}
-        return replace(interface, inputs={**interface.inputs, "hears": Signal("hears", "", "nothing yet", **text)},
-                       outputs={**interface.outputs, "says": Signal("says", "", "", **text)})
+        return replace(
+            interface,
+            inputs={**interface.inputs, "hears": Signal("hears", "", "nothing yet", **text)},
+            outputs={**interface.outputs, "says": Signal("says", "", "", **text)},
+        )
 
     open_unit = open_all.open_unit
 

@@ -59,8 +59,9 @@ def test_the_account_is_right_in_its_leading_term(algorithm, degree):
     assert beyond[-1] < 0.02 * gained[-1]
 
 
-@pytest.mark.parametrize(("algorithm", "degree", "order"), [
-    ("jacobi", 0, 2), ("jacobi", 1, 3), ("gauss-seidel", 0, 2), ("gauss-seidel", 1, 3)])
+@pytest.mark.parametrize(
+    ("algorithm", "degree", "order"), [("jacobi", 0, 2), ("jacobi", 1, 3), ("gauss-seidel", 0, 2), ("gauss-seidel", 1, 3)]
+)
 def test_correction_raises_the_order_by_one(algorithm, degree, order):
     gained, _, error = misses(algorithm, degree, energy_correction=True)
     assert abs(slope(error) - order) < 0.15
@@ -113,11 +114,20 @@ MS, MU, KS, CS, KT, CT = 290.0, 15.0, 16200.0, 1000.0, 191000.0, 2500.0
 
 def quarter_car(step: float, degree: int, **master) -> tuple[float, dict]:
     """Relative rms error of the chassis' velocity over 2 s, and the run's counters."""
-    scene = bonded("Tethered", "jacobi", step, degree, stop=2.0, a={"m": MS, "v0": 0.0},
-                   b={"m": MU, "k": KS, "c": CS, "kg": KT, "cg": CT, "v0": 1.0}, **master)
+    scene = bonded(
+        "Tethered",
+        "jacobi",
+        step,
+        degree,
+        stop=2.0,
+        a={"m": MS, "v0": 0.0},
+        b={"m": MU, "k": KS, "c": CS, "kg": KT, "cg": CT, "v0": 1.0},
+        **master,
+    )
     result = run(read_scene(scene))
-    A = np.array([[0, 1, 0, 0], [-KS / MS, -CS / MS, KS / MS, CS / MS], [0, 0, 0, 1],
-                  [KS / MU, CS / MU, -(KS + KT) / MU, -(CS + CT) / MU]])
+    A = np.array(
+        [[0, 1, 0, 0], [-KS / MS, -CS / MS, KS / MS, CS / MS], [0, 0, 0, 1], [KS / MU, CS / MU, -(KS + KT) / MU, -(CS + CT) / MU]]
+    )
     exact = np.array([(expm(A * t) @ [0.0, 0.0, 0.0, 1.0])[1] for t in result.time])
     weights = np.gradient(result.time)
     error = np.sqrt(weights @ (result["a.v_out"] - exact) ** 2 / (weights @ exact**2))
@@ -137,13 +147,16 @@ def test_steps_controlled_by_energy_beat_as_many_equal_steps(degree):
     assert error < 0.4 * equal
 
 
-@pytest.mark.parametrize(("changes", "message"), [
-    ({"bonds": ["a.v_out"]}, r'master.bonds: \'a.v_out\'; expected "unit.output \* unit.output"'),
-    ({"bonds": ["a.v_out * b.x_out"]}, "b.x_out, which feeds no inputs of a; expected one connection each way"),
-    ({"bonds": ["a.v * b.force"]}, "a.v; expected an output of a. there is x_out, v_out"),
-    ({"control": {"method": "energy"}, "bonds": []}, "'energy' without bonds"),
-    ({"energy_correction": True, "bonds": []}, "true without bonds"),
-])
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bonds": ["a.v_out"]}, r'master.bonds: \'a.v_out\'; expected "unit.output \* unit.output"'),
+        ({"bonds": ["a.v_out * b.x_out"]}, "b.x_out, which feeds no inputs of a; expected one connection each way"),
+        ({"bonds": ["a.v * b.force"]}, "a.v; expected an output of a. there is x_out, v_out"),
+        ({"control": {"method": "energy"}, "bonds": []}, "'energy' without bonds"),
+        ({"energy_correction": True, "bonds": []}, "true without bonds"),
+    ],
+)
 def test_bonds_that_are_none_are_refused(changes, message):
     scene = bonded("Link", "jacobi", 0.1, 1)
     scene["master"] |= changes
@@ -152,9 +165,12 @@ def test_bonds_that_are_none_are_refused(changes, message):
 
 
 def test_a_product_that_is_no_power_is_refused():
-    scene = {"stop_time": 1.0, "connections": ["b.force -> a.force", "a.x_out -> b.velocity"],
-             "units": {"a": {"component": f"{HERE}:Body"}, "b": {"component": f"{HERE}:Link"}},
-             "master": {"step": 0.1, "bonds": ["a.x_out * b.force"]}}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["b.force -> a.force", "a.x_out -> b.velocity"],
+        "units": {"a": {"component": f"{HERE}:Body"}, "b": {"component": f"{HERE}:Link"}},
+        "master": {"step": 0.1, "bonds": ["a.x_out * b.force"]},
+    }
     scene["connections"][1] = {"source": "a.x_out", "target": "b.velocity", "convert_units": False}
     with pytest.raises(BadInput, match=r"a product in m times N; expected a power"):
         read_scene(scene)

@@ -15,12 +15,21 @@ def scene(damping: float, step: float, **master) -> dict:
     """10 kg at 0.5 m/s on 1 kg, each with spring and damper to the ground, in touch at the start."""
     mass = {"component": "cosimo.tests.support:Mass"}
     return {
-        "stop_time": STOP, "master": {"step": step, **master},
-        "units": {"a": {**mass, "parameters": {"m": 10.0, "k": 1e3, "c": 20.0, "v0": 0.5}},
-                  "b": {**mass, "parameters": {"m": 1.0, "k": 1e5, "c": 50.0, "v0": 0.0}},
-                  "f": {"component": f"{HERE}:OneSided", "parameters": {"kc": STIFFNESS, "cc": damping}}},
-        "connections": ["f.force -> a.force", {"source": "f.force", "target": "b.force", "factor": -1.0},
-                        "a.x_out -> f.x1", "a.v_out -> f.v1", "b.x_out -> f.x2", "b.v_out -> f.v2"],
+        "stop_time": STOP,
+        "master": {"step": step, **master},
+        "units": {
+            "a": {**mass, "parameters": {"m": 10.0, "k": 1e3, "c": 20.0, "v0": 0.5}},
+            "b": {**mass, "parameters": {"m": 1.0, "k": 1e5, "c": 50.0, "v0": 0.0}},
+            "f": {"component": f"{HERE}:OneSided", "parameters": {"kc": STIFFNESS, "cc": damping}},
+        },
+        "connections": [
+            "f.force -> a.force",
+            {"source": "f.force", "target": "b.force", "factor": -1.0},
+            "a.x_out -> f.x1",
+            "a.v_out -> f.v1",
+            "b.x_out -> f.x2",
+            "b.v_out -> f.v2",
+        ],
     }
 
 
@@ -34,8 +43,9 @@ def reference(damping: float, times: np.ndarray) -> np.ndarray:
         f = force(x)
         return [x[1], (f - 1e3 * x[0] - 20.0 * x[1]) / 10.0, x[3], -f - 1e5 * x[2] - 50.0 * x[3]]
 
-    found = solve_ivp(rates, (0.0, STOP), [0.0, 0.5, 0.0, 0.0], method="Radau", rtol=1e-9, atol=1e-12, dense_output=True,
-                      max_step=2e-5)
+    found = solve_ivp(
+        rates, (0.0, STOP), [0.0, 0.5, 0.0, 0.0], method="Radau", rtol=1e-9, atol=1e-12, dense_output=True, max_step=2e-5
+    )
     return np.array([force(found.sol(t)) for t in times])
 
 
@@ -51,8 +61,10 @@ def error_and_steps(damping: float, step: float, **master) -> tuple[float, int]:
 @pytest.mark.parametrize("damping", [0.0, 200.0])
 @pytest.mark.parametrize("step", full_but((1e-3,), (1e-3, 2.5e-4)))
 def test_methods_agree_where_the_contact_closes_and_opens(damping, step):
-    found = [error_and_steps(damping, step, algorithm="iterative", iteration={"method": method, "tolerance": 1e-6})
-             for method in ("aitken", "quasi-newton", "newton")]
+    found = [
+        error_and_steps(damping, step, algorithm="iterative", iteration={"method": method, "tolerance": 1e-6})
+        for method in ("aitken", "quasi-newton", "newton")
+    ]
     errors, work = zip(*found, strict=True)
     # the force is known to 1e-6 of its size in every step, and a stiff contact hands on errors of a step undamped
     np.testing.assert_allclose(errors[1:], errors[0], rtol=1e-3)

@@ -70,8 +70,14 @@ def test_circles_of_any_gain_settle_at_the_solution_of_the_linear_system(scale, 
 def test_pantographs_on_each_others_heads_settle_where_both_hang_free():
     """Every sweep lifts both by the compression of a contact spring; the frame's spring holds the lift at 120 N / (50 N/m)."""
     units = {name: {"component": "Pantograph", "parameters": {"static_force": 120.0, "frame_stiffness": 50.0}} for name in "pq"}
-    scene = read_scene({"stop_time": 0.1, "units": units, "master": {"step": 0.1},
-                        "connections": ["p.head_height -> q.wire_height", "q.head_height -> p.wire_height"]})
+    scene = read_scene(
+        {
+            "stop_time": 0.1,
+            "units": units,
+            "master": {"step": 0.1},
+            "connections": ["p.head_height -> q.wire_height", "q.head_height -> p.wire_height"],
+        }
+    )
     result = run(scene, in_process=True)
     assert result["p.head_height"][0] == pytest.approx(120.0 / 50.0, rel=1e-9)
     assert result["p.contact_force"][0] == 0.0
@@ -80,8 +86,16 @@ def test_pantographs_on_each_others_heads_settle_where_both_hang_free():
 def test_nonlinear_circles_settle_too():
     """x = 3 sqrt(|y|) + 1, y = 5 sqrt(|x|) - 2, a contraction in sweeps; the answer from bisection of one variable."""
     units = {n: {"component": f"{HERE}:Root", "parameters": {"a": a, "c": c}} for n, a, c in (("p", 3.0, 1.0), ("q", 5.0, -2.0))}
-    result = run(read_scene({"stop_time": 0.1, "units": units, "master": {"algorithm": "jacobi", "step": 0.1},
-                             "connections": ["p.y -> q.u1", "q.y -> p.u1"]}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 0.1,
+                "units": units,
+                "master": {"algorithm": "jacobi", "step": 0.1},
+                "connections": ["p.y -> q.u1", "q.y -> p.u1"],
+            }
+        )
+    )
     low, high = 1.0, 1e3
     for _ in range(200):
         x = 0.5 * (low + high)
@@ -92,11 +106,22 @@ def test_nonlinear_circles_settle_too():
 def test_groups_settle_one_after_the_other_whatever_their_order_in_the_scene():
     """last <- (p <-> q) <- first: four units, three groups, and only the circle needs more than one sweep."""
     gain = f"{HERE}:Gain"
-    units = {"last": {"component": gain, "parameters": {"a": 2.0}},
-             "p": {"component": gain, "parameters": {"a": 0.5, "b": 1.0}}, "q": {"component": gain, "parameters": {"a": 0.5}},
-             "first": {"component": gain, "parameters": {"c": 3.0}}}
-    result = run(read_scene({"stop_time": 0.1, "units": units, "master": {"algorithm": "jacobi", "step": 0.1},
-                             "connections": ["q.y -> p.u1", "first.y -> p.u2", "p.y -> q.u1", "p.y -> last.u1"]}))
+    units = {
+        "last": {"component": gain, "parameters": {"a": 2.0}},
+        "p": {"component": gain, "parameters": {"a": 0.5, "b": 1.0}},
+        "q": {"component": gain, "parameters": {"a": 0.5}},
+        "first": {"component": gain, "parameters": {"c": 3.0}},
+    }
+    result = run(
+        read_scene(
+            {
+                "stop_time": 0.1,
+                "units": units,
+                "master": {"algorithm": "jacobi", "step": 0.1},
+                "connections": ["q.y -> p.u1", "first.y -> p.u2", "p.y -> q.u1", "p.y -> last.u1"],
+            }
+        )
+    )
     assert [set(group["units"]) for group in result.info["initial_values"]] == [{"first"}, {"p", "q"}, {"last"}]
     assert [group["sweeps"] for group in result.info["initial_values"]][::2] == [1, 1]
     assert result["last.y"][0] == pytest.approx(2.0 * 3.0 / (1.0 - 0.25), rel=1e-11)

@@ -47,9 +47,23 @@ class Dashpot(Linear):
         return np.zeros((1, 1)), np.array([[1.0 / self.parameters["Z"]]]), np.eye(1), np.zeros((1, 1)), [0.0]
 
 
-def pair(step, stop, first, second, law, *, leader=None, acceleration=True, algorithm="interface-model", degree=0, clearance=0.0,
-         inertia=None, **options):
+def pair(
+    step,
+    stop,
+    first,
+    second,
+    law,
+    *,
+    leader=None,
+    acceleration=True,
+    algorithm="interface-model",
+    degree=0,
+    clearance=0.0,
+    inertia=None,
+    **options,
+):
     """Scene of two bodies; first and second: parameters of `Body`; law: settings of the contact."""
+
     def side(name, m):
         known = {"acceleration": f"{name}.acceleration"} if acceleration else {}
         ends = {part: f"{name}.{part}" for part in ("force", "position", "velocity")}
@@ -57,12 +71,14 @@ def pair(step, stop, first, second, law, *, leader=None, acceleration=True, algo
 
     masses = inertia or (first["m"], second["m"])
     contact = {"name": "touch", "clearance": clearance, **law, "first": side("a", masses[0]), "second": side("b", masses[1])}
-    return read_scene({
-        "stop_time": stop,
-        "units": {n: {"component": f"{__name__}:Body", "parameters": p} for n, p in (("a", first), ("b", second))},
-        "contacts": [contact | ({} if leader is None else {"leader": leader})],
-        "master": {"algorithm": algorithm, "step": step, "extrapolation": degree, **options},
-    })
+    return read_scene(
+        {
+            "stop_time": stop,
+            "units": {n: {"component": f"{__name__}:Body", "parameters": p} for n, p in (("a", first), ("b", second))},
+            "contacts": [contact | ({} if leader is None else {"leader": leader})],
+            "master": {"algorithm": algorithm, "step": step, "extrapolation": degree, **options},
+        }
+    )
 
 
 # -- the reduced bodies -----------------------------------------------------------------------------------------------------
@@ -94,8 +110,27 @@ def test_a_mass_against_a_dashpot_is_the_matrix_exponential():
     A = np.array([[0, 1, 0, 0, 0], [*(-force[:3] / m), 0, r / m], into, force, np.zeros(5)])
     start = np.array([1e-3, 0.2, 0.0, 0.0, 1.0])
     exact = expm(A * h) @ start
-    impulse, _, end = reduced_step(h, LAWS.index("spring"), k, d, 0.0, start[0], start[1], start[2], 0.0, 1.0 / m, 0.0,
-                                   0.0, 1.0 / Z, r, 0.0, 0.0, 0.0, 0.0, 0.0)
+    impulse, _, end = reduced_step(
+        h,
+        LAWS.index("spring"),
+        k,
+        d,
+        0.0,
+        start[0],
+        start[1],
+        start[2],
+        0.0,
+        1.0 / m,
+        0.0,
+        0.0,
+        1.0 / Z,
+        r,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
     assert impulse == pytest.approx(exact[3], rel=1e-6)  # RK4 with 20 micro steps a time constant
     assert end == pytest.approx(force @ exact, rel=1e-6)
 
@@ -141,15 +176,28 @@ def test_a_step_longer_than_the_period_of_the_contact():
 def test_a_mass_that_lands_on_the_end_of_a_string(leader):
     """m x'' = -F, Z w' = F, F = k (x - w): a damped oscillation, exact with steps of one and a half radians."""
     m, Z, k, v = 7.2, 487.0, 5e4, 0.3
-    result = finished(read_scene({
-        "stop_time": 0.09,
-        "units": {"a": {"component": f"{__name__}:Body", "parameters": {"m": m, "v0": v}},
-                  "w": {"component": f"{__name__}:Dashpot", "parameters": {"Z": Z}}},
-        "contacts": [{"name": "touch", "law": "spring", "stiffness": k, **({"leader": leader} if leader else {}),
-                      "first": {"force": "a.force", "position": "a.position", "velocity": "a.velocity", "inertia": m},
-                      "second": {"force": "w.force", "position": "w.position", "impedance": Z}}],
-        "master": {"algorithm": "interface-model", "step": 0.018},
-    }))
+    result = finished(
+        read_scene(
+            {
+                "stop_time": 0.09,
+                "units": {
+                    "a": {"component": f"{__name__}:Body", "parameters": {"m": m, "v0": v}},
+                    "w": {"component": f"{__name__}:Dashpot", "parameters": {"Z": Z}},
+                },
+                "contacts": [
+                    {
+                        "name": "touch",
+                        "law": "spring",
+                        "stiffness": k,
+                        **({"leader": leader} if leader else {}),
+                        "first": {"force": "a.force", "position": "a.position", "velocity": "a.velocity", "inertia": m},
+                        "second": {"force": "w.force", "position": "w.position", "impedance": Z},
+                    }
+                ],
+                "master": {"algorithm": "interface-model", "step": 0.018},
+            }
+        )
+    )
     A = np.array([[0.0, 1.0, 0.0], [-k / m, 0.0, k / m], [k / Z, 0.0, -k / Z]])
     exact = np.array([k * (z[0] - z[2]) for z in (expm(A * t) @ [0.0, v, 0.0] for t in result.time)])
     np.testing.assert_allclose(result["touch.force"], exact, atol=1e-5 * np.abs(exact).max())  # 30 micro steps a step
@@ -164,8 +212,9 @@ def error(step, damping, degree, leader, *, acceleration=True, inertia=None):
     """Largest error of the four states at t = 1; masses of 1 kg, springs of 10 and 1000 N/m, coupling spring of 100 N/m."""
     first, second = {"m": 1.0, "k": 10.0, "v0": 100.0}, {"m": 1.0, "k": 1000.0, "v0": -100.0}
     law = {"law": "spring", "stiffness": 100.0, "damping": damping}
-    result = finished(pair(step, 1.0, first, second, law, leader=leader, acceleration=acceleration, degree=degree,
-                           inertia=inertia))
+    result = finished(
+        pair(step, 1.0, first, second, law, leader=leader, acceleration=acceleration, degree=degree, inertia=inertia)
+    )
     reached = [result[n][-1] for n in ("a.position", "a.velocity", "b.position", "b.velocity")]
     return np.abs(reached - expm(states(10.0, 1000.0, 100.0, damping)) @ [0.0, 100.0, 0.0, -100.0]).max()
 
@@ -183,21 +232,30 @@ def test_order_of_the_two_mass_oscillator(acceleration, degree, leader):
 
 
 def test_a_wrong_inertia_costs_accuracy_not_convergence():
-    right, wrong = ([error(step, 0.01, 1, None, acceleration=False, inertia=inertia) for step in (5e-3, 2.5e-3, 1.25e-3)]
-                    for inertia in (None, (3.0, 0.5)))
+    right, wrong = (
+        [error(step, 0.01, 1, None, acceleration=False, inertia=inertia) for step in (5e-3, 2.5e-3, 1.25e-3)]
+        for inertia in (None, (3.0, 0.5))
+    )
     assert np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(wrong), 1)[0] > 2.85
     assert wrong[-1] < 3.0 * right[-1]
 
 
 # Relative l2 error of the contact force of a 10 kg body (1e3 N/m, 20 N s/m) that hits one of 1 kg (1e5 N/m, 50 N s/m) with
 # 0.5 m/s, contact of 1e6 N/m over 20 ms: an independent program with 40 micro steps, against Radau.
-PUBLISHED = {(200.0, 1e-3): 0.0112, (200.0, 5e-4): 0.0019, (200.0, 2.5e-4): 4.7e-4, (200.0, 1e-4): 5.8e-5,
-             (0.0, 1e-3): 0.0190, (0.0, 1e-4): 1.5e-5}
+PUBLISHED = {
+    (200.0, 1e-3): 0.0112,
+    (200.0, 5e-4): 0.0019,
+    (200.0, 2.5e-4): 4.7e-4,
+    (200.0, 1e-4): 5.8e-5,
+    (0.0, 1e-3): 0.0190,
+    (0.0, 1e-4): 1.5e-5,
+}
 HEAVY, LIGHT = {"m": 10.0, "k": 1e3, "c": 20.0, "v0": 0.5}, {"m": 1.0, "k": 1e5, "c": 50.0}
 
 
 def exact_impact(damping, samples):
     """Force at equally spaced samples up to 20 ms: exponentials of the parts with and without contact, joined at the roots."""
+
     def system(k, d):
         return np.array([[0, 1, 0, 0], [-1e2 - k / 10, -2 - d / 10, k / 10, d / 10], [0, 0, 0, 1], [k, d, -1e5 - k, -50 - d]])
 
@@ -230,12 +288,15 @@ def test_errors_of_a_stiff_impact(damping):
     errors, explicit = {}, {}
     for step in (1e-3, 5e-4, 2.5e-4, 1e-4):
         law = {"law": "unilateral", "stiffness": 1e6, "damping": damping}
-        results = [finished(pair(step, 0.02, HEAVY, LIGHT, law, **way))
-                   for way in ({}, {"leader": "second"}, {"algorithm": "jacobi", "degree": 1})]
+        results = [
+            finished(pair(step, 0.02, HEAVY, LIGHT, law, **way))
+            for way in ({}, {"leader": "second"}, {"algorithm": "jacobi", "degree": 1})
+        ]
         exact = exact_impact(damping, results[0].time.size)
         held, led, jacobi = (np.linalg.norm(r["touch.force"] - exact) / np.linalg.norm(exact) for r in results)
         assert {n: r["steps"] for n, r in results[0].info["counters"]["units"].items()} == dict.fromkeys(
-            ("a", "b", "touch"), round(0.02 / step))
+            ("a", "b", "touch"), round(0.02 / step)
+        )
         errors[step], explicit[step] = held, jacobi
         assert led < 1.1 * held
         assert held < jacobi / 20.0
@@ -275,8 +336,16 @@ def test_step_doubling_controls_the_step():
 
 
 def test_a_run_resumed_from_a_checkpoint_is_the_same_to_the_last_bit(tmp_path):
-    scene = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6, "damping": 200.0}, leader="second",
-                 acceleration=False, degree=1)
+    scene = pair(
+        1e-3,
+        0.02,
+        HEAVY,
+        LIGHT,
+        {"law": "unilateral", "stiffness": 1e6, "damping": 200.0},
+        leader="second",
+        acceleration=False,
+        degree=1,
+    )
     whole = finished(scene)
     run(scene, in_process=True, checkpoint_every=7e-3, checkpoint_to=tmp_path / "half")
     resumed = run(scene, in_process=True, resume=tmp_path / "half")
@@ -300,20 +369,23 @@ def test_a_fault_on_a_contact_force_reaches_the_body():
     assert result["a.velocity"][-1] < 0.5
 
 
-@pytest.mark.parametrize(("place", "value", "words"), [
-    (("leader",), "third", "leader"),
-    (("law",), "herz", "hertz"),
-    (("first", "inertia"), None, "neither inertia nor impedance"),
-    (("first", "impedance"), 5.0, "both inertia and impedance"),
-    (("first", "velocity"), None, "velocity"),
-    (("first", "force"), "b.force", "driven a second time"),
-    (("first", "force"), "a.fource", "'force'"),
-    (("second", "position"), "b.positon", "'position'"),
-    (("second", "position"), "c.position", "unit 'c'"),
-    (("first", "clearance"), 1.0, "unknown key 'clearance'"),
-    (("name",), "a", "a name that no unit"),
-    (("stiffness",), -1.0, "greater than 0"),
-])
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        (("leader",), "third", "leader"),
+        (("law",), "herz", "hertz"),
+        (("first", "inertia"), None, "neither inertia nor impedance"),
+        (("first", "impedance"), 5.0, "both inertia and impedance"),
+        (("first", "velocity"), None, "velocity"),
+        (("first", "force"), "b.force", "driven a second time"),
+        (("first", "force"), "a.fource", "'force'"),
+        (("second", "position"), "b.positon", "'position'"),
+        (("second", "position"), "c.position", "unit 'c'"),
+        (("first", "clearance"), 1.0, "unknown key 'clearance'"),
+        (("name",), "a", "a name that no unit"),
+        (("stiffness",), -1.0, "greater than 0"),
+    ],
+)
 def test_contacts_that_cannot_be(place, value, words):
     data = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6, "damping": 1.0}).settings()
     contact = dict(data["contacts"][0])
@@ -327,13 +399,16 @@ def test_contacts_that_cannot_be(place, value, words):
         read_scene({**data, "contacts": [contact]})
 
 
-@pytest.mark.parametrize(("changes", "words"), [
-    ({"contacts": []}, "without contacts"),
-    ({"master.feedthrough": "delayed"}, "feedthrough"),
-    ({"master.smoothing": True, "master.extrapolation": 1}, "smoothing"),
-    ({"master.control": {"method": "milne"}}, "milne"),
-    ({"master.bonds": ["a.velocity * touch.force"]}, "bonds"),
-])
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"contacts": []}, "without contacts"),
+        ({"master.feedthrough": "delayed"}, "feedthrough"),
+        ({"master.smoothing": True, "master.extrapolation": 1}, "smoothing"),
+        ({"master.control": {"method": "milne"}}, "milne"),
+        ({"master.bonds": ["a.velocity * touch.force"]}, "bonds"),
+    ],
+)
 def test_options_that_do_not_go_with_contacts_in_the_master(changes, words):
     scene = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6})
     with pytest.raises(BadInput, match=words):
@@ -344,12 +419,18 @@ def test_a_unit_leads_everywhere_or_nowhere():
     side = {part: f"{{}}.{part}" for part in ("force", "position", "velocity")}
 
     def contact(name, first, second):
-        sides = {label: {part: text.format(unit) for part, text in side.items()} | {"inertia": 1.0}
-                 for label, unit in (("first", first), ("second", second))}
+        sides = {
+            label: {part: text.format(unit) for part, text in side.items()} | {"inertia": 1.0}
+            for label, unit in (("first", first), ("second", second))
+        }
         return {"name": name, "law": "spring", "stiffness": 1e4, "leader": "first", **sides}
 
     units = {n: {"component": f"{__name__}:Body"} for n in "abc"}
-    data = {"stop_time": 1.0, "units": units, "master": {"algorithm": "interface-model", "step": 1e-3},
-            "contacts": [contact("x", "a", "b"), contact("y", "b", "c")]}
+    data = {
+        "stop_time": 1.0,
+        "units": units,
+        "master": {"algorithm": "interface-model", "step": 1e-3},
+        "contacts": [contact("x", "a", "b"), contact("y", "b", "c")],
+    }
     with pytest.raises(BadInput, match=r"b.*second time|lead in all"):
         read_scene(data)

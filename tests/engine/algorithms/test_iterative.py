@@ -55,6 +55,7 @@ class Ramp(Linear):
 @pytest.fixture
 def interface_of(monkeypatch):
     """Call with a unit's name and changes: the unit has this interface from then on."""
+
     def change(unit: str, **changes) -> None:
         before = resolve.describe
 
@@ -78,11 +79,25 @@ def test_only_circles_are_repeated(method):
     between = {"component": "cosimo.tests.engine.algorithms.oscillators:Between"}
     still = {**mass, "parameters": {"v0": 0.0}}
     units = {"listener": mass, "f1": between, "a": still, "source": mass, "f2": between, "b": still, "idle": oscillator}
-    connections = ["source.x_out -> f1.x2", "source.v_out -> f1.v2", "f1.force -> a.force", "a.x_out -> f1.x1",
-                   "a.v_out -> f1.v1", "a.x_out -> f2.x2", "a.v_out -> f2.v2", "f2.force -> b.force", "b.x_out -> f2.x1",
-                   "b.v_out -> f2.v1", "f2.force -> listener.force"]
-    scene = {"stop_time": 1.0, "units": units, "connections": connections,
-             "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": method}}}
+    connections = [
+        "source.x_out -> f1.x2",
+        "source.v_out -> f1.v2",
+        "f1.force -> a.force",
+        "a.x_out -> f1.x1",
+        "a.v_out -> f1.v1",
+        "a.x_out -> f2.x2",
+        "a.v_out -> f2.v2",
+        "f2.force -> b.force",
+        "b.x_out -> f2.x1",
+        "b.v_out -> f2.v1",
+        "f2.force -> listener.force",
+    ]
+    scene = {
+        "stop_time": 1.0,
+        "units": units,
+        "connections": connections,
+        "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": method}},
+    }
     result = run(read_scene(scene))
     assert result.outcome == "done"
     work, master = counters(result)["units"], counters(result)["master"]
@@ -146,9 +161,12 @@ def test_what_does_not_settle_is_counted_where_the_scene_allows_it():
 @pytest.mark.parametrize("method", METHODS)
 def test_a_circle_that_gives_back_more_than_it_gets_is_said(method):
     """Two gains of 1 and a time in between: at the start anything fits, afterwards nothing does."""
-    scene = {"stop_time": 1.0, "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
-             "units": {"one": {"component": f"{HERE}:Ramp", "parameters": {"speed": 0.0}}, "two": {"component": f"{HERE}:Ramp"}},
-             "master": {"algorithm": "iterative", "step": 0.1, "iteration": {"method": method}}}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
+        "units": {"one": {"component": f"{HERE}:Ramp", "parameters": {"speed": 0.0}}, "two": {"component": f"{HERE}:Ramp"}},
+        "master": {"algorithm": "iterative", "step": 0.1, "iteration": {"method": method}},
+    }
     result = run(read_scene(scene))
     assert result.outcome == "failed"
     assert result.time.tolist() == [0.0]
@@ -211,9 +229,12 @@ def test_a_unit_that_holds_the_mean_of_its_inputs_answers_with_their_end(interfa
 def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monkeypatch):
     """A mass in two parts: what acts within the instant is -0.55/0.45, and what a short step adds is little."""
     here = "cosimo.tests.engine.algorithms.oscillators"
-    scene = {"stop_time": 1.0, "units": {"a": {"component": f"{here}:Accelerated"}, "b": {"component": f"{here}:Carried"}},
-             "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
-             "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": "newton"}}}
+    scene = {
+        "stop_time": 1.0,
+        "units": {"a": {"component": f"{here}:Accelerated"}, "b": {"component": f"{here}:Carried"}},
+        "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
+        "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": "newton"}},
+    }
     restores = []
     for gives in (False, True):
         if gives:  # all inputs and outputs are connected, in their order
@@ -245,10 +266,13 @@ def test_signals_that_jump_are_held_and_need_no_guess(interface_of):
 def test_outputs_fit_where_a_fault_makes_a_signal_jump():
     """An algebraic loop with 1 added to what one unit hands over: at every instant, those of the jumps too, both outputs fit."""
     ring = {"component": "cosimo.tests.engine.algorithms.oscillators:Feedthrough"}
-    scene = {"stop_time": 1.0, "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
-             "units": {"one": ring, "two": {**ring, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": -3.0}}},
-             "master": {"algorithm": "iterative", "step": 1e-2},
-             "faults": [{"signal": "two.y_out", "kind": "offset", "value": 1.0, "begin": 0.3, "end": 0.5}]}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
+        "units": {"one": ring, "two": {**ring, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": -3.0}}},
+        "master": {"algorithm": "iterative", "step": 1e-2},
+        "faults": [{"signal": "two.y_out", "kind": "offset", "value": 1.0, "begin": 0.3, "end": 0.5}],
+    }
     result = run(read_scene(scene))
     y1, y2, x1, x2 = (result[name] for name in ("one.y_out", "two.y_out", "one.x_out", "two.x_out"))
     added = np.where((result.time >= 0.3) & (result.time < 0.5), 1.0, 0.0)
@@ -274,8 +298,12 @@ def test_options_without_effect_are_refused():
 
 
 def test_iteration_without_a_circle_is_refused(interface_of):
-    chain = {"stop_time": 1.0, "connections": ["a.x_out -> b.position"], "master": {"algorithm": "iterative", "step": 0.1},
-             "units": {"a": {"component": "cosimo.tests.support:Mass"}, "b": {"component": "cosimo.tests.support:Oscillator"}}}
+    chain = {
+        "stop_time": 1.0,
+        "connections": ["a.x_out -> b.position"],
+        "master": {"algorithm": "iterative", "step": 0.1},
+        "units": {"a": {"component": "cosimo.tests.support:Mass"}, "b": {"component": "cosimo.tests.support:Oscillator"}},
+    }
     with pytest.raises(BadInput, match=r"master.algorithm: 'iterative'; expected units that feed one another in a circle"):
         read_scene(chain)
     interface_of("b", outputs=lambda i: {n: replace(s, discrete=True) for n, s in i.outputs.items()})

@@ -61,8 +61,12 @@ def pyfmi_pair(gain: float, step: float, **master) -> dict:
     """x1' = -0.9 x1 + 0.5 y2, y1 = 3 x1 + y2; x2' = -x2 + 10 y1, y2 = -31 x2 + gain y1; both 1 at the start."""
     one = {"component": f"{HERE}:Feedthrough"}
     two = {**one, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": gain}}
-    return {"stop_time": 1.0, "units": {"one": one, "two": two}, "master": {"step": step, **master},
-            "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"]}
+    return {
+        "stop_time": 1.0,
+        "units": {"one": one, "two": two},
+        "master": {"step": step, **master},
+        "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
+    }
 
 
 def exact_pyfmi_pair(gain: float, t: float) -> np.ndarray:
@@ -142,9 +146,12 @@ def test_a_mass_in_two_parts_needs_more_than_a_fixed_point(method):
     """m = k = 1, cut with shares 0.45 of the mass and 0.5 of the stiffness (Sicklinger et al. 2014): gain -0.55/0.45 a sweep."""
     errors, steps = [], (0.1, 0.05, 0.025)
     for step in steps:
-        scene = {"stop_time": 1.0, "units": {"a": {"component": f"{HERE}:Accelerated"}, "b": {"component": f"{HERE}:Carried"}},
-                 "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
-                 "master": {"algorithm": "iterative", "step": step, "extrapolation": 1}}
+        scene = {
+            "stop_time": 1.0,
+            "units": {"a": {"component": f"{HERE}:Accelerated"}, "b": {"component": f"{HERE}:Carried"}},
+            "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
+            "master": {"algorithm": "iterative", "step": step, "extrapolation": 1},
+        }
         master = open_master(scene, [("a", "x_out")], IterationSettings(method=method, tolerance=1e-8, max_iterations=6))
         for k in range(round(1.0 / step)):
             master.step(k * step, step)

@@ -20,8 +20,10 @@ def contact(damping_ratio: float, step: float, feedthrough: str = "immediate", d
     """A unit mass on a spring-damper with w0 = 1/s."""
     return {
         "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass"},
-                  "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": 1.0, "d": 2.0 * damping_ratio}}},
+        "units": {
+            "m": {"component": "cosimo.tests.support:Mass"},
+            "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": 1.0, "d": 2.0 * damping_ratio}},
+        },
         "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree, "feedthrough": feedthrough},
         "stop_time": stop,
     }
@@ -94,9 +96,15 @@ def radius_of(masses: TwoMasses, scheme: str, degree: int, step: float) -> float
 
 # Largest stable H in ms for the LIM oscillator, case 1, by degree; inf: none found up to 0.5 s
 LIM_LIMITS = {
-    "FF Jacobi": (0.367, 7.977, 35.74), "FD Jacobi immediate": (0.455, 14.02, 37.07), "FD Jacobi delayed": (0.130, 11.24, 35.31),
-    "DD Jacobi": (2.222, 14.30, 29.77), "FD GS": (0.364, 18.06, 35.65), "DD GS": (INF, 18.86, 35.74),
-    "FF implicit": (INF, 95.25, 16.06), "FD implicit": (150.0, 343.0, 30.1), "DD implicit": (1.82, 280.0, 30.6),
+    "FF Jacobi": (0.367, 7.977, 35.74),
+    "FD Jacobi immediate": (0.455, 14.02, 37.07),
+    "FD Jacobi delayed": (0.130, 11.24, 35.31),
+    "DD Jacobi": (2.222, 14.30, 29.77),
+    "FD GS": (0.364, 18.06, 35.65),
+    "DD GS": (INF, 18.86, 35.74),
+    "FF implicit": (INF, 95.25, 16.06),
+    "FD implicit": (150.0, 343.0, 30.1),
+    "DD implicit": (1.82, 280.0, 30.6),
 }
 
 
@@ -112,9 +120,16 @@ def test_limits_of_the_lim_oscillator(scheme):
 
 # Spectral radius without damping at H = 10 ms, by scheme and degree
 UNDAMPED = {
-    ("FF Jacobi", 0): 1.002956916, ("FF Jacobi", 1): 1.000220837, ("FF Jacobi", 2): 0.999985102,
-    ("FD Jacobi immediate", 0): 1.001979462, ("DD Jacobi", 0): 1.000481891, ("DD GS", 0): 1.000000000,
-    ("FF implicit", 0): 0.998000155, ("FF implicit", 1): 1.0, ("FD implicit", 1): 1.0, ("DD implicit", 1): 1.0,
+    ("FF Jacobi", 0): 1.002956916,
+    ("FF Jacobi", 1): 1.000220837,
+    ("FF Jacobi", 2): 0.999985102,
+    ("FD Jacobi immediate", 0): 1.001979462,
+    ("DD Jacobi", 0): 1.000481891,
+    ("DD GS", 0): 1.000000000,
+    ("FF implicit", 0): 0.998000155,
+    ("FF implicit", 1): 1.0,
+    ("FD implicit", 1): 1.0,
+    ("DD implicit", 1): 1.0,
 }
 
 
@@ -132,8 +147,16 @@ def test_quadratic_inputs_without_damping_grow_slowly_with_iteration_too():
 
 # Limit of w_c H (w_c² = kc / reduced mass) over mass ratio m2/m1, stiffness ratio kc/k1 and damping ratio of every damper, with
 # m1 = k1 = k2 = 1, where the second mass owns the coupling in FD. First crossing on a logarithmic grid from 1e-3 to 30.
-COLUMNS = ((1, 1, 0.05), (1, 100, 0.05), (1, 1e4, 0.05), (10, 100, 0.05), (100, 100, 0.05), (0.01, 100, 0.05), (1, 100, 0.01),
-           (1, 100, 0.2))
+COLUMNS = (
+    (1, 1, 0.05),
+    (1, 100, 0.05),
+    (1, 1e4, 0.05),
+    (10, 100, 0.05),
+    (100, 100, 0.05),
+    (0.01, 100, 0.05),
+    (1, 100, 0.01),
+    (1, 100, 0.2),
+)
 TABLE = {
     ("FF Jacobi", 0): (0.3425, 0.2142, 0.2014, 0.218, 0.2198, 0.2198, 0.04283, 0.8598),
     ("FF Jacobi", 1): (0.7376, 0.7078, 0.6957, 0.711, 0.7125, 0.7125, 0.4035, 1.241),
@@ -164,8 +187,16 @@ def masses(mass_ratio: float, stiffness_ratio: float, damping_ratio: float) -> t
     """The two masses of a column, and w_c."""
     reduced = mass_ratio / (1.0 + mass_ratio)
     twice = 2.0 * damping_ratio
-    return TwoMasses(m1=1.0, m2=mass_ratio, k1=1.0, k2=1.0, kc=stiffness_ratio, c1=twice, c2=twice * math.sqrt(mass_ratio),
-                     cc=twice * math.sqrt(stiffness_ratio * reduced)), math.sqrt(stiffness_ratio / reduced)
+    return TwoMasses(
+        m1=1.0,
+        m2=mass_ratio,
+        k1=1.0,
+        k2=1.0,
+        kc=stiffness_ratio,
+        c1=twice,
+        c2=twice * math.sqrt(mass_ratio),
+        cc=twice * math.sqrt(stiffness_ratio * reduced),
+    ), math.sqrt(stiffness_ratio / reduced)
 
 
 @pytest.mark.first(6)

@@ -64,9 +64,12 @@ def pair(d2: float, step: float, stop: float = 1.0, **master) -> dict:
     """The pair of PyFMI's tests of its master (tests/test_fmi_master.py): y1 = 3 x1 + u1, y2 = -31 x2 + d2 u2."""
     component = f"{Feedthrough.__module__}:Feedthrough"
     return {
-        "stop_time": stop, "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
-        "units": {"one": {"component": component, "parameters": {"a": -0.9, "b": 0.5, "c": 3.0, "d": 1.0}},
-                  "two": {"component": component, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": d2}}},
+        "stop_time": stop,
+        "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
+        "units": {
+            "one": {"component": component, "parameters": {"a": -0.9, "b": 0.5, "c": 3.0, "d": 1.0}},
+            "two": {"component": component, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": d2}},
+        },
         "master": {"step": step, "algorithm": "jacobi", **master},
     }
 
@@ -127,11 +130,16 @@ def test_a_linear_loop_costs_one_jacobian_and_two_evaluations_an_instant():
 def test_a_nonlinear_loop_with_a_chain_behind_it_holds_at_every_instant():
     """y = 9 sin(10 t) + 3 tanh(z), z = 9 sin(10 t) - 2 tanh(y), and three times y in millimetres behind it."""
     bent = f"{HERE}:Bent"
-    scene = {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": 0.01},
-             "units": {"after": {"component": f"{HERE}:Counted"}, "p": {"component": bent, "parameters": {"gain": 3.0}},
-                       "q": {"component": bent, "parameters": {"gain": -2.0}}},
-             "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in",
-                             {"source": "p.y_out", "target": "after.u_in", "factor": 3.0}]}
+    scene = {
+        "stop_time": 1.0,
+        "master": {"algorithm": "jacobi", "step": 0.01},
+        "units": {
+            "after": {"component": f"{HERE}:Counted"},
+            "p": {"component": bent, "parameters": {"gain": 3.0}},
+            "q": {"component": bent, "parameters": {"gain": -2.0}},
+        },
+        "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in", {"source": "p.y_out", "target": "after.u_in", "factor": 3.0}],
+    }
     result = run(read_scene(scene))
     assert result.outcome == "done", result.message
     y, z, wave = result["p.y_out"], result["q.y_out"], 9.0 * np.sin(10.0 * result.time)
@@ -144,9 +152,12 @@ def test_a_nonlinear_loop_with_a_chain_behind_it_holds_at_every_instant():
 
 def test_a_gain_of_one_ends_the_run_and_is_said():
     """y = t u + 1 with u = y: y = 1 / (1 - t) has no value at t = 1."""
-    scene = {"stop_time": 2.0, "master": {"algorithm": "jacobi", "step": 0.125},
-             "units": {"p": {"component": f"{HERE}:Rising"}, "q": {"component": f"{HERE}:Counted"}},
-             "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"]}
+    scene = {
+        "stop_time": 2.0,
+        "master": {"algorithm": "jacobi", "step": 0.125},
+        "units": {"p": {"component": f"{HERE}:Rising"}, "q": {"component": f"{HERE}:Counted"}},
+        "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"],
+    }
     result = run(read_scene(scene))
     np.testing.assert_allclose(result["p.y_out"], 1.0 / (1.0 - result.time), rtol=1e-10)
     assert result.time[-1] == 0.875
@@ -170,8 +181,12 @@ class Circle:
     def __init__(self, units: list[Given], links: list[Link]):
         self.positions = {(unit.name, "y"): k for k, unit in enumerate(units)}
         self.signals = np.zeros(len(units))
-        self.nodes = [SimpleNamespace(unit=unit, place=slice(k, k + 1), links=(link,), sources=(self.positions[link.source],),
-                                      altered=False) for k, (unit, link) in enumerate(zip(units, links, strict=True))]
+        self.nodes = [
+            SimpleNamespace(
+                unit=unit, place=slice(k, k + 1), links=(link,), sources=(self.positions[link.source],), altered=False
+            )
+            for k, (unit, link) in enumerate(zip(units, links, strict=True))
+        ]
 
     def perform(self, rows, t, h):
         inputs = [n.links[0].factor * self.signals[n.sources[0]] + n.links[0].offset for n in self.nodes]
@@ -181,8 +196,10 @@ class Circle:
 def solver_of(units: list[Given], *connections: tuple[float, float], exact: bool = True) -> tuple[LoopSolver, np.ndarray]:
     """The solver of units of which each gets the output of the next, and the table of signals; connections: factor, offset."""
     ends = [(unit.name, "y") for unit in units]
-    links = [Link(source, (unit.name, "u"), *connection)
-             for unit, source, connection in zip(units, (*ends[1:], ends[0]), connections, strict=True)]
+    links = [
+        Link(source, (unit.name, "u"), *connection)
+        for unit, source, connection in zip(units, (*ends[1:], ends[0]), connections, strict=True)
+    ]
     master = Circle(units, links)
     interface = Interface("", {"u": Signal("u", "")}, {"y": Signal("y", "", feedthrough=("u",))}, {}, gives_jacobian=exact)
     loop = Loop(tuple(ends), tuple(unit.name for unit in units))
@@ -235,9 +252,12 @@ def test_a_loop_that_cannot_be_solved_is_an_error_with_its_residual():
 
 
 def test_loops_of_units_with_rates_of_their_own_are_refused():
-    scene = {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": 0.1},
-             "units": {"p": {"component": f"{HERE}:Rising"}, "q": {"component": f"{HERE}:Counted", "every": 2}},
-             "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"]}
+    scene = {
+        "stop_time": 1.0,
+        "master": {"algorithm": "jacobi", "step": 0.1},
+        "units": {"p": {"component": f"{HERE}:Rising"}, "q": {"component": f"{HERE}:Counted", "every": 2}},
+        "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"],
+    }
     with pytest.raises(BadInput, match=r"units\.q\.every.*algebraic loop of p\.y_out, q\.y_out"):
         read_scene(scene)
     scene["units"]["q"]["every"] = 1
@@ -248,11 +268,21 @@ def test_loops_of_units_with_rates_of_their_own_are_refused():
 def test_loops_of_fmus_with_and_without_derivatives(flag):
     """x' = -x + u, y = x + d u on both sides, u the other's y; held inputs get the mean, so the order is 2 and the error 1e-6."""
     d, stop = (-3.0, 0.8), 1.0
-    units = {name: {"fmu": native_fmu("state_space", 3, flag), "parameters": {"A[1,1]": -1.0, "D[1,1]": gain, "x0[1]": 1.0}}
-             for name, gain in zip("pq", d, strict=True)}
-    result = run(read_scene({"stop_time": stop, "units": units, "connections": ["p.y[1] -> q.u[1]", "q.y[1] -> p.u[1]"],
-                             "record": {"signals": ["p.y[1]", "q.y[1]"]},
-                             "master": {"algorithm": "jacobi", "step": 1e-3}}))
+    units = {
+        name: {"fmu": native_fmu("state_space", 3, flag), "parameters": {"A[1,1]": -1.0, "D[1,1]": gain, "x0[1]": 1.0}}
+        for name, gain in zip("pq", d, strict=True)
+    }
+    result = run(
+        read_scene(
+            {
+                "stop_time": stop,
+                "units": units,
+                "connections": ["p.y[1] -> q.u[1]", "q.y[1] -> p.u[1]"],
+                "record": {"signals": ["p.y[1]", "q.y[1]"]},
+                "master": {"algorithm": "jacobi", "step": 1e-3},
+            }
+        )
+    )
     assert result.outcome == "done", result.message
     outputs = np.linalg.inv([[1.0, -d[0]], [-d[1], 1.0]])
     exact = outputs @ expm((-np.eye(2) + outputs[::-1]) * stop) @ np.ones(2)
@@ -267,10 +297,17 @@ def test_loops_of_fmus_with_and_without_derivatives(flag):
 def test_a_run_with_a_loop_goes_on_from_a_checkpoint_to_the_same_bits(smoothing, tmp_path):
     """The Jacobian that is kept from one instant to the next is part of what is saved."""
     bent = f"{HERE}:Bent"
-    scene = read_scene({
-        "stop_time": 1.0, "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"],
-        "units": {"p": {"component": bent, "parameters": {"gain": 3.0}}, "q": {"component": bent, "parameters": {"gain": -2.0}}},
-        "master": {"algorithm": "jacobi", "step": 0.01} | ({"smoothing": True} if smoothing else {})})
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "connections": ["p.y_out -> q.u_in", "q.y_out -> p.u_in"],
+            "units": {
+                "p": {"component": bent, "parameters": {"gain": 3.0}},
+                "q": {"component": bent, "parameters": {"gain": -2.0}},
+            },
+            "master": {"algorithm": "jacobi", "step": 0.01} | ({"smoothing": True} if smoothing else {}),
+        }
+    )
     whole = run(scene)
     run(scene, checkpoint_every=0.43, checkpoint_to=tmp_path / "file")
     resumed = run(scene, resume=tmp_path / "file")

@@ -9,16 +9,29 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 
 MASS, OSCILLATOR, SPRING = (f"cosimo.tests.support:{name}" for name in ("Mass", "Oscillator", "SpringDamper"))
-UNITS = {"push": {"component": MASS, "parameters": {"k": 5.0}}, "near": {"component": OSCILLATOR, "parameters": {"v0": 0.0}},
-         "mass": {"component": MASS, "parameters": {"v0": 0.0, "k": 20.0}}, "far": {"component": SPRING}}
+UNITS = {
+    "push": {"component": MASS, "parameters": {"k": 5.0}},
+    "near": {"component": OSCILLATOR, "parameters": {"v0": 0.0}},
+    "mass": {"component": MASS, "parameters": {"v0": 0.0, "k": 20.0}},
+    "far": {"component": SPRING},
+}
 # push -> (near <-> mass) -> far
-CONNECTIONS = ["push.v_out -> near.velocity", "mass.x_out -> near.position", "near.force -> mass.force",
-               "mass.x_out -> far.position", "mass.v_out -> far.velocity"]
+CONNECTIONS = [
+    "push.v_out -> near.velocity",
+    "mass.x_out -> near.position",
+    "near.force -> mass.force",
+    "mass.x_out -> far.position",
+    "mass.v_out -> far.velocity",
+]
 
 
 def scene(listed, **master) -> dict:
-    return {"stop_time": 1.0, "units": {name: UNITS[name] for name in listed}, "connections": CONNECTIONS,
-            "master": {"algorithm": "gauss-seidel", "step": 0.01, **master}}
+    return {
+        "stop_time": 1.0,
+        "units": {name: UNITS[name] for name in listed},
+        "connections": CONNECTIONS,
+        "master": {"algorithm": "gauss-seidel", "step": 0.01, **master},
+    }
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations(UNITS)))

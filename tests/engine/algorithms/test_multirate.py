@@ -76,8 +76,12 @@ def test_the_order_holds_up_to_quadratic_inputs(degree, algorithm, slow):
     for steps in (48, 96, 192):
         units = {"sink": {"component": f"{HERE}:Integral"}, "source": {"component": f"{HERE}:Power"}}
         units[slow]["every"] = 4
-        scene = {"stop_time": 1.0, "units": units, "connections": ["source.y -> sink.u_in"],
-                 "master": {"algorithm": algorithm, "step": 1.0 / steps, "extrapolation": degree}}
+        scene = {
+            "stop_time": 1.0,
+            "units": units,
+            "connections": ["source.y -> sink.u_in"],
+            "master": {"algorithm": algorithm, "step": 1.0 / steps, "extrapolation": degree},
+        }
         errors.append(abs(run(read_scene(scene))["sink.x_out"][-1] - 0.2))
     assert abs(slope(errors) - (degree + 1)) < (0.15 if degree < 2 else 0.5)
 
@@ -85,9 +89,12 @@ def test_the_order_holds_up_to_quadratic_inputs(degree, algorithm, slow):
 def test_a_slow_unit_with_known_inputs_is_as_good_as_its_own_steps():
     """Inputs that others have reached already are no guess: the sink's error is that of the trapezoidal rule over 4 steps."""
     steps = 40
-    scene = {"stop_time": 1.0, "connections": ["source.y -> sink.u_in"],
-             "units": {"source": {"component": f"{HERE}:Power"}, "sink": {"component": f"{HERE}:Integral", "every": 4}},
-             "master": {"algorithm": "gauss-seidel", "step": 1.0 / steps, "extrapolation": 1}}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["source.y -> sink.u_in"],
+        "units": {"source": {"component": f"{HERE}:Power"}, "sink": {"component": f"{HERE}:Integral", "every": 4}},
+        "master": {"algorithm": "gauss-seidel", "step": 1.0 / steps, "extrapolation": 1},
+    }
     nodes = np.linspace(0.0, 1.0, steps // 4 + 1)
     assert run(read_scene(scene))["sink.x_out"][-1] == pytest.approx(np.trapezoid(nodes**4, nodes), rel=1e-13)
 
@@ -149,11 +156,16 @@ def test_a_run_goes_on_from_between_two_steps_of_a_slow_unit_to_the_same_bits(al
 @pytest.mark.parametrize("begin", [0.02, 0.04, 0.18])
 def test_an_input_that_jumps_between_two_steps_of_a_slow_unit(begin, degree):
     """A constant that jumps from 0 to 3: the slow unit gets the jump somewhere in its step, and forgets what was before it."""
-    scene = {"stop_time": 0.4, "connections": ["p.y -> i.u_in"], "master": {"algorithm": "jacobi", "step": 0.02,
-                                                                            "extrapolation": degree},
-             "units": {"p": {"component": f"{HERE}:Power"}, "i": {"component": f"{HERE}:Integral", "every": 4}},
-             "faults": [{"kind": "override", "signal": "i.u_in", "begin": 0.0, "end": begin, "value": 0.0},
-                        {"kind": "override", "signal": "i.u_in", "begin": begin, "value": 3.0}]}
+    scene = {
+        "stop_time": 0.4,
+        "connections": ["p.y -> i.u_in"],
+        "master": {"algorithm": "jacobi", "step": 0.02, "extrapolation": degree},
+        "units": {"p": {"component": f"{HERE}:Power"}, "i": {"component": f"{HERE}:Integral", "every": 4}},
+        "faults": [
+            {"kind": "override", "signal": "i.u_in", "begin": 0.0, "end": begin, "value": 0.0},
+            {"kind": "override", "signal": "i.u_in", "begin": begin, "value": 3.0},
+        ],
+    }
     result = run(read_scene(scene), in_process=True)
     assert result.outcome == "done", result.message
     each = np.diff(result["i.x_out"][::4]) / (3.0 * 0.08)  # in steps of the slow unit, as shares of what 3 gives
@@ -168,21 +180,39 @@ def test_wide_connections_of_a_slow_unit_are_many_narrow_ones(degree):
     parts, where = 2, "cosimo.tests.engine.algorithms.test_rows"
     base = {"stop_time": 1.0, "master": {"algorithm": "gauss-seidel", "step": 0.05, "extrapolation": degree}}
     source = {"component": f"{where}:Source", "every": 3}
-    wide = run(read_scene({**base, "units": {"a": source, "b": {"component": f"{where}:Sink"}},
-                           "connections": ["a.wave* -> b.wave*"], "record": {"signals": ["b.area"]}}))
-    narrow = run(read_scene({**base, "units": {"a": source, **{f"b{k}": {"component": f"{where}:Sink"} for k in range(parts)}},
-                             "connections": [f"a.wave[{i}] -> b{i % parts}.wave[{i}]" for i in range(1, N + 1)],
-                             "record": {"signals": [f"b{i % parts}.area[{i}]" for i in range(1, N + 1)]}}))
+    wide = run(
+        read_scene(
+            {
+                **base,
+                "units": {"a": source, "b": {"component": f"{where}:Sink"}},
+                "connections": ["a.wave* -> b.wave*"],
+                "record": {"signals": ["b.area"]},
+            }
+        )
+    )
+    narrow = run(
+        read_scene(
+            {
+                **base,
+                "units": {"a": source, **{f"b{k}": {"component": f"{where}:Sink"} for k in range(parts)}},
+                "connections": [f"a.wave[{i}] -> b{i % parts}.wave[{i}]" for i in range(1, N + 1)],
+                "record": {"signals": [f"b{i % parts}.area[{i}]" for i in range(1, N + 1)]},
+            }
+        )
+    )
     for i in range(1, N + 1):
         np.testing.assert_array_equal(wide[f"b.area[{i}]"], narrow[f"b{i % parts}.area[{i}]"])
 
 
-@pytest.mark.parametrize(("change", "named"), [
-    ({"algorithm": "iterative"}, ["units.b.every", "iterative"]),
-    ({"control": {"method": "milne"}}, ["units.b.every", "master.control"]),
-    ({"events": ["a.x_out"]}, ["units.b.every", "master.events"]),
-    ({"step": 0.2}, ["units.b.every", "8", "steps of the run, 5"]),
-])
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"algorithm": "iterative"}, ["units.b.every", "iterative"]),
+        ({"control": {"method": "milne"}}, ["units.b.every", "master.control"]),
+        ({"events": ["a.x_out"]}, ["units.b.every", "master.events"]),
+        ({"step": 0.2}, ["units.b.every", "8", "steps of the run, 5"]),
+    ],
+)
 def test_where_no_unit_can_have_a_rate_of_its_own(change, named):
     scene = masses({"b": 8}, "jacobi", 0.01, 1, stop=1.0)
     scene["master"] |= change
@@ -203,8 +233,9 @@ def test_a_rate_changes_what_a_scene_gives():
 def test_fmus_with_rates_of_their_own_give_the_bits_of_components(algorithm, slow):
     """The railway pair, which takes a fault in the middle of a step of the slow unit."""
     fault = {"signal": "pantograph.contact_position", "kind": "offset", "value": 0.5, "begin": 0.0573}
-    scene = load_scene("lumped-catenary").with_changes({
-        "stop_time": 0.1505, "master.algorithm": algorithm, f"units.{slow}.every": 4, "faults": [fault]})
+    scene = load_scene("lumped-catenary").with_changes(
+        {"stop_time": 0.1505, "master.algorithm": algorithm, f"units.{slow}.every": 4, "faults": [fault]}
+    )
     fmus, here = run(scene), run(scene, in_process=True)
     assert (fmus.outcome, here.outcome) == ("done", "done"), fmus.message
     assert fmus.time.tobytes() == here.time.tobytes()

@@ -56,7 +56,6 @@ def copy(tmp_path) -> Path:
 def test_the_algorithm_of_the_page_steps_scenes(copy):
     """A chain as Gauss-Seidel, a circle as Jacobi, to the last bit."""
     environment = os.environ | {"PYTHONPATH": str(copy)}
-    done = subprocess.run([sys.executable, "-c", SCENE], cwd=copy, env=environment, capture_output=True,
-                          text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", SCENE], cwd=copy, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == {"chain": [False, True], "circle": [True, False]}

@@ -23,11 +23,19 @@ class Traces(Integrals):
 @pytest.mark.parametrize(("places", "held"), [("linear", 1), ("held", 10)])
 def test_a_place_that_moves_on_is_held_only_where_the_scene_says_so(places, held):
     """x = 2 t over 1 s in 10 steps; `held`: steps in which the place is, which without a past the first one is."""
-    result = run(read_scene({
-        "stop_time": 1.0, "connections": ["a.x_out -> b.place", "a.x_out -> b.number"],
-        "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0, "moving_places": places},
-        "units": {"a": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}},
-                  "b": {"component": "cosimo.tests.engine.algorithms.test_places:Traces"}}}))
+    result = run(
+        read_scene(
+            {
+                "stop_time": 1.0,
+                "connections": ["a.x_out -> b.place", "a.x_out -> b.number"],
+                "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0, "moving_places": places},
+                "units": {
+                    "a": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}},
+                    "b": {"component": "cosimo.tests.engine.algorithms.test_places:Traces"},
+                },
+            }
+        )
+    )
     missed = 2.0 * 0.1**2 / 2.0  # by a step with a held place
     assert result["b.summed"][-1] == pytest.approx(1.0 - 10 * missed, rel=1e-12)
     assert result["b.traced"][-1] == pytest.approx(1.0 - held * missed, rel=1e-12)
@@ -53,11 +61,16 @@ def test_order_of_units_matters_for_gauss_seidel_and_can_be_given():
 def test_inputs_from_earlier_and_later_units_keep_their_places():
     """An oscillator between two flying masses: position 2 t from the earlier, velocity 3 from the later; exact from the start."""
     mass = "cosimo.tests.support:Mass"
-    scene = {"stop_time": 1.0, "master": {"algorithm": "gauss-seidel", "step": 0.05, "extrapolation": 1},
-             "connections": ["early.x_out -> b.position", "late.v_out -> b.velocity"],
-             "units": {"early": {"component": mass, "parameters": {"v0": 2.0}},
-                       "b": {"component": "cosimo.tests.support:Oscillator", "parameters": {"cc": 4.0}},
-                       "late": {"component": mass, "parameters": {"v0": 3.0}}}}
+    scene = {
+        "stop_time": 1.0,
+        "master": {"algorithm": "gauss-seidel", "step": 0.05, "extrapolation": 1},
+        "connections": ["early.x_out -> b.position", "late.v_out -> b.velocity"],
+        "units": {
+            "early": {"component": mass, "parameters": {"v0": 2.0}},
+            "b": {"component": "cosimo.tests.support:Oscillator", "parameters": {"cc": 4.0}},
+            "late": {"component": mass, "parameters": {"v0": 3.0}},
+        },
+    }
     # states x, v, 2 t, 1 of x'' = -1100 x - 4.01 v + 100 (2 t) + 4 * 3
     A = np.array([[0, 1, 0, 0], [-1100.0, -4.01, 100.0, 12.0], [0, 0, 0, 2.0], [0, 0, 0, 0]])
     exact = expm(A) @ np.array([0.0, -100.0, 0.0, 1.0])
@@ -69,10 +82,13 @@ def test_inputs_from_earlier_and_later_units_keep_their_places():
 def test_feedthrough_follows_through_a_chain_of_units():
     """m -> p1 -> p2 -> p3, each three times its input: at each instant the last belongs to the position now."""
     gain = {"component": "cosimo.tests.support:Probe"}
-    chain = {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": 0.1},
-             "record": {"signals": ["m.x_out", "p3.profile[3]"]},
-             "units": {"p3": gain, "p1": gain, "m": {"component": "cosimo.tests.support:Mass"}, "p2": gain},
-             "connections": ["m.x_out -> p1.length", "p1.profile[3] -> p2.length", "p2.profile[3] -> p3.length"]}
+    chain = {
+        "stop_time": 1.0,
+        "master": {"algorithm": "jacobi", "step": 0.1},
+        "record": {"signals": ["m.x_out", "p3.profile[3]"]},
+        "units": {"p3": gain, "p1": gain, "m": {"component": "cosimo.tests.support:Mass"}, "p2": gain},
+        "connections": ["m.x_out -> p1.length", "p1.profile[3] -> p2.length", "p2.profile[3] -> p3.length"],
+    }
     result = run(read_scene(chain))
     # rounding: an input that its polynomial has led to the fresh value but for the last bits is left there
     np.testing.assert_allclose(result["p3.profile[3]"], 27_000.0 * result["m.x_out"], rtol=1e-14)
@@ -96,10 +112,18 @@ def test_polynomials_are_exact_on_their_own_degree_with_uneven_steps(degree, alg
     """What an input is given begins at the value of now, once there are enough samples, and ends at that of the new instant."""
     here, c = "cosimo.tests.engine.algorithms.test_places", [0.7, -1.3, 2.1][: degree + 1]
     p = np.polynomial.Polynomial(c)
-    master = open_master({"stop_time": 1.0, "connections": ["p.y -> i.number"],
-                          "units": {"p": {"component": f"{here}:Polynomial", "parameters": {"c": [*c, 0.0, 0.0][:3]}},
-                                    "i": {"component": f"{here}:Traces"}},
-                          "master": {"algorithm": algorithm, "step": 0.1, "extrapolation": degree}}, ())
+    master = open_master(
+        {
+            "stop_time": 1.0,
+            "connections": ["p.y -> i.number"],
+            "units": {
+                "p": {"component": f"{here}:Polynomial", "parameters": {"c": [*c, 0.0, 0.0][:3]}},
+                "i": {"component": f"{here}:Traces"},
+            },
+            "master": {"algorithm": algorithm, "step": 0.1, "extrapolation": degree},
+        },
+        (),
+    )
     node, t = master.node_of["i"], 0.0
     for k, h in enumerate((0.1, 0.03, 0.2, 0.07, 0.11)):
         master.step(t, h)

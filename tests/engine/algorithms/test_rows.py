@@ -33,13 +33,31 @@ def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
     """Split over units with few inputs each, the same signals give the same bits."""
     here = "cosimo.tests.engine.algorithms.test_rows"
     master = {"algorithm": algorithm, "step": 0.05, "extrapolation": degree}
-    wide = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, "b": {"component": f"{here}:Sink"}},
-                           "connections": ["a.wave* -> b.wave*"], "master": master, "record": {"signals": ["b.area"]}}))
+    wide = run(
+        read_scene(
+            {
+                "stop_time": 1.0,
+                "units": {"a": {"component": f"{here}:Source"}, "b": {"component": f"{here}:Sink"}},
+                "connections": ["a.wave* -> b.wave*"],
+                "master": master,
+                "record": {"signals": ["b.area"]},
+            }
+        )
+    )
     halves = {f"b{k}": {"component": f"{here}:Sink"} for k in (0, 1)}
     connections = [f"a.wave[{i}] -> b{i % 2}.wave[{i}]" for i in range(1, N + 1)]
     signals = [f"b{i % 2}.area[{i}]" for i in range(1, N + 1)]
-    narrow = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, **halves},
-                             "connections": connections, "master": master, "record": {"signals": signals}}))
+    narrow = run(
+        read_scene(
+            {
+                "stop_time": 1.0,
+                "units": {"a": {"component": f"{here}:Source"}, **halves},
+                "connections": connections,
+                "master": master,
+                "record": {"signals": signals},
+            }
+        )
+    )
     assert (wide.outcome, narrow.outcome) == ("done", "done")
     for i in range(1, N + 1):
         np.testing.assert_array_equal(wide[f"b.area[{i}]"], narrow[f"b{i % 2}.area[{i}]"])

@@ -52,9 +52,12 @@ def driven(scene: dict, unit: str) -> list[tuple[float, float, float, float]]:
 
 
 def wave(degree: int, smoothing: bool, step: float = 0.05) -> dict:
-    return {"stop_time": 1.0, "units": {"w": {"component": f"{HERE}:Wave"}, "l": {"component": f"{HERE}:Listener"}},
-            "connections": ["w.y -> l.u_in"],
-            "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree} | ({"smoothing": True} if smoothing else {})}
+    return {
+        "stop_time": 1.0,
+        "units": {"w": {"component": f"{HERE}:Wave"}, "l": {"component": f"{HERE}:Listener"}},
+        "connections": ["w.y -> l.u_in"],
+        "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree} | ({"smoothing": True} if smoothing else {}),
+    }
 
 
 @pytest.mark.parametrize("degree", [1, 2])
@@ -95,11 +98,14 @@ def test_in_gauss_seidel_inputs_from_later_units_are_smoothed_and_the_others_end
     assert np.abs(np.array([v for v, *_ in plain[1:]]) - [v + h * s for v, s, _, h in plain[:-1]]).max() > 1e-6
 
 
-@pytest.mark.parametrize(("change", "named"), [
-    ({"extrapolation": 0}, ["held inputs", "extrapolation of 1 or 2"]),
-    ({"algorithm": "iterative"}, ["iterative interpolates"]),
-    ({"algorithm": "gauss-seidel"}, ["no input is extrapolated"]),
-])
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"extrapolation": 0}, ["held inputs", "extrapolation of 1 or 2"]),
+        ({"algorithm": "iterative"}, ["iterative interpolates"]),
+        ({"algorithm": "gauss-seidel"}, ["no input is extrapolated"]),
+    ],
+)
 def test_smoothing_without_effect_is_refused(change, named):
     scene = wave(1, True)
     scene["master"] |= change

@@ -72,9 +72,13 @@ def test_shares_of_uneven_steps_are_mean_errors_of_the_inputs(degree):
     assert mean(led) / missed == pytest.approx(shares(h, *past)[1], rel=1e-9)
 
 
-@pytest.mark.parametrize(("method", "algorithm", "degree"), full_but(
-    (("milne", "gauss-seidel", 1),),
-    [(*method, n) for method in (("milne", "jacobi"), ("milne", "gauss-seidel"), ("doubling", "jacobi")) for n in range(3)]))
+@pytest.mark.parametrize(
+    ("method", "algorithm", "degree"),
+    full_but(
+        (("milne", "gauss-seidel", 1),),
+        [(*method, n) for method in (("milne", "jacobi"), ("milne", "gauss-seidel"), ("doubling", "jacobi")) for n in range(3)],
+    ),
+)
 def test_order_of_the_error_over_the_number_of_steps(method, algorithm, degree):
     """Twice the steps, 2^(degree + 1) times less error, as with equal steps."""
     rough = {0: (1e-2, 3e-3, 1e-3), 1: (1e-3, 1e-4, 1e-5), 2: (1e-4, 1e-5, 1e-6)}  # milne allows an error per time,
@@ -162,8 +166,17 @@ def redundant(held: bool, monkeypatch) -> tuple[float, float, float]:
         monkeypatch.setattr(step_control, "HOLD_BELOW", 1.0)
         monkeypatch.setattr(step_control, "HOLD_ABOVE", 1.0)
     control = {"method": "milne", "relative": 0.01, "absolute": 0.01}
-    scene = bonded("Link", "jacobi", 0.05, 1, stop=1000.0, a={"v0": 0.0, "load": 1.0, "frequency": 0.5, "bias": 3.0},
-                   b={"c": 1.0}, bonds=[], control=control)
+    scene = bonded(
+        "Link",
+        "jacobi",
+        0.05,
+        1,
+        stop=1000.0,
+        a={"v0": 0.0, "load": 1.0, "frequency": 0.5, "bias": 3.0},
+        b={"c": 1.0},
+        bonds=[],
+        control=control,
+    )
     result = run(read_scene(scene))
     drift, late, h = result["a.x_out"] - result["b.x_out"], result.time > 500.0, np.diff(result.time)
     changed = np.abs(np.diff(h)) > 1e-6 * h[1:]
@@ -209,27 +222,38 @@ def fixed(**changes) -> dict[str, Interface]:
     return {"rigid": Interface("rigid", **signals, **changes), "free": Interface("free", **signals)}
 
 
-@pytest.mark.parametrize(("master", "capability", "message"), [
-    ({"control": {"method": "milne"}}, {"variable_step": False},
-     "master.control.method: 'milne'; expected units that change the length of a step; rigid cannot"),
-    ({"control": {"method": "milne"}}, {"fixed_step": 1e-3}, "units that change the length of a step; rigid cannot"),
-    ({"control": {"method": "doubling"}}, {"saves_state": False},
-     "master.control.method: 'doubling'; expected units that save their state; rigid cannot"),
-    ({"events": ["rigid.y"]}, {"saves_state": False}, "master.events: .* that save their state, .*; rigid cannot"),
-    ({"events": ["rigid.y"]}, {"variable_step": False}, "units that change the length of a step; rigid cannot"),
-    ({"control": {"method": "milne"}}, {}, "expected connections whose values change inside a step"),
-])
+@pytest.mark.parametrize(
+    ("master", "capability", "message"),
+    [
+        (
+            {"control": {"method": "milne"}},
+            {"variable_step": False},
+            "master.control.method: 'milne'; expected units that change the length of a step; rigid cannot",
+        ),
+        ({"control": {"method": "milne"}}, {"fixed_step": 1e-3}, "units that change the length of a step; rigid cannot"),
+        (
+            {"control": {"method": "doubling"}},
+            {"saves_state": False},
+            "master.control.method: 'doubling'; expected units that save their state; rigid cannot",
+        ),
+        ({"events": ["rigid.y"]}, {"saves_state": False}, "master.events: .* that save their state, .*; rigid cannot"),
+        ({"events": ["rigid.y"]}, {"variable_step": False}, "units that change the length of a step; rigid cannot"),
+        ({"control": {"method": "milne"}}, {}, "expected connections whose values change inside a step"),
+    ],
+)
 def test_units_that_cannot_are_named_before_the_run(master, capability, message):
     with pytest.raises(BadInput, match=message):
         check_stepping(MasterSettings.model_validate({"step": 0.01, **master}), fixed(**capability), [], (), ())
 
 
-@pytest.mark.parametrize(("control", "message"), [
-    ({"min_step": 0.02}, "master.step: 0.01 s; expected at least master.control.min_step, 0.02 s"),
-    ({"max_step": 0.005}, "master.step: 0.01 s; expected at most master.control.max_step, 0.005 s"),
-    ({"min_step": 0.02, "max_step": 0.01}, "expected at least min_step, 0.02 s"),
-])
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        ({"min_step": 0.02}, "master.step: 0.01 s; expected at least master.control.min_step, 0.02 s"),
+        ({"max_step": 0.005}, "master.step: 0.01 s; expected at most master.control.max_step, 0.005 s"),
+        ({"min_step": 0.02, "max_step": 0.01}, "expected at least min_step, 0.02 s"),
+    ],
+)
 def test_limits_that_do_not_fit_are_refused(control, message):
     with pytest.raises(BadInput, match=message):
         read_scene(controlled("milne", 1e-3, step=0.01, **control))
-

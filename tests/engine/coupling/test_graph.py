@@ -10,8 +10,11 @@ from scipy.sparse.csgraph import connected_components
 POINTS = 12
 
 
-@given(st.integers(1, POINTS).flatmap(lambda n: st.tuples(
-    st.just(n), st.sets(st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)), max_size=3 * n))))
+@given(
+    st.integers(1, POINTS).flatmap(
+        lambda n: st.tuples(st.just(n), st.sets(st.tuples(st.integers(0, n - 1), st.integers(0, n - 1)), max_size=3 * n))
+    )
+)
 def test_groups_are_those_that_scipy_finds(graph):
     n, pairs = graph
     rows, columns = np.array(sorted(pairs), dtype=int).reshape(-1, 2).T

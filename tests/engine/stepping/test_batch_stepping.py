@@ -73,8 +73,10 @@ def test_components_give_the_same_bits(algorithm, degree, rates, monkeypatch):
 FAULTS = {
     "override": [{"signal": "b.position", "kind": "override", "value": 3.0, "begin": 0.3, "end": 0.51}],
     "offset": [{"signal": "a.x_out", "kind": "offset", "value": 30.0, "begin": 0.2}],
-    "freeze and offset": [{"signal": "b.position", "kind": "freeze", "begin": 0.3},
-                          {"signal": "b.position", "kind": "offset", "value": 0.1, "begin": 0.4, "end": 0.8}],
+    "freeze and offset": [
+        {"signal": "b.position", "kind": "freeze", "begin": 0.3},
+        {"signal": "b.position", "kind": "offset", "value": 0.1, "begin": 0.4, "end": 0.8},
+    ],
     "two offsets": [{"signal": "b.position", "kind": "offset", "value": value} for value in (0.1, 0.7)],
 }
 
@@ -88,8 +90,10 @@ def test_inputs_with_faults_are_the_same_bits(name, monkeypatch):
 
 
 def test_two_offsets_of_an_input_are_one_of_their_sum():
-    two, one = (run(read_scene(two_masses("jacobi", 0.01, 1) | {"faults": faults})) for faults in (
-        FAULTS["two offsets"], [{**FAULTS["two offsets"][0], "value": 0.1 + 0.7}]))
+    two, one = (
+        run(read_scene(two_masses("jacobi", 0.01, 1) | {"faults": faults}))
+        for faults in (FAULTS["two offsets"], [{**FAULTS["two offsets"][0], "value": 0.1 + 0.7}])
+    )
     assert_alike(two, one)
 
 
@@ -116,8 +120,10 @@ def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(degree, m
     assert together.info["energy"]
 
 
-FMUS = {"lumped-catenary": {"stop_time": 0.15},
-        "en50318-2002": {"stop_time": 0.15, "units.catenary.parameters.spans": 3, "record.snapshot_interval": 0.05}}
+FMUS = {
+    "lumped-catenary": {"stop_time": 0.15},
+    "en50318-2002": {"stop_time": 0.15, "units.catenary.parameters.spans": 3, "record.snapshot_interval": 0.05},
+}
 
 
 @pytest.mark.parametrize("name", FMUS)
@@ -130,8 +136,12 @@ def test_fmus_give_the_same_bits(name, monkeypatch):
 def test_fmus_of_another_maker_give_the_same_bits(flags, foreign, monkeypatch):
     """x'' = -x in a circle of two integrators: inputs as derivatives, or as the mean over a step."""
     back = {"source": "g.x", "target": "f.u", "factor": -1.0, "offset": 0.1}
-    data = {"stop_time": 10.0, "connections": ["f.x -> g.u", back], "units": {u: {"fmu": foreign(flags)} for u in "fg"},
-            "master": {"algorithm": "gauss-seidel", "step": 0.01, "extrapolation": 2}}
+    data = {
+        "stop_time": 10.0,
+        "connections": ["f.x -> g.u", back],
+        "units": {u: {"fmu": foreign(flags)} for u in "fg"},
+        "master": {"algorithm": "gauss-seidel", "step": 0.01, "extrapolation": 2},
+    }
     together, apart, _ = both_ways(data, monkeypatch)
     assert_alike(together, apart)
     assert np.ptp(together["f.x"]) > 0.15  # it swings about 0.1 with an amplitude of 0.1
@@ -141,14 +151,28 @@ def whole_numbers(algorithm: str, degree: int, **counter) -> dict:
     """Discrete reals, whole numbers, members of an enumeration and truth values beside moving ones, in a chain of FMUs."""
     kinds = ("Float64_continuous", "Float64_discrete")
     passed_on = [f"a.{kind}_output -> b.{kind}_input" for kind in kinds] + [
-        f"a.{kind}_out -> b.{kind}_in" for kind in ("Boolean", "Int32", "Enumeration")]
+        f"a.{kind}_out -> b.{kind}_in" for kind in ("Boolean", "Int32", "Enumeration")
+    ]
     start = {"Boolean_in": True, "Enumeration_in": "far", "Float64_fixed_parameter": 0.5}
     counter = {"source": "stair.counter", "target": "a.Int32_in", **counter}
-    units = {"b": {"fmu": native_fmu("feedthrough", 2)}, "a": {"fmu": native_fmu("feedthrough", 2), "parameters": start},
-             "integral": {"fmu": native_fmu("integrator", 2)}, "stair": {"fmu": native_fmu("stair", 2)}}
-    return {"stop_time": 4.0, "units": units, "master": {"algorithm": algorithm, "step": 0.01, "extrapolation": degree},
-            "connections": [*passed_on, "integral.x -> a.Float64_continuous_input", "integral.z -> a.Float64_discrete_input",
-                            "b.Float64_continuous_output -> integral.u", counter]}
+    units = {
+        "b": {"fmu": native_fmu("feedthrough", 2)},
+        "a": {"fmu": native_fmu("feedthrough", 2), "parameters": start},
+        "integral": {"fmu": native_fmu("integrator", 2)},
+        "stair": {"fmu": native_fmu("stair", 2)},
+    }
+    return {
+        "stop_time": 4.0,
+        "units": units,
+        "master": {"algorithm": algorithm, "step": 0.01, "extrapolation": degree},
+        "connections": [
+            *passed_on,
+            "integral.x -> a.Float64_continuous_input",
+            "integral.z -> a.Float64_discrete_input",
+            "b.Float64_continuous_output -> integral.u",
+            counter,
+        ],
+    }
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
@@ -174,9 +198,15 @@ def test_records_at_intervals_are_the_same(interval, monkeypatch):
     assert_alike(*both_ways(data, monkeypatch)[:2])
 
 
-@pytest.mark.parametrize(("step", "changes"), [
-    (0.13, {}), (0.13, {"master.bonds": ("spring.second_force_x * mass.base_velocity_x",)}),
-    (0.065, {"units.spring.every": 2}), (0.065, {"units.spring.every": 2, "master.algorithm": "gauss-seidel"})])
+@pytest.mark.parametrize(
+    ("step", "changes"),
+    [
+        (0.13, {}),
+        (0.13, {"master.bonds": ("spring.second_force_x * mass.base_velocity_x",)}),
+        (0.065, {"units.spring.every": 2}),
+        (0.065, {"units.spring.every": 2, "master.algorithm": "gauss-seidel"}),
+    ],
+)
 def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(step, changes, monkeypatch):
     """Up to the step at which the monitor would have ended the run, with all that was recorded and counted by then."""
     scene = load_scene("mass-on-spring").with_changes({"master.step": step, "stop_time": 200.0, **changes})
@@ -240,9 +270,12 @@ class Pulling(KernelComponent):
 
 @pytest.mark.parametrize("step", [0.02, 0.036])  # spectral radius of a step: 0.980, 1.004
 def test_all_that_kernels_of_a_users_component_write_is_taken_back(step, monkeypatch):
-    data = {"stop_time": 6000 * step, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-            "units": {"m": {"component": f"{__name__}:Pushed"}, "s": {"component": f"{__name__}:Pulling"}},
-            "master": {"algorithm": "jacobi", "step": step}}
+    data = {
+        "stop_time": 6000 * step,
+        "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+        "units": {"m": {"component": f"{__name__}:Pushed"}, "s": {"component": f"{__name__}:Pulling"}},
+        "master": {"algorithm": "jacobi", "step": step},
+    }
     restored = []
     monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
     monkeypatch.setattr(BatchStepping, "_restore", counted(BatchStepping._restore, restored))
@@ -265,8 +298,10 @@ def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
 
 def test_batches_end_where_faults_begin_and_end(monkeypatch):
     """At 333 and 500 ms and behind 700 of 1000 steps; each ends with the steps that are left up to there."""
-    faults = [{"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
-              {"signal": "a.x_out", "kind": "freeze", "begin": 0.7}]
+    faults = [
+        {"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
+        {"signal": "a.x_out", "kind": "freeze", "begin": 0.7},
+    ]
     monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
     together, apart, batches = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch)
     assert_alike(together, apart)
@@ -282,8 +317,9 @@ def test_a_run_goes_on_from_a_checkpoint_as_it_would_have(tmp_path, monkeypatch)
         assert again[name].tobytes() == whole[name].tobytes()
 
 
-@pytest.mark.parametrize(("algorithm", "rates"), [
-    ("jacobi", {}), ("jacobi", {"p": 4}), ("gauss-seidel", {"a": 2, "b": 4})], ids=str)
+@pytest.mark.parametrize(
+    ("algorithm", "rates"), [("jacobi", {}), ("jacobi", {"p": 4}), ("gauss-seidel", {"a": 2, "b": 4})], ids=str
+)
 def test_a_failure_keeps_every_step_before_it(algorithm, rates, monkeypatch):
     data = two_masses(algorithm, 1e-2, 1)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.555}}
@@ -299,8 +335,12 @@ def test_a_failure_keeps_every_step_before_it(algorithm, rates, monkeypatch):
 def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
     """x' = x of a circle of two grows over the limit."""
     limit = {"limit": 3.0}
-    loop = {"stop_time": 100.0, "connections": ["f.x -> g.u", {"source": "g.x", "target": "f.u", "offset": 1.0}],
-            "units": {u: {"fmu": foreign(), "parameters": limit} for u in "fg"}, "master": {"algorithm": "jacobi", "step": 0.01}}
+    loop = {
+        "stop_time": 100.0,
+        "connections": ["f.x -> g.u", {"source": "g.x", "target": "f.u", "offset": 1.0}],
+        "units": {u: {"fmu": foreign(), "parameters": limit} for u in "fg"},
+        "master": {"algorithm": "jacobi", "step": 0.01},
+    }
     together, apart, _ = both_ways(loop, monkeypatch)
     assert_alike(together, apart)
     assert "is above the limit" in together.message

@@ -38,9 +38,12 @@ class Relay(Component):
 def relay(step: float, degree: int, events: list, *, slope: float = 0.0, stop: float = 9.0, **master) -> dict:
     """A mass of 1 kg that leaves 0 with 1 m/s, held back by a relay: it turns once a second and crosses 0 at 2, 4, 6 ... s."""
     return {
-        "stop_time": stop, "connections": ["relay.force -> mass.force", "mass.x_out -> relay.position"],
-        "units": {"mass": {"component": "cosimo.tests.support:Mass"},
-                  "relay": {"component": f"{__name__}:Relay", "parameters": {"slope": slope}}},
+        "stop_time": stop,
+        "connections": ["relay.force -> mass.force", "mass.x_out -> relay.position"],
+        "units": {
+            "mass": {"component": "cosimo.tests.support:Mass"},
+            "relay": {"component": f"{__name__}:Relay", "parameters": {"slope": slope}},
+        },
         "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree, "events": events, **master},
     }
 
@@ -96,8 +99,10 @@ def test_order_through_events_is_that_of_the_inputs():
 def test_events_and_control_together(method, share):
     """Doubling alone does not see a jump in the first half of a step; predictors do, and go down to the smallest step."""
     control = {"method": method, "relative": 1e-4, "absolute": 1e-4}
-    located, blind = (run(read_scene(relay(0.01, 1, events, slope=1.0, stop=7.0, control=control))).info["counters"]["stepping"]
-                      for events in (["mass.x_out"], []))
+    located, blind = (
+        run(read_scene(relay(0.01, 1, events, slope=1.0, stop=7.0, control=control))).info["counters"]["stepping"]
+        for events in (["mass.x_out"], [])
+    )
     assert located["events"] == 4
     assert located["inaccurate"] == 0
     assert located["rejected"] < blind["rejected"]
@@ -126,9 +131,14 @@ def test_a_signal_that_jumps_is_located_as_well():
 
 def test_the_first_of_two_events_in_a_step_is_found_first():
     """Two free masses that cross 0 at 0.35 s and at 0.32 s."""
-    scene = {"stop_time": 1.0, "master": {"step": 0.2, "events": ["a.x_out", "b.x_out"]},
-             "units": {name: {"component": f"{__name__}:Riser", "parameters": {"start": start}}
-                       for name, start in (("a", -0.35), ("b", -0.32))}}
+    scene = {
+        "stop_time": 1.0,
+        "master": {"step": 0.2, "events": ["a.x_out", "b.x_out"]},
+        "units": {
+            name: {"component": f"{__name__}:Riser", "parameters": {"start": start}}
+            for name, start in (("a", -0.35), ("b", -0.32))
+        },
+    }
     result = run(read_scene(scene))
     for crossing in (0.32, 0.35):
         late = result.time - crossing
@@ -172,8 +182,15 @@ class Telling:
 def told(rollback: bool, *times: float) -> tuple[list[float], list[float], int]:
     """Ends of the steps of 0.1 s to 0.5 s, times of the restarts, and events counted."""
     clock, unit, ends, restarts = Clock.dividing(0.1, 0.5).finer(10**6), Telling(*times), [], []
-    loop = AdaptiveStepping(unit, clock, 10**6, 5 * 10**6, early=[unit], rollback=rollback,
-                  restarts=[lambda: restarts.append(round(sum(unit.steps[-1]), 9))])
+    loop = AdaptiveStepping(
+        unit,
+        clock,
+        10**6,
+        5 * 10**6,
+        early=[unit],
+        rollback=rollback,
+        restarts=[lambda: restarts.append(round(sum(unit.steps[-1]), 9))],
+    )
     loop.run([lambda tick, t: ends.append(t)])
     return ends, restarts, loop.counts["events"]
 
@@ -215,9 +232,12 @@ class Faultless:
 
 def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
     """It steps with every third macro step; the event in its first step shortens none of the others."""
-    scene = {"stop_time": 0.9, "master": {"algorithm": "jacobi", "step": 0.1}, "units": {
-        "u": {"component": f"{__name__}:Riser", "every": 3}, "p": {"component": "cosimo.tests.support:Probe"}},
-        "connections": [{"source": "u.x_out", "target": "p.length"}]}
+    scene = {
+        "stop_time": 0.9,
+        "master": {"algorithm": "jacobi", "step": 0.1},
+        "units": {"u": {"component": f"{__name__}:Riser", "every": 3}, "p": {"component": "cosimo.tests.support:Probe"}},
+        "connections": [{"source": "u.x_out", "target": "p.length"}],
+    }
     master = open_master(scene, ())
     slow = master.node_of["u"]
     component, step = slow.unit.component, slow.unit.component.step
@@ -242,10 +262,14 @@ def test_two_events_of_a_unit_in_one_step():
     assert {0.23, 0.26} <= {round(t, 9) for t in ends}
 
 
-@pytest.mark.parametrize(("event", "message"), [
-    ("mass.x", "master.events: mass.x; expected an output of mass"), ("body.x_out", "unit 'body'; expected a unit of the scene"),
-    ("mass.force", "A connection goes from an output"),
-])
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ("mass.x", "master.events: mass.x; expected an output of mass"),
+        ("body.x_out", "unit 'body'; expected a unit of the scene"),
+        ("mass.force", "A connection goes from an output"),
+    ],
+)
 def test_events_that_are_no_outputs_are_refused(event, message):
     with pytest.raises(BadInput, match=message):
         read_scene(relay(0.1, 0, [event]))

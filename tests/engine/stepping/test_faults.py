@@ -12,15 +12,22 @@ from cosimo.orchestrator.systems import read_scene
 V0 = 2.0  # m/s
 # a free mass, whose position a probe gets in mm and whose own force comes from a spring that is not there: x = V0 t
 FREE = {
-    "stop_time": 1.0, "connections": ["m.x_out -> p.length"],
-    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}},
-              "p": {"component": "cosimo.tests.support:Probe"}},
-    "master": {"algorithm": "jacobi", "step": 0.1}, "record": {"signals": ["m.x_out", "p.profile[1]"]},
+    "stop_time": 1.0,
+    "connections": ["m.x_out -> p.length"],
+    "units": {
+        "m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}},
+        "p": {"component": "cosimo.tests.support:Probe"},
+    },
+    "master": {"algorithm": "jacobi", "step": 0.1},
+    "record": {"signals": ["m.x_out", "p.profile[1]"]},
 }
 CLOSED = {  # a mass of 1 kg on a spring and damper, with a force in a circle
-    "stop_time": 2.0, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}},
-              "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": 100.0, "d": 2.0}}},
+    "stop_time": 2.0,
+    "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+    "units": {
+        "m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}},
+        "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": 100.0, "d": 2.0}},
+    },
     "master": {"algorithm": "gauss-seidel", "step": 1e-3},
 }
 
@@ -32,12 +39,15 @@ def ran(scene, *faults, **changes):
 
 
 @pytest.mark.parametrize("signal", ["m.x_out", "p.length"])
-@pytest.mark.parametrize(("kind", "value", "faulty"), [
-    ("override", 7.0, lambda t: 7.0 + 0.0 * t),  # mm
-    ("offset", 30.0, lambda t: 1000.0 * V0 * t + 30.0),
-    ("freeze", None, lambda t: 1000.0 * V0 * 0.3 + 0.0 * t),
-    ("drop", None, lambda t: 0.5 + 0.0 * t),  # the start value of p.length
-])
+@pytest.mark.parametrize(
+    ("kind", "value", "faulty"),
+    [
+        ("override", 7.0, lambda t: 7.0 + 0.0 * t),  # mm
+        ("offset", 30.0, lambda t: 1000.0 * V0 * t + 30.0),
+        ("freeze", None, lambda t: 1000.0 * V0 * 0.3 + 0.0 * t),
+        ("drop", None, lambda t: 0.5 + 0.0 * t),  # the start value of p.length
+    ],
+)
 def test_what_an_input_gets_in_the_window(signal, kind, value, faulty):
     fault = {"signal": signal, "kind": kind, "begin": 0.3, "end": 0.7} | ({} if value is None else {"value": value})
     result = ran(FREE, fault)
@@ -71,9 +81,12 @@ def test_faults_that_overlap_act_in_the_order_of_the_scene():
 
 
 def test_a_fault_of_an_output_reaches_all_that_it_feeds_and_one_of_an_input_only_that():
-    both = {**FREE, "connections": ["m.x_out -> p.length", "m.x_out -> q.length"],
-            "units": {**FREE["units"], "q": {"component": "cosimo.tests.support:Probe"}},
-            "record": {"signals": ["p.profile[1]", "q.profile[1]"]}}
+    both = {
+        **FREE,
+        "connections": ["m.x_out -> p.length", "m.x_out -> q.length"],
+        "units": {**FREE["units"], "q": {"component": "cosimo.tests.support:Probe"}},
+        "record": {"signals": ["p.profile[1]", "q.profile[1]"]},
+    }
     result = ran(both, {"signal": "m.x_out", "kind": "override", "value": 7.0})
     assert result["p.profile[1]"][-1] == result["q.profile[1]"][-1] == 7.0
     result = ran(both, {"signal": "p.length", "kind": "override", "value": 7.0})
@@ -87,8 +100,10 @@ def damped(t, x0, v0, k=100.0, d=2.0):
     return np.exp(-a * t) * (x0 * np.cos(w * t) + (v0 + a * x0) / w * np.sin(w * t))
 
 
-@pytest.mark.parametrize(("algorithm", "degree"), [
-    ("jacobi", 0), ("jacobi", 1), ("jacobi", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("iterative", 1)])
+@pytest.mark.parametrize(
+    ("algorithm", "degree"),
+    [("jacobi", 0), ("jacobi", 1), ("jacobi", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("iterative", 1)],
+)
 def test_a_sensor_with_an_offset_shifts_the_equilibrium(algorithm, degree):
     """The spring sees the mass 0.1 m further for 0.5 s: three damped motions, one after the other, about 0, -0.1 m and 0."""
     b, e, shift, eps = 0.6, 1.1, 0.1, 1e-6
@@ -148,10 +163,12 @@ def test_a_lost_unit_with_a_rate_of_its_own_stands_still_too():
 @pytest.mark.parametrize("lost", ["a", "b", "c"])
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
 def test_a_lost_unit_in_an_algebraic_loop_stands_still_and_the_loop_is_solved_around_it(algorithm, lost):
-    loop = {"stop_time": 1.0, "master": {"algorithm": algorithm, "step": 0.05},
-            "units": {name: {"component": "cosimo.tests.engine.algorithms.oscillators:Feedthrough"} for name in "abc"},
-            "connections": ["a.y_out -> c.u_in", "c.y_out -> b.u_in",
-                            {"source": "b.y_out", "target": "a.u_in", "factor": -0.4}]}
+    loop = {
+        "stop_time": 1.0,
+        "master": {"algorithm": algorithm, "step": 0.05},
+        "units": {name: {"component": "cosimo.tests.engine.algorithms.oscillators:Feedthrough"} for name in "abc"},
+        "connections": ["a.y_out -> c.u_in", "c.y_out -> b.u_in", {"source": "b.y_out", "target": "a.u_in", "factor": -0.4}],
+    }
     result = ran(loop, {"unit": lost, "kind": "lost", "begin": 0.5})
     k = int(np.searchsorted(result.time, 0.5))
     assert np.ptp(result[f"{lost}.y_out"][:k]) > 0.1
@@ -210,14 +227,21 @@ def test_faults_that_cannot_be_are_refused(fault, named):
 
 
 def test_fmus_suffer_the_same_faults_as_components():
-    scene = read_scene({
-        "stop_time": 0.2, "master": {"step": 2e-3},
-        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
-        "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass",
-                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
-        "faults": [{"signal": "wire.x_out", "kind": "offset", "value": 1e-3, "begin": 0.05, "end": 0.1},
-                   {"unit": "pantograph", "kind": "lost", "begin": 0.15}]})
+    scene = read_scene(
+        {
+            "stop_time": 0.2,
+            "master": {"step": 2e-3},
+            "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+            "units": {
+                "pantograph": {"component": "Pantograph"},
+                "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+            },
+            "faults": [
+                {"signal": "wire.x_out", "kind": "offset", "value": 1e-3, "begin": 0.05, "end": 0.1},
+                {"unit": "pantograph", "kind": "lost", "begin": 0.15},
+            ],
+        }
+    )
     fmu, here = run(scene), run(scene, in_process=True)
     assert (fmu.outcome, here.outcome) == ("done", "done")
     for name in here.columns:
@@ -245,8 +269,11 @@ def test_steps_that_follow_their_error_end_at_the_edges(method):
 
 @pytest.mark.parametrize("at", [0.5, 0.6, 0.7, 0.9])
 def test_a_run_goes_on_from_a_checkpoint_at_an_edge_and_between_edges(at, tmp_path):
-    faults = [{"signal": "m.x_out", "kind": "freeze", "begin": 0.5, "end": 0.9},
-              {"signal": "m.v_out", "kind": "offset", "value": 0.1}, {"unit": "s", "kind": "lost", "begin": 0.6}]
+    faults = [
+        {"signal": "m.x_out", "kind": "freeze", "begin": 0.5, "end": 0.9},
+        {"signal": "m.v_out", "kind": "offset", "value": 0.1},
+        {"unit": "s", "kind": "lost", "begin": 0.6},
+    ]
     scene = read_scene({**CLOSED, "stop_time": 1.0, "faults": faults})
     whole = run(scene, checkpoint_every=at, checkpoint_to=tmp_path / "checkpoint")
     resumed = run(scene, resume=tmp_path / "checkpoint")

@@ -21,8 +21,13 @@ class Log:
 def stepped(step, stop_time, stops=()):
     """Times of the steps, what was done at the stops, and what observers saw, with stops in seconds."""
     clock, log, seen = Clock.dividing(step, stop_time, *stops), Log(), []
-    loop = Stepping(log, clock, clock.ticks(step), clock.ticks(stop_time),
-                    {clock.ticks(s): [lambda s=s: seen.append(("stop", s))] for s in stops})
+    loop = Stepping(
+        log,
+        clock,
+        clock.ticks(step),
+        clock.ticks(stop_time),
+        {clock.ticks(s): [lambda s=s: seen.append(("stop", s))] for s in stops},
+    )
     loop.run([lambda tick, t: seen.append(t)])
     return log.steps, seen
 
@@ -49,8 +54,9 @@ def test_stops_are_met_before_observers_see_them():
     assert [t for t, _ in steps] == [s for s in seen[:-1] if not isinstance(s, tuple)]
 
 
-@pytest.mark.parametrize(("step", "stop_time", "steps"),
-                         [(1e-4, 3 * 1e-4, 3), (0.1, 0.1 + 0.2, 3), (0.3, 0.1 + 0.2, 1), (1 / 30, 2 / 3, 20)])
+@pytest.mark.parametrize(
+    ("step", "stop_time", "steps"), [(1e-4, 3 * 1e-4, 3), (0.1, 0.1 + 0.2, 3), (0.3, 0.1 + 0.2, 1), (1 / 30, 2 / 3, 20)]
+)
 def test_the_rounding_of_a_computed_end_is_no_step(step, stop_time, steps):
     """3 * 1e-4 is 3.0000000000000003e-4: without care a fourth step of 5e-20 s."""
     taken, seen = stepped(step, stop_time)

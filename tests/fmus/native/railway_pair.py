@@ -12,8 +12,10 @@ from cosimo.tests.fmus.native.machines import environment, program
 from fmpy import read_model_description
 
 SCENE = "en50318-2002"
-PORTS = {"pantograph": ("wire_height", "contact_force", "contact_position"),
-         "catenary": ("contact_force", "contact_position", "wire_height")}
+PORTS = {
+    "pantograph": ("wire_height", "contact_force", "contact_position"),
+    "catenary": ("contact_force", "contact_position", "wire_height"),
+}
 
 
 def arguments(folder: Path, target: str = "linux64") -> list[str]:

@@ -31,8 +31,12 @@ def opened(found, folder, version=2, guid=""):
     path = pack(found, Path(folder), version)
     description = read_model_description(str(path))
     slave = {2: FMU2Slave, 3: FMU3Slave}[version]
-    fmu = slave(guid=guid or description.guid, unzipDirectory=extract(str(path)), instanceName="unit",
-                modelIdentifier=description.coSimulation.modelIdentifier)
+    fmu = slave(
+        guid=guid or description.guid,
+        unzipDirectory=extract(str(path)),
+        instanceName="unit",
+        modelIdentifier=description.coSimulation.modelIdentifier,
+    )
     fmu.instantiate()
     return fmu, {v.name: v.valueReference for v in description.modelVariables}
 

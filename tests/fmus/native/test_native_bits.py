@@ -11,9 +11,11 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 from cosimo.tests.short_run import ONE_A_SYSTEM
 
-OTHERS = [("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
-          ("Catenary", ("dropper_slackening", "moving_window", "gusts"), (("spans", 3), ("gusts.lift_coefficient", 0.2))),
-          ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ())]
+OTHERS = [
+    ("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
+    ("Catenary", ("dropper_slackening", "moving_window", "gusts"), (("spans", 3), ("gusts.lift_coefficient", 0.2))),
+    ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ()),
+]
 QUICK = ("PlanarLink",)
 IN_SCENES = {unit.component for name in scene_files() for unit in load_scene(name).units.values()}
 ALONE = [n for n in CATALOGUE if n in {*QUICK, *ONE_A_SYSTEM} or n not in IN_SCENES]

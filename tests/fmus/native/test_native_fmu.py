@@ -63,7 +63,8 @@ def test_variables_are_those_of_the_pythonfmu_fmu(tmp_path):
     constants = {v.scalar.name for v in found.variables if v.role == "CONSTANT"}
     assert constants == {s.name for s in scalars if s.name.startswith("effects.")}
     assert {"resistance", "substep", "rotor_inertia", "start_angle"} <= {
-        v.scalar.name for v in found.variables if v.role == "PARAMETER"}
+        v.scalar.name for v in found.variables if v.role == "PARAMETER"
+    }
     for reference, scalar in enumerate(scalars):
         if scalar.name in seen:
             variable = seen[scalar.name]
@@ -108,7 +109,14 @@ def test_outputs_at_the_start_depend_on_their_inputs_parameters_and_the_time(tmp
     assert parameters
     assert all(v in found for v in parameters)
     assert sorted(v.get("name") for v in found if v not in parameters) == [
-        "first_velocity_x", "first_x", "first_y", "second_velocity_x", "second_x", "second_y", "time"]  # not velocities along y
+        "first_velocity_x",
+        "first_x",
+        "first_y",
+        "second_velocity_x",
+        "second_x",
+        "second_y",
+        "time",
+    ]  # not velocities along y
 
 
 def test_library_needs_only_libc_and_libm_and_exports_the_whole_standard(tmp_path):

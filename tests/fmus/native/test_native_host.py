@@ -59,11 +59,15 @@ def on_another_machine(found, target, folder, h):
     start = found.component.u[0].copy()
     moved = amplitudes(found.component, start)
     rows = [[v for row in driven(found.component, start, moved, k, h) for v in row] for k in range(STEPS)]
-    lines = [f"{len(forms)} {len(outputs)} {STEPS}", " ".join(str(references[n]) for n in [*forms, *outputs]),
-             *(" ".join(struct.pack(">d", v).hex() for v in row) for row in rows)]
+    lines = [
+        f"{len(forms)} {len(outputs)} {STEPS}",
+        " ".join(str(references[n]) for n in [*forms, *outputs]),
+        *(" ".join(struct.pack(">d", v).hex() for v in row) for row in rows),
+    ]
     command = [*program("driven.c", folder, target), str(file), found.token, repr(h)]
-    done = subprocess.run(command, input="\n".join(lines), text=True, capture_output=True, env=environment(target, folder),
-                          check=False)
+    done = subprocess.run(
+        command, input="\n".join(lines), text=True, capture_output=True, env=environment(target, folder), check=False
+    )
     assert done.returncode == 0, done.stderr
     return np.array([[float.fromhex(word) for word in line.split()] for line in done.stdout.splitlines()])
 

@@ -66,8 +66,12 @@ def test_what_follows_from_a_parameter_is_computed_where_it_is_set(name, effects
 
 def test_parameters_are_structural_for_a_reason_and_few_are():
     """Of the real ones 19 in 20 at least can be set in every native FMU."""
-    of_all = [v for name in CATALOGUE for v in component_class(name).variables.values()
-              if v.causality is Causality.PARAMETER and v.kind is Kind.REAL]
+    of_all = [
+        v
+        for name in CATALOGUE
+        for v in component_class(name).variables.values()
+        if v.causality is Causality.PARAMETER and v.kind is Kind.REAL
+    ]
     structural = [v.name for v in of_all if v.structural]
     assert len(structural) <= 0.05 * len(of_all), structural
     assert all(len(v.structural) > 10 for v in of_all if v.structural)

@@ -70,6 +70,7 @@ def test_a_pendulum_hangs_stably_and_stands_unstably(start, state, stable):
 
 def test_the_governor_loses_its_lower_position_at_the_critical_speed():
     """theta'' = sin theta (W² cos theta - g/l) - d theta': 0 is stable up to W² = g/l, acos(g / (l W²)) beyond."""
+
     def governor(speed):
         return lambda x: np.array([x[1], math.sin(x[0]) * (speed**2 * math.cos(x[0]) - 9.81) - 0.5 * x[1]])
 
@@ -123,8 +124,12 @@ def test_the_matrix_of_the_wind_pump_in_closed_form():
     point = operating_point(wind_pump(3.0), START)
     turbine, pump = point.state
     slope = -0.5 * 1.225 * math.pi * 1.5**4 * 3.0 * 0.5 / 2.4
-    expected = np.array([[(slope - 36.0 * K1 * pump) / 15.0, -6.0 * (6.0 * K1 * turbine - 2.0 * K2 * pump) / 15.0],
-                         [72.0 * K1 * turbine - 6.0 * K2 * pump, -6.0 * K2 * turbine]])
+    expected = np.array(
+        [
+            [(slope - 36.0 * K1 * pump) / 15.0, -6.0 * (6.0 * K1 * turbine - 2.0 * K2 * pump) / 15.0],
+            [72.0 * K1 * turbine - 6.0 * K2 * pump, -6.0 * K2 * turbine],
+        ]
+    )
     np.testing.assert_allclose(point.matrix, expected, rtol=1e-7)
     np.testing.assert_allclose(linearised(wind_pump(3.0), point.state), expected, rtol=1e-7)
 

@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.analysis.signals import (
-    Filter,
-    amplitude_spectrum,
-    band,
-    fraction_below,
-    gaps,
-    uniform,
-    window,
-)
+from cosimo.orchestrator.harness.analysis.signals import Filter, amplitude_spectrum, band, fraction_below, gaps, uniform, window
 from cosimo.orchestrator.systems.railway.contact import ContactRecord
 
 RATE = 1000.0

@@ -63,16 +63,23 @@ def test_morris_effects_of_a_linear_function():
 def test_sensitivity_of_a_scene(tmp_path):
     """2 a + b of uniform numbers: four fifths and one fifth of the variance."""
     pytest.importorskip("SALib")
-    answer = sensitivity(read_scene(formula()), {"vary": {"f.a": UNIT, "f.b": UNIT} , "method": "sobol", "points": 1},
-                         quantities=["f.linear, end"], samples=64)
+    answer = sensitivity(
+        read_scene(formula()),
+        {"vary": {"f.a": UNIT, "f.b": UNIT}, "method": "sobol", "points": 1},
+        quantities=["f.linear, end"],
+        samples=64,
+    )
     assert [(i.parameter, i.quantity) for i in answer.indices] == [("f.a", "f.linear, end"), ("f.b", "f.linear, end")]
     for index, exact in zip(answer.indices, (0.8, 0.2), strict=True):
         assert abs(index.first - exact) < 2.0 * index.first_half
         assert abs(index.total - exact) < 2.0 * index.total_half
     assert "quantity" in answer.save(tmp_path).read_text()
     with pytest.raises(BadInput, match="correlated"):
-        sensitivity(read_scene(formula()), {"vary": {"f.a": UNIT, "f.b": UNIT}, "method": "random", "points": 1,
-                                            "correlation": [["f.a", "f.b", 0.5]]}, quantities=["f.linear, end"])
+        sensitivity(
+            read_scene(formula()),
+            {"vary": {"f.a": UNIT, "f.b": UNIT}, "method": "random", "points": 1, "correlation": [["f.a", "f.b", 0.5]]},
+            quantities=["f.linear, end"],
+        )
 
 
 def test_tolerance_ranks_are_those_of_wilks():
@@ -90,8 +97,20 @@ def test_the_terminal_says_how_many_samples_a_tolerance_interval_needs(tmp_path,
     (tmp_path / "s.toml").write_text(tomli_w.dumps(formula(a=1.0, b=3.0)))
     (tmp_path / "plan.toml").write_text(tomli_w.dumps({"method": "random", "points": 20, "vary": {"f.a": UNIT}}))
     with pytest.raises(SystemExit) as ended:
-        main(["uncertainty", str(tmp_path / "s.toml"), "--plan", str(tmp_path / "plan.toml"), "--quantity", "f.linear, end",
-              "--jobs", "1", "-o", str(tmp_path / "out")])
+        main(
+            [
+                "uncertainty",
+                str(tmp_path / "s.toml"),
+                "--plan",
+                str(tmp_path / "plan.toml"),
+                "--quantity",
+                "f.linear, end",
+                "--jobs",
+                "1",
+                "-o",
+                str(tmp_path / "out"),
+            ]
+        )
     assert not ended.value.code
     shown = capsys.readouterr().out
     assert shown.count("needs 93 samples") == 2
@@ -100,9 +119,14 @@ def test_the_terminal_says_how_many_samples_a_tolerance_interval_needs(tmp_path,
 
 def test_uncertainty_of_a_scene_and_the_effects_it_needs():
     """2 a + b of normal numbers with deviations 0.1 and 0.2: sqrt(0.04 + 0.04). The small effect adds 0.01, the large one 5."""
-    plan = {"method": "sobol", "points": 256, "vary": {
-        "f.a": {"distribution": "normal", "mean": 1.0, "deviation": 0.1},
-        "f.b": {"distribution": "normal", "mean": 3.0, "deviation": 0.2}}}
+    plan = {
+        "method": "sobol",
+        "points": 256,
+        "vary": {
+            "f.a": {"distribution": "normal", "mean": 1.0, "deviation": 0.1},
+            "f.b": {"distribution": "normal", "mean": 3.0, "deviation": 0.2},
+        },
+    }
     answer = uncertainty(read_scene(formula(a=1.0, b=3.0)), plan, quantities=["f.linear, end"], effects=True, share=0.5)
     (spread,) = answer.spreads
     assert spread.mean == pytest.approx(5.0, abs=0.01)
@@ -112,7 +136,9 @@ def test_uncertainty_of_a_scene_and_the_effects_it_needs():
     assert answer.needed == ("f.large",)
     assert answer.left_error == pytest.approx(0.01 / spread.deviation, rel=1e-9)
     assert {e.effect: (pytest.approx(e.change), e.needed) for e in answer.effects} == {
-        "f.small": (0.01, False), "f.large": (5.0, True)}
+        "f.small": (0.01, False),
+        "f.large": (5.0, True),
+    }
 
 
 def measured(folder, k=400.0, m=1.0, v0=2.0, noise=0.002):
@@ -128,8 +154,10 @@ def test_a_fit_has_the_deviations_of_its_closed_form(tmp_path):
     """Stiffness and speed at the start from a noisy curve; covariance (JᵀJ)⁻¹ σ² with the derivatives of the closed form."""
     curve = measured(tmp_path)
     scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
-    settings = {"vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
-                "curves": [curve]}
+    settings = {
+        "vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
+        "curves": [curve],
+    }
     answer = fit(scene, settings, folder=tmp_path)
     t, omega, v0 = np.arange(0.0, 2.0, 0.01), 20.0, 2.0
     by_k = v0 * (t * np.cos(omega * t) / omega - np.sin(omega * t) / omega**2) / (2.0 * omega)
@@ -146,22 +174,30 @@ def test_a_fit_says_what_the_data_cannot_tell(tmp_path):
     """Position depends on stiffness over mass alone."""
     curve = measured(tmp_path)
     scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
-    answer = fit(scene, {"vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 410.0}, "m.m": {"low": 0.8, "high": 1.3}},
-                         "curves": [curve]}, folder=tmp_path)
+    answer = fit(
+        scene,
+        {"vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 410.0}, "m.m": {"low": 0.8, "high": 1.3}}, "curves": [curve]},
+        folder=tmp_path,
+    )
     assert any("told apart" in text or "do not identify" in text for text in answer.fit.messages)
 
 
 def test_a_fit_to_numbers_and_bad_fits(tmp_path):
-    targets = [{"quantity": "f.linear, end", "value": 7.0, "deviation": 0.1}, {"quantity": "f.total, end", "value": 5.0,
-                                                                               "deviation": 0.1}]
+    targets = [
+        {"quantity": "f.linear, end", "value": 7.0, "deviation": 0.1},
+        {"quantity": "f.total, end", "value": 5.0, "deviation": 0.1},
+    ]
     vary = {"f.a": {"low": 0.0, "high": 9.0}, "f.b": {"low": 0.0, "high": 9.0}}
     answer = fit(read_scene(formula()), {"vary": vary, "targets": targets})
     np.testing.assert_allclose(answer.fit.values, [2.0, 3.0], atol=1e-5)
     # a = y1 - y2, b = 2 y2 - y1: deviations sqrt(2) and sqrt(5) times 0.1
     np.testing.assert_allclose(answer.fit.deviations, [0.1 * np.sqrt(2.0), 0.1 * np.sqrt(5.0)], rtol=1e-4)
-    for settings, named in (({"vary": vary}, "neither curves nor targets"), ({"vary": {}, "targets": targets}, "vary"),
-                            ({"vary": vary, "targets": [targets[0] | {"quantity": "f.linar, end"}]}, "'f.linear'"),
-                            ({"vary": {"f.c": vary["f.a"]}, "targets": targets}, "a variable of Formula")):
+    for settings, named in (
+        ({"vary": vary}, "neither curves nor targets"),
+        ({"vary": {}, "targets": targets}, "vary"),
+        ({"vary": vary, "targets": [targets[0] | {"quantity": "f.linar, end"}]}, "'f.linear'"),
+        ({"vary": {"f.c": vary["f.a"]}, "targets": targets}, "a variable of Formula"),
+    ):
         with pytest.raises(BadInput, match=named):
             fit(read_scene(formula()), settings)
 
@@ -169,8 +205,12 @@ def test_a_fit_to_numbers_and_bad_fits(tmp_path):
 @pytest.mark.parametrize("method", ["COBYQA", "SLSQP"])
 def test_a_design_under_a_constraint(method, tmp_path):
     """(a - 1)² + (b - 2)² with a + b <= 2: at (1/2, 3/2) it is 1/2 (Lagrange)."""
-    settings = {"vary": {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}}, "minimise": "f.parabola, end",
-                "constraints": {"f.total, end": {"high": 2.0}}, "method": method}
+    settings = {
+        "vary": {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}},
+        "minimise": "f.parabola, end",
+        "constraints": {"f.total, end": {"high": 2.0}},
+        "method": method,
+    }
     answer = design(read_scene(formula()), settings)
     assert answer.values == {"f.a": pytest.approx(0.5, abs=2e-3), "f.b": pytest.approx(1.5, abs=2e-3)}
     assert answer.steps[answer.best].quantity == pytest.approx(0.5, abs=1e-3)
@@ -180,8 +220,11 @@ def test_a_design_under_a_constraint(method, tmp_path):
 
 
 def test_a_design_that_cannot_be_says_so():
-    settings = {"vary": {"f.a": {"low": 0.0, "high": 1.0}}, "maximise": "f.total, end",
-                "constraints": {"f.linear, end": {"low": 99.0}}}
+    settings = {
+        "vary": {"f.a": {"low": 0.0, "high": 1.0}},
+        "maximise": "f.total, end",
+        "constraints": {"f.linear, end": {"low": 99.0}},
+    }
     answer = design(read_scene(formula()), settings)
     assert answer.best == -1
     assert answer.values == {}

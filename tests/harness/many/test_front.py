@@ -12,8 +12,14 @@ from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.harness.many.points import formula
 
 VARY = {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}}
-FRONT = {"vary": VARY, "minimise": ["f.parabola, end", "f.total, end"], "constraints": {"f.total, end": {"low": 1.0}},
-         "evaluations": 600, "population": 30, "seed": 1}
+FRONT = {
+    "vary": VARY,
+    "minimise": ["f.parabola, end", "f.total, end"],
+    "constraints": {"f.total, end": {"low": 1.0}},
+    "evaluations": 600,
+    "population": 30,
+    "seed": 1,
+}
 
 
 @pytest.mark.full
@@ -65,11 +71,16 @@ def test_a_front_that_still_grows_is_named():
     assert still_growing(values, np.array([0, 1, 2, 3]), 20) == ""
 
 
-@pytest.mark.parametrize(("settings", "named"), [
-    ({"minimise": ["f.total, end", "f.total, end"]}, "each once"), ({"starts": 3}, "starts"),
-    ({"method": "COBYQA"}, "'NSGA-II'"), ({"minimise": "f.total, end", "constraints": {}}, "population"),
-    ({"minimise": "f.total, end", "method": "NSGA-II"}, "one"),
-])
+@pytest.mark.parametrize(
+    ("settings", "named"),
+    [
+        ({"minimise": ["f.total, end", "f.total, end"]}, "each once"),
+        ({"starts": 3}, "starts"),
+        ({"method": "COBYQA"}, "'NSGA-II'"),
+        ({"minimise": "f.total, end", "constraints": {}}, "population"),
+        ({"minimise": "f.total, end", "method": "NSGA-II"}, "one"),
+    ],
+)
 def test_bad_fronts_are_one_message(settings, named):
     with pytest.raises(BadInput, match=named):
         design(read_scene(formula()), FRONT | settings)

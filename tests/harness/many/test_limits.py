@@ -42,11 +42,18 @@ def table(folder, *rows):
 
 def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
     """2 a + b of normal numbers is normal: 5 and sqrt(0.08); a + b: 4 and sqrt(0.05)."""
-    limits = table(tmp_path, ("f.linear, end", "x", "1", "high = 5.2", "verbatim"),
-                   ("f.total, end", "x", "1", "low = 4.0", "recalled"))
-    plan = {"method": "random", "points": 400, "seed": 2, "vary": {
-        "f.a": {"distribution": "normal", "mean": 1.0, "deviation": 0.1},
-        "f.b": {"distribution": "normal", "mean": 3.0, "deviation": 0.2}}}
+    limits = table(
+        tmp_path, ("f.linear, end", "x", "1", "high = 5.2", "verbatim"), ("f.total, end", "x", "1", "low = 4.0", "recalled")
+    )
+    plan = {
+        "method": "random",
+        "points": 400,
+        "seed": 2,
+        "vary": {
+            "f.a": {"distribution": "normal", "mean": 1.0, "deviation": 0.1},
+            "f.b": {"distribution": "normal", "mean": 3.0, "deviation": 0.2},
+        },
+    }
     scene = formula() | {"study": {"quantities": ["f.parabola, time history"]}}  # which is no number of a run
     answer = uncertainty(read_scene(scene), plan, limits=limits)
     first, second, together = answer.limits
@@ -61,7 +68,10 @@ def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
     _, file = answer.save(tmp_path)
     rows = list(csv.DictReader(file.open()))
     assert [(r["column"], r["standing"], r["source"]) for r in rows] == [
-        ("f.linear, end", "verbatim", "a test"), ("f.total, end", "recalled", "a test"), ("", "", "")]
+        ("f.linear, end", "verbatim", "a test"),
+        ("f.total, end", "recalled", "a test"),
+        ("", "", ""),
+    ]
     page = answers.for_uncertainty(answer, tmp_path).read_text()
     assert "Probability of keeping the limits" in page
 
@@ -92,10 +102,12 @@ rows = { table = "rows.toml" }
 
 
 def test_limits_count_all_columns_and_are_those_of_the_conditions(tmp_path):
-    limits = table(tmp_path, ("f.total, end", "slow", "1", "high = 2.0", "verbatim"),
-                   ("f.total, end", "fast", "1", "high = 3.0", "verbatim"))
+    limits = table(
+        tmp_path, ("f.total, end", "slow", "1", "high = 2.0", "verbatim"), ("f.total, end", "fast", "1", "high = 3.0", "verbatim")
+    )
     (tmp_path / "plan.toml").write_text(
-        'rows = { table = "rows.toml", conditions = ["fast"] }\n[vary]\n"f.a" = [1.0, 2.0, 3.0, 4.0]\n')
+        'rows = { table = "rows.toml", conditions = ["fast"] }\n[vary]\n"f.a" = [1.0, 2.0, 3.0, 4.0]\n'
+    )
     plan = read_plan(tmp_path / "plan.toml")
     result = sweep(read_scene(formula()), plan)
     assert result.plan.limits["f.total, end"].high == 3.0
@@ -104,8 +116,9 @@ def test_limits_count_all_columns_and_are_those_of_the_conditions(tmp_path):
         with pytest.raises(BadInput, match=named):
             with_rows(plan_settings({"vary": {"f.a": [1.0]}}), table=limits, conditions=conditions)
     with pytest.raises(BadInput, match="one range a column"):
-        with_rows(plan_settings({"vary": {"f.a": [1.0]}, "limits": {"f.total, end": {"low": 0.0}}}), table=limits,
-                  conditions=["fast"])
+        with_rows(
+            plan_settings({"vary": {"f.a": [1.0]}, "limits": {"f.total, end": {"low": 0.0}}}), table=limits, conditions=["fast"]
+        )
     for name, named in (("nowhere.toml", "There is no"), ("en5067", "'en50367'"), ("catenary-statics", "own runs")):
         with pytest.raises(BadInput, match=named):
             with_rows(plan_settings({"vary": {"f.a": [1.0]}}), table=name)

@@ -31,8 +31,11 @@ def test_samples_have_their_distributions(method):
     """Moments by closed forms; the tolerance is five standard errors of independent samples."""
     n = 4096
     plan = planned(method=method, points=n, seed=5, vary={"m.k": UNIFORM, "m.m": TRIANGULAR, "m.v0": NORMAL})
-    for name, mean, variance in (("m.k", 500.0, 800.0**2 / 12.0), ("m.v0", 2.0, 0.01),
-                                 ("m.m", 7.0 / 3.0, (1.0 + 4.0 + 16.0 - 2.0 - 4.0 - 8.0) / 18.0)):
+    for name, mean, variance in (
+        ("m.k", 500.0, 800.0**2 / 12.0),
+        ("m.v0", 2.0, 0.01),
+        ("m.m", 7.0 / 3.0, (1.0 + 4.0 + 16.0 - 2.0 - 4.0 - 8.0) / 18.0),
+    ):
         x = plan.columns[name].numbers
         assert abs(x.mean() - mean) < 5.0 * np.sqrt(variance / n)
         assert abs(x.var() / variance - 1.0) < 5.0 * np.sqrt(2.0 / n)
@@ -62,8 +65,12 @@ def test_normal_scores_have_the_correlation_of_the_plan():
     a, b = (plan.columns[c].numbers for c in ("m.m", "m.v0"))
     assert abs(np.corrcoef(a, b)[0, 1] - r) < 5.0 * (1.0 - r * r) / np.sqrt(n)
     with pytest.raises(BadInput, match="positive definite"):
-        planned(method="random", points=8, vary={"m.m": NORMAL, "m.v0": NORMAL, "m.k": UNIFORM},
-                correlation=[["m.m", "m.v0", 0.9], ["m.v0", "m.k", 0.9], ["m.m", "m.k", -0.9]])
+        planned(
+            method="random",
+            points=8,
+            vary={"m.m": NORMAL, "m.v0": NORMAL, "m.k": UNIFORM},
+            correlation=[["m.m", "m.v0", 0.9], ["m.v0", "m.k", 0.9], ["m.m", "m.k", -0.9]],
+        )
 
 
 def test_a_normal_distribution_is_cut_off_where_the_plan_says():
@@ -98,29 +105,37 @@ def test_effects_presets_units_and_the_master_vary():
 
 def test_points_that_need_the_same_machine_code_are_known():
     scene = load_scene("en50318-2002")
-    plan = plan_of(scene, plan_settings({"vary": {"catenary.effects.dropper_slackening": [True, False],
-                                                  "pantograph.static_force": [60.0, 70.0]}}))
+    plan = plan_of(
+        scene,
+        plan_settings({"vary": {"catenary.effects.dropper_slackening": [True, False], "pantograph.static_force": [60.0, 70.0]}}),
+    )
     assert plan.kernels[0] == plan.kernels[1] != plan.kernels[2] == plan.kernels[3]
 
 
-@pytest.mark.parametrize(("settings", "named"), [
-    ({}, "neither vary nor table"),
-    ({"vary": {"m.k": []}}, r"vary\.m\.k"),
-    ({"vary": {"m.k": [float("nan")]}}, "finite"),
-    ({"vary": {"m.k": UNIFORM}}, "distribution with method 'grid'"),
-    ({"method": "sobol", "vary": {"m.k": UNIFORM}}, "points"),
-    ({"method": "grid", "points": 4, "vary": {"m.k": [1.0]}}, "points"),
-    ({"method": "list", "vary": {"m.k": [1.0], "m.m": [1.0, 2.0]}}, "one length"),
-    ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "norml", "mean": 1.0}}}, "'normal'"),
-    ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "normal", "mean": 1.0}}}, "mean, deviation"),
-    ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "uniform", "low": 2.0, "high": 1.0}}}, "low < high"),
-    ({"vary": {"m.kk": [1.0]}}, "'k'"), ({"vary": {"m.m": [1.0, -1.0]}}, "m = -1.0"), ({"vary": {"n.k": [1.0]}}, "unit 'n'"),
-    ({"vary": {"units.m.presett": [""]}}, "'preset'"), ({"vary": {"m.effects.wear": [True]}}, "effect of m"),
-    ({"vary": {"m.k": [1.0]}, "keep": {"interval": 0.1}}, "signals"),
-    ({"vary": {"m.k": [1.0]}, "keep": {"functions": ["here"]}}, "module:function"),
-    ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: 3\.0; expected a table"),
-    ({"vary": {"m.k": [1.0]}, "sed": 3}, "'seed'"),
-])
+@pytest.mark.parametrize(
+    ("settings", "named"),
+    [
+        ({}, "neither vary nor table"),
+        ({"vary": {"m.k": []}}, r"vary\.m\.k"),
+        ({"vary": {"m.k": [float("nan")]}}, "finite"),
+        ({"vary": {"m.k": UNIFORM}}, "distribution with method 'grid'"),
+        ({"method": "sobol", "vary": {"m.k": UNIFORM}}, "points"),
+        ({"method": "grid", "points": 4, "vary": {"m.k": [1.0]}}, "points"),
+        ({"method": "list", "vary": {"m.k": [1.0], "m.m": [1.0, 2.0]}}, "one length"),
+        ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "norml", "mean": 1.0}}}, "'normal'"),
+        ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "normal", "mean": 1.0}}}, "mean, deviation"),
+        ({"method": "random", "points": 4, "vary": {"m.k": {"distribution": "uniform", "low": 2.0, "high": 1.0}}}, "low < high"),
+        ({"vary": {"m.kk": [1.0]}}, "'k'"),
+        ({"vary": {"m.m": [1.0, -1.0]}}, "m = -1.0"),
+        ({"vary": {"n.k": [1.0]}}, "unit 'n'"),
+        ({"vary": {"units.m.presett": [""]}}, "'preset'"),
+        ({"vary": {"m.effects.wear": [True]}}, "effect of m"),
+        ({"vary": {"m.k": [1.0]}, "keep": {"interval": 0.1}}, "signals"),
+        ({"vary": {"m.k": [1.0]}, "keep": {"functions": ["here"]}}, "module:function"),
+        ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: 3\.0; expected a table"),
+        ({"vary": {"m.k": [1.0]}, "sed": 3}, "'seed'"),
+    ],
+)
 def test_bad_plans_are_one_message(settings, named):
     with pytest.raises(BadInput, match=named):
         plan_of(SCENE, plan_settings(settings))

@@ -25,7 +25,8 @@ STIFFNESS = np.linspace(50.0, 200.0, 7)  # N/m
 def held(step=0.01):
     """Mass on a spring and damper with held forces, an error of first order; 1 s."""
     return load_scene("mass-on-spring").with_changes(
-        {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0}})
+        {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0}}
+    )
 
 
 def exact_end(stiffness):
@@ -71,8 +72,17 @@ def test_ends_of_every_parameter_are_among_the_points():
     grid = plan_of(scene, plan_settings({"vary": {"spring.stiffness": [1.0, 2.0, 3.0], "mass.mass": [1.0, 2.0, 3.0, 4.0]}}))
     everywhere = np.ones(12, dtype=bool)
     assert ends_and_some(grid, everywhere)[:2] == [0, 11]
-    drawn = plan_of(scene, plan_settings({"method": "random", "points": 50, "seed": 1, "vary": {
-        "spring.stiffness": {"distribution": "uniform", "low": 1.0, "high": 9.0}, "master.step": [1e-3, 2e-3]}}))
+    drawn = plan_of(
+        scene,
+        plan_settings(
+            {
+                "method": "random",
+                "points": 50,
+                "seed": 1,
+                "vary": {"spring.stiffness": {"distribution": "uniform", "low": 1.0, "high": 9.0}, "master.step": [1e-3, 2e-3]},
+            }
+        ),
+    )
     values = drawn.columns["spring.stiffness"].labels
     chosen = ends_and_some(drawn, np.ones(50, dtype=bool))
     assert {values.argmin(), values.argmax()} <= set(chosen)
@@ -103,8 +113,12 @@ def test_a_mean_near_zero_is_judged_by_the_size_of_its_signal_and_failed_points_
 
 
 def test_distributions_that_are_blurred_by_the_macro_step_say_so():
-    plan = {"method": "random", "points": 20, "seed": 1,
-            "vary": {"spring.stiffness": {"distribution": "uniform", "low": 99.0, "high": 101.0}}}
+    plan = {
+        "method": "random",
+        "points": 20,
+        "seed": 1,
+        "vary": {"spring.stiffness": {"distribution": "uniform", "low": 99.0, "high": 101.0}},
+    }
     blurred, sharp = (uncertainty(held(step), plan, quantities=[END]) for step in (0.01, 1e-4))
     assert any("standard deviation over the points" in text for text in blurred.messages)
     assert not any("standard deviation over the points" in text for text in sharp.messages)
@@ -113,15 +127,21 @@ def test_distributions_that_are_blurred_by_the_macro_step_say_so():
 
 def test_indices_that_are_blurred_by_the_macro_step_say_so():
     pytest.importorskip("SALib")
-    narrow = {name: {"distribution": "uniform", "low": 0.99 * value, "high": 1.01 * value}
-              for name, value in (("spring.stiffness", 100.0), ("mass.mass", 1.0))}
+    narrow = {
+        name: {"distribution": "uniform", "low": 0.99 * value, "high": 1.01 * value}
+        for name, value in (("spring.stiffness", 100.0), ("mass.mass", 1.0))
+    }
     answer = sensitivity(held(0.02), {"method": "random", "points": 1, "vary": narrow}, quantities=[END], samples=8)
     assert any("standard deviation over the points" in text for text in answer.messages)
 
 
 def test_a_design_has_the_error_of_its_aim_and_says_which_limits_it_blurs():
-    settings = {"minimise": "mass.base_x, maximum", "vary": {"spring.stiffness": {"low": 50.0, "high": 200.0}},
-                "constraints": {"spring.second_force_x, maximum": {"high": 6.0}}, "evaluations": 30}
+    settings = {
+        "minimise": "mass.base_x, maximum",
+        "vary": {"spring.stiffness": {"low": 50.0, "high": 200.0}},
+        "constraints": {"spring.second_force_x, maximum": {"high": 6.0}},
+        "evaluations": 30,
+    }
     answer = design(held(), settings)
     assert answer.repeated.errors["mass.base_x, maximum"] > 0.0
     assert any("kept by less than its numerical error" in text for text in answer.messages)
@@ -129,8 +149,10 @@ def test_a_design_has_the_error_of_its_aim_and_says_which_limits_it_blurs():
 
 
 def test_a_fit_says_where_its_run_is_less_exact_than_the_measurement():
-    settings = {"vary": {"spring.stiffness": {"low": 80.0, "high": 120.0}},
-                "targets": [{"quantity": END, "value": float(exact_end(100.0)), "deviation": 1e-4}]}
+    settings = {
+        "vary": {"spring.stiffness": {"low": 80.0, "high": 120.0}},
+        "targets": [{"quantity": END, "value": float(exact_end(100.0)), "deviation": 1e-4}],
+    }
     assert any("numerical error of the fitted run" in text for text in fit(held(), settings).fit.messages)
     assert not any("numerical error" in text for text in fit(held(), settings, verify=False).fit.messages)
     coarse = {**settings, "targets": [{**settings["targets"][0], "deviation": 1.0}]}

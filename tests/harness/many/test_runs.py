@@ -22,19 +22,32 @@ from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import scene
 from cosimo.tests.harness.test_sweep import MASS
 
-SAMPLES = {"method": "sobol", "points": 16, "seed": 3, "keep": {"signals": ["m.x_out"], "interval": 0.25}, "vary": {
-    "m.k": {"distribution": "uniform", "low": 100.0, "high": 900.0},
-    "m.m": {"distribution": "triangular", "low": 1.0, "mode": 2.0, "high": 4.0}}}
+SAMPLES = {
+    "method": "sobol",
+    "points": 16,
+    "seed": 3,
+    "keep": {"signals": ["m.x_out"], "interval": 0.25},
+    "vary": {
+        "m.k": {"distribution": "uniform", "low": 100.0, "high": 900.0},
+        "m.m": {"distribution": "triangular", "low": 1.0, "mode": 2.0, "high": 4.0},
+    },
+}
 VALUES = {"vary": {"d.value": list(map(float, range(12)))}}
-LINE = {"vary": {"d.value": {"low": 0.0, "high": 10.0, "start": 1.0}}, "starts": 3,
-        "targets": [{"quantity": "d.twice, end", "value": 6.0, "deviation": 0.1}]}
+LINE = {
+    "vary": {"d.value": {"low": 0.0, "high": 10.0, "start": 1.0}},
+    "starts": 3,
+    "targets": [{"quantity": "d.twice, end", "value": 6.0, "deviation": 0.1}],
+}
 HERE = "cosimo.tests.harness.many.points"
 
 
 def contents(directory):
     """Bytes of all that a sweep writes in the plan's order."""
-    return {str(p.relative_to(directory)): p.read_bytes() for p in directory.rglob("*")
-            if p.is_file() and "points" not in p.parts and p.name != "progress.html"}
+    return {
+        str(p.relative_to(directory)): p.read_bytes()
+        for p in directory.rglob("*")
+        if p.is_file() and "points" not in p.parts and p.name != "progress.html"
+    }
 
 
 def test_results_do_not_depend_on_the_number_of_workers(tmp_path):
@@ -93,7 +106,11 @@ def test_own_functions_and_quantities_are_columns():
     keep = {"statistics": False, "functions": [f"{HERE}:last_and_first", f"{HERE}:a_third"], "quantities": ["d.twice, end"]}
     result = sweep(read_scene(scene()), {"vary": {"d.value": [1.0, 2.0]}, "keep": keep})
     assert {n: v.tolist() for n, v in result.measures.items()} == {
-        "d.twice, end": [2.0, 4.0], "last": [2.0, 4.0], "rows": [2.0, 2.0], "a_third": [2.0 / 3.0, 4.0 / 3.0]}
+        "d.twice, end": [2.0, 4.0],
+        "last": [2.0, 4.0],
+        "rows": [2.0, 2.0],
+        "a_third": [2.0 / 3.0, 4.0 / 3.0],
+    }
     failed = sweep(read_scene(scene()), {"vary": {"d.value": [1.0]}, "keep": {"functions": [f"{HERE}:fails"]}})
     assert "KeyError" in failed.outcomes[0]
     with pytest.raises(BadInput, match="can be imported"):
@@ -155,7 +172,7 @@ def test_a_killed_sweep_keeps_what_was_computed(tmp_path, number):
             os.kill(worker, signal.SIGKILL)
     kept = sum(read_part(p).num_rows for p in parts(out))
     assert kept > 0
-    rest = sweep(read_scene(scene(pause=0.3)) , {"vary": {"d.value": list(map(float, range(40)))}}, out, jobs=2)
+    rest = sweep(read_scene(scene(pause=0.3)), {"vary": {"d.value": list(map(float, range(40)))}}, out, jobs=2)
     assert rest.computed == 40 - kept
     assert set(rest.outcomes) == {"done"}
     assert rest.measures["d.twice, mean"].tolist() == [2.0 * k for k in range(40)]
@@ -244,16 +261,25 @@ def test_the_job_script_of_the_documentation_gives_the_same(tmp_path):
     (tmp_path / "job.sh").write_text(script)
     folder = tmp_path / "bin"
     folder.mkdir()
-    for name, text in {"srun": 'shift\nfor k in $(seq $SLURM_NTASKS); do "$@" & done\nwait',
-                       "cosimo": f'{sys.executable} -m cosimo.orchestrator.cli "$@"'}.items():
+    for name, text in {
+        "srun": 'shift\nfor k in $(seq $SLURM_NTASKS); do "$@" & done\nwait',
+        "cosimo": f'{sys.executable} -m cosimo.orchestrator.cli "$@"',
+    }.items():
         (folder / name).write_text(f"#!/bin/bash\n{text}\n")
         (folder / name).chmod(0o755)
     (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene()))
-    (tmp_path / "plan.toml").write_text("[vary]\n\"d.value\" = [1.0, 2.0, 3.0]\n")
+    (tmp_path / "plan.toml").write_text('[vary]\n"d.value" = [1.0, 2.0, 3.0]\n')
     path = os.pathsep.join([str(folder), str(Path(sys.executable).parent), os.environ["PATH"]])
     environment = {**os.environ, "SLURM_NTASKS": "2", "SLURM_JOB_ID": "1", "PATH": path, "TMPDIR": str(tmp_path)}
-    process = subprocess.Popen(["bash", "job.sh"], cwd=tmp_path, env=environment, start_new_session=True, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    process = subprocess.Popen(
+        ["bash", "job.sh"],
+        cwd=tmp_path,
+        env=environment,
+        start_new_session=True,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
     try:
         output, _ = process.communicate(timeout=300)
     finally:

@@ -22,14 +22,20 @@ from cosimo.tests.harness.test_sweep import MASS
 
 TWO = {  # (a - 1)² + (b - 2)² = 2 and a + b = 3: at (2, 1) and at (0, 3)
     "vary": {"f.a": {"low": -3.0, "high": 4.0, "start": 1.5}, "f.b": {"low": -3.0, "high": 6.0, "start": 1.5}},
-    "targets": [{"quantity": "f.parabola, end", "value": 2.0, "deviation": 0.1},
-                {"quantity": "f.total, end", "value": 3.0, "deviation": 0.1}]}
+    "targets": [
+        {"quantity": "f.parabola, end", "value": 2.0, "deviation": 0.1},
+        {"quantity": "f.total, end", "value": 3.0, "deviation": 0.1},
+    ],
+}
 
 
 def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
     scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
-    settings = {"vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
-                "curves": [measured(tmp_path)], "starts": 2}
+    settings = {
+        "vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
+        "curves": [measured(tmp_path)],
+        "starts": 2,
+    }
     one, two = (fit(scene, settings, tmp_path / str(jobs), folder=tmp_path, jobs=jobs) for jobs in (1, 2))
     assert one.fit.values.tobytes() == two.fit.values.tobytes()
     assert one.fit.covariance.tobytes() == two.fit.covariance.tobytes()
@@ -46,8 +52,13 @@ def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
 
 @pytest.mark.full
 def test_a_design_by_differences_does_not_depend_on_the_number_of_workers(tmp_path):
-    settings = {"vary": {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}}, "minimise": "f.parabola, end",
-                "constraints": {"f.total, end": {"high": 2.0}}, "method": "SLSQP", "starts": 3}
+    settings = {
+        "vary": {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}},
+        "minimise": "f.parabola, end",
+        "constraints": {"f.total, end": {"high": 2.0}},
+        "method": "SLSQP",
+        "starts": 3,
+    }
     one, two = (design(read_scene(formula()), settings, tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2))
     assert one.steps == two.steps
     assert one.starts == 3
@@ -140,8 +151,18 @@ deviation = 0.1
 def test_a_stopped_fit_goes_on_with_what_it_has(tmp_path, number):
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "fit.toml").write_text(PLAN)
-    command = [sys.executable, "-m", "cosimo.orchestrator.cli", "fit", tmp_path / "scene.toml", "--plan", tmp_path / "fit.toml",
-               "--jobs", "2", "-o"]
+    command = [
+        sys.executable,
+        "-m",
+        "cosimo.orchestrator.cli",
+        "fit",
+        tmp_path / "scene.toml",
+        "--plan",
+        tmp_path / "fit.toml",
+        "--jobs",
+        "2",
+        "-o",
+    ]
     process = subprocess.Popen([*command, tmp_path / "out"], stderr=subprocess.PIPE, text=True, start_new_session=True)
     try:
         while len(parts(tmp_path / "out")) < 5:

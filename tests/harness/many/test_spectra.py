@@ -7,8 +7,11 @@ from cosimo.orchestrator.harness.analysis.signals import welch_spectrum
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.systems import read_scene
 
-SCENE = {"stop_time": 2.0, "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}},
-         "master": {"step": 1e-2}}
+SCENE = {
+    "stop_time": 2.0,
+    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}},
+    "master": {"step": 1e-2},
+}
 VARY = {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.c": {"low": 0.2, "high": 3.0, "start": 0.5}}
 
 
@@ -37,8 +40,11 @@ def measured(folder, k=400.0, c=1.0, noise=0.0, kind="power spectral density"):
 @pytest.mark.parametrize("kind", ["power spectral density", "amplitude spectrum"])
 @pytest.mark.parametrize("logarithmic", [True, False])
 def test_a_fit_finds_stiffness_and_damping_from_a_spectrum(tmp_path, kind, logarithmic):
-    answer = fit(read_scene(SCENE), {"vary": VARY, "spectra": [measured(tmp_path, kind=kind) | {"logarithmic": logarithmic}]},
-                 folder=tmp_path)
+    answer = fit(
+        read_scene(SCENE),
+        {"vary": VARY, "spectra": [measured(tmp_path, kind=kind) | {"logarithmic": logarithmic}]},
+        folder=tmp_path,
+    )
     np.testing.assert_allclose(answer.fit.values, [400.0, 1.0], rtol=1e-5)
     assert answer.charts[0].panels[0].logarithmic == logarithmic
     assert "Welch, the whole record, window boxcar" in answer.charts[0].text
@@ -50,8 +56,10 @@ def test_its_deviations_are_those_of_the_closed_form(tmp_path):
     answer = fit(read_scene(SCENE), {"vary": VARY, "spectra": [settings]}, folder=tmp_path)
     f = decay_spectrum(400.0, 1.0)[0]
     kept = (f >= 1.0) & (f <= 20.0)
-    logs = [[np.log(decay_spectrum(400.0 + way * dk, 1.0 + way * dc)[1][kept]) for way in (1.0, -1.0)]
-            for dk, dc in ((0.01, 0.0), (0.0, 1e-4))]
+    logs = [
+        [np.log(decay_spectrum(400.0 + way * dk, 1.0 + way * dc)[1][kept]) for way in (1.0, -1.0)]
+        for dk, dc in ((0.01, 0.0), (0.0, 1e-4))
+    ]
     jacobian = np.stack([(up - down) / (2.0 * h) for (up, down), h in zip(logs, (0.01, 1e-4), strict=True)], axis=1)
     exact = 0.1 * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
     np.testing.assert_allclose(answer.fit.deviations, exact, rtol=0.05)
@@ -75,10 +83,17 @@ def test_estimates_of_a_sine_and_of_noise():
     assert s.sum() * f[1] == pytest.approx(x.var(), rel=1e-3)
 
 
-@pytest.mark.parametrize(("change", "named"), [
-    ({"segment": 5.0}, "segments of 500 samples"), ({"low": 49.0}, "frequencies above 0"), ({"ordinate": "P"}, "column 'P'"),
-    ({"segment": 0.5}, "first line of segments"), ({"window": "han"}, "'hann'"), ({"file": "none.csv"}, "can be read"),
-])
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"segment": 5.0}, "segments of 500 samples"),
+        ({"low": 49.0}, "frequencies above 0"),
+        ({"ordinate": "P"}, "column 'P'"),
+        ({"segment": 0.5}, "first line of segments"),
+        ({"window": "han"}, "'hann'"),
+        ({"file": "none.csv"}, "can be read"),
+    ],
+)
 def test_bad_spectra_are_one_message(tmp_path, change, named):
     with pytest.raises(BadInput, match=named):
         fit(read_scene(SCENE), {"vary": VARY, "spectra": [measured(tmp_path) | change]}, folder=tmp_path)

@@ -38,8 +38,10 @@ def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
         digests = plan.digests("base")
         folder = store.points_folder(tmp_path / str(n), "base")
         for first in range(0, n, 1024):
-            write_part(folder, [(int(d), Row("done", "", {f"f.x{k}": float(k) for k in range(5)}))
-                                for d in digests[first : first + 1024]])
+            write_part(
+                folder,
+                [(int(d), Row("done", "", {f"f.x{k}": float(k) for k in range(5)})) for d in digests[first : first + 1024]],
+            )
         del digests
         tracemalloc.start()
         result = collected_sweep(scene, plan, tmp_path / str(n), "base")

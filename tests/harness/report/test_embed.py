@@ -78,8 +78,14 @@ def test_a_thinned_line_stays_broken_where_it_was():
 
 def test_signals_share_an_axis_by_unit_of_measure_and_size():
     t = np.linspace(0.0, 1.0, 50)
-    columns = {"a.force": 100.0 * t, "b.force": 90.0 * t, "c.force": 0.1 * t,
-               "a.position": t, "b.position": 1e-3 * t, "d.mass": 0.0 * t + 3.0}
+    columns = {
+        "a.force": 100.0 * t,
+        "b.force": 90.0 * t,
+        "c.force": 0.1 * t,
+        "a.position": t,
+        "b.position": 1e-3 * t,
+        "d.mass": 0.0 * t + 3.0,
+    }
     measures = dict.fromkeys(columns, "N") | {"a.position": "m", "b.position": "m", "d.mass": "kg"}
     (figure,) = time_series(SimpleNamespace(time=t, columns=columns, measures=measures))
     axis_of = {trace["name"]: trace["yaxis"] for trace in figure.figure["data"]}

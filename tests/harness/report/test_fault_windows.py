@@ -45,8 +45,11 @@ def test_every_fault_is_shaded_and_named_in_the_recorded_signals(tmp_path):
 def test_names_that_would_meet_stand_in_rows_and_the_panels_keep_their_size():
     result = run(read_scene(two_masses() | {"faults": FAULTS}), in_process=True)
     (plain,) = time_series(result)
-    near = [Window("the first of some faults", 0.1, 0.3, "#d55e00"), Window("the second", 0.2, 0.3, "#aa4499"),
-            Window("the third", 0.8, 0.9, "#009e73")]
+    near = [
+        Window("the first of some faults", 0.1, 0.3, "#d55e00"),
+        Window("the second", 0.2, 0.3, "#aa4499"),
+        Window("the third", 0.8, 0.9, "#009e73"),
+    ]
     before, after = plain.figure["layout"], shaded(plain, near, (0.0, 1.0)).figure["layout"]
     heights = [n["yshift"] for n in after["annotations"]]
     assert heights[0] == heights[2] < heights[1]

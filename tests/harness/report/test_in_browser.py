@@ -56,10 +56,13 @@ def test_a_report_draws_its_figures_and_prints_its_settings(page, tmp_path):
 
 def drawn_in(page, low, high):
     """(x, y) of the first line of the first figure, from low to high."""
-    return np.array(page.evaluate(
-        f"""() => {{ const t = document.querySelector(".plot")._fullData[0], rows = [];
+    return np.array(
+        page.evaluate(
+            f"""() => {{ const t = document.querySelector(".plot")._fullData[0], rows = [];
         for (let k = 0; k < t.x.length; k++) if (t.x[k] >= {low} && t.x[k] <= {high}) rows.push([t.x[k], t.y[k]]);
-        return rows; }}""")).T
+        return rows; }}"""
+        )
+    ).T
 
 
 def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path):

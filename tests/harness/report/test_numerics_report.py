@@ -25,8 +25,9 @@ def facts(result):
 
 
 def alone(**master):
-    return read_scene({"stop_time": 0.1, "units": {"a": {"component": "cosimo.tests.support:Mass"}},
-                       "master": {"step": 0.01, **master}})
+    return read_scene(
+        {"stop_time": 0.1, "units": {"a": {"component": "cosimo.tests.support:Mass"}}, "master": {"step": 0.01, **master}}
+    )
 
 
 def test_a_scene_that_uses_none_of_it_has_none_of_it(tmp_path):
@@ -96,7 +97,8 @@ def test_iterations_are_told_a_step_with_the_worst_residual():
     counters = result.info["counters"]["master"]
     assert counters["unconverged_steps"] > 0
     assert facts(result)["iterations"].endswith(
-        f"{counters['unconverged_steps']} steps did not converge, worst residual {counters['worst_miss']:.2g}")
+        f"{counters['unconverged_steps']} steps did not converge, worst residual {counters['worst_miss']:.2g}"
+    )
 
 
 def test_initial_values_and_checkpoints_and_the_resumption_are_facts(tmp_path):
@@ -117,7 +119,8 @@ def test_algebraic_loops_are_facts():
     result = run(read_scene(two_masses()), in_process=True)
     result.info["counters"]["master"]["algebraic_loops"] = {"a.y -> b.u": made}
     assert facts(result)["algebraic loop of a.y -> b.u"] == (
-        "solved at 3 instants with 6 evaluations and 1 Jacobian; largest residual 1.5e-14 of a signal's size")
+        "solved at 3 instants with 6 evaluations and 1 Jacobian; largest residual 1.5e-14 of a signal's size"
+    )
 
 
 def test_warnings_and_remarks_are_shown_apart(tmp_path):

@@ -22,8 +22,13 @@ def page(result, directory):
 
 
 @pytest.mark.parametrize("steps", [1, 10])
-@pytest.mark.parametrize("name", [  # the others in the complete run
-    "mass-on-spring", *(pytest.param(name, marks=pytest.mark.full) for name in SCENES if name != "mass-on-spring")])
+@pytest.mark.parametrize(
+    "name",
+    [  # the others in the complete run
+        "mass-on-spring",
+        *(pytest.param(name, marks=pytest.mark.full) for name in SCENES if name != "mass-on-spring"),
+    ],
+)
 def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     if steps > 1:  # natural frequencies are of the scene, however long it runs
         monkeypatch.setattr("cosimo.orchestrator.systems.rotor.figures.whirl", lambda result, record: None)
@@ -40,9 +45,18 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
         assert all(name.partition(".")[0] in {u.partition(".")[0] for u in scene.units} | {"links"} for name in names)
     assert "Recorded signals" in html
     wanted = scene.analysis.system
-    short = {"railway": "No statistics", "bearings": "There are no figures of system", "rotor": "Time history",
-             "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
-             "pipe_robot": "Way and speed", "friction_drive": "Way of the sleeve", "wrist": "Motion of the hand", "": "Settings"}
+    short = {
+        "railway": "No statistics",
+        "bearings": "There are no figures of system",
+        "rotor": "Time history",
+        "rov": "Depth and attitude",
+        "two_axis_joint": "Motion",
+        "wind_pump": "Course of the run",
+        "pipe_robot": "Way and speed",
+        "friction_drive": "Way of the sleeve",
+        "wrist": "Motion of the hand",
+        "": "Settings",
+    }
     if wanted == "two_axis_joint" and scene.analysis.transient >= result.time[-1]:  # nothing is left, and the page says why
         short[wanted] = "There are no figures of system"
     assert short[wanted] in html

@@ -10,14 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, with_finer_errors
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun, component_accuracy
-from cosimo.orchestrator.harness.studies.settings_axes import (
-    couplings,
-    macro_steps,
-    meshes,
-    pinned,
-    settings,
-    without_effects,
-)
+from cosimo.orchestrator.harness.studies.settings_axes import couplings, macro_steps, meshes, pinned, settings, without_effects
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})
@@ -71,13 +64,17 @@ def test_the_front_has_nothing_that_is_dearer_and_worse(measured):
         assert [p.cost(cost) for p in front] == sorted(p.cost(cost) for p in front)
         assert [p.error_with_finer for p in front] == sorted((p.error_with_finer for p in front), reverse=True)
         for p in front:
-            assert not any(q.outcome == "done" and q.cost(cost) < p.cost(cost) and q.error_with_finer < p.error_with_finer
-                           for q in measured.points)
+            assert not any(
+                q.outcome == "done" and q.cost(cost) < p.cost(cost) and q.error_with_finer < p.error_with_finer
+                for q in measured.points
+            )
 
 
 def test_a_small_error_by_chance_is_not_held():
-    points = [Point("a", "coupling", size, {}, "done", error=error, error_with_finer=error, seconds=1.0 / size)
-              for size, error in ((4.0, 0.001), (2.0, 0.1), (1.0, 0.05))]
+    points = [
+        Point("a", "coupling", size, {}, "done", error=error, error_with_finer=error, seconds=1.0 / size)
+        for size, error in ((4.0, 0.001), (2.0, 0.1), (1.0, 0.05))
+    ]
     assert [p.error_with_finer for p in with_finer_errors(points)] == [0.1, 0.1, 0.05]
     assert [p.size for p in front_of(with_finer_errors(points), "seconds")] == [4.0, 1.0]
 
@@ -131,9 +128,14 @@ def test_a_file_that_is_no_table_is_named(tmp_path):
 def test_settings_make_sense_for_the_connections():
     lone = read_scene({"stop_time": 1.0, "master": {"step": 1e-2}, "units": {"m": {"component": "cosimo.tests.support:Mass"}}})
     assert [name for name, _ in couplings(lone)] == ["macro step"]
-    chain = read_scene({
-        "stop_time": 1.0, "master": {"step": 1e-2}, "connections": ["m.x_out -> s.position"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass"}, "s": {"component": "cosimo.tests.support:SpringDamper"}}})
+    chain = read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 1e-2},
+            "connections": ["m.x_out -> s.position"],
+            "units": {"m": {"component": "cosimo.tests.support:Mass"}, "s": {"component": "cosimo.tests.support:SpringDamper"}},
+        }
+    )
     assert not any(name.startswith("iterative") for name, _ in couplings(chain))
     assert any(name.startswith("iterative") for name, _ in couplings(SCENE))
     sizes = macro_steps(SCENE)
@@ -142,9 +144,9 @@ def test_settings_make_sense_for_the_connections():
     assert all(SCENE.with_changes(s.changes).master for s in settings(SCENE))
 
 
-@pytest.mark.parametrize(("mesh", "word"), [
-    ("mass.base_x", "length"), ("mas.substep", "unit.parameter"), ("mass", "unit.parameter"),
-])
+@pytest.mark.parametrize(
+    ("mesh", "word"), [("mass.base_x", "length"), ("mas.substep", "unit.parameter"), ("mass", "unit.parameter")]
+)
 def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
     with pytest.raises(BadInput, match=word):
         meshes(SCENE.with_changes({"study.mesh": [mesh]}))
@@ -153,14 +155,18 @@ def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
 def test_a_mesh_has_its_own_line():
     scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
     assert [s.changes for s in settings(scene) if s.axis == "mesh"] == [
-        {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 2.5e-4}]
+        {"units.mass.parameters.substep": 2e-3},
+        {"units.mass.parameters.substep": 2.5e-4},
+    ]
 
 
 def test_an_effect_less_is_shown_but_advised_by_no_front():
     scene = load_scene("link-split").with_changes({"stop_time": 0.05})
     named = {s.series: s.changes for s in without_effects(scene)}
     assert named["without joint.rotation"] == {
-        "units.joint.effects": [], "units.joint.parameters": {"stiffness": 1e5, "damping": 100.0}}
+        "units.joint.effects": [],
+        "units.joint.parameters": {"stiffness": 1e5, "damping": 100.0},
+    }
     assert scene.with_changes(named["without second.gravity"]).units["second"].effects == ()
     cheap = Point("without a.gravity", "effect", 1.0, {}, "done", error=1e-9, error_with_finer=1e-9, seconds=1e-9)
     assert front_of([cheap], "seconds") == []

@@ -36,12 +36,18 @@ def test_a_component_alone_as_json(tmp_path, capsys):
     assert told["outcomes"]["done"] > 0
 
 
-@pytest.mark.parametrize(("arguments", "word"), [
-    (["no-such-scene"], "shipped scene"), (["component:BallBering"], "BallBearing"), (["component:Wind"], "integrated"),
-    (["mass-on-spring", "--budget", "0"], "more than 0 s"), (["mass-on-spring", "--effects", "x"], "none for a scene"),
-    (["component:PlanarLink", "--set", "mass"], "parameter=value"),
-    (["component:PlanarLink", "--effects", "gravitty"], "gravity"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["no-such-scene"], "shipped scene"),
+        (["component:BallBering"], "BallBearing"),
+        (["component:Wind"], "integrated"),
+        (["mass-on-spring", "--budget", "0"], "more than 0 s"),
+        (["mass-on-spring", "--effects", "x"], "none for a scene"),
+        (["component:PlanarLink", "--set", "mass"], "parameter=value"),
+        (["component:PlanarLink", "--effects", "gravitty"], "gravity"),
+    ],
+)
 def test_bad_input(arguments, word, tmp_path, capsys):
     assert code_of(*arguments, "-o", tmp_path) == 2
     assert word in capsys.readouterr().err

@@ -13,8 +13,14 @@ pytestmark = pytest.mark.full
 
 def test_components_and_scipy_agree_over_a_few_steps():
     """In a process without compilation, which for all components would take minutes."""
-    done = subprocess.run([sys.executable, "-m", "cosimo.tests.harness.studies.plain_components"], capture_output=True, text=True,
-                          env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=False, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-m", "cosimo.tests.harness.studies.plain_components"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        check=False,
+        timeout=300,
+    )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert set(found) == set(CATALOGUE)

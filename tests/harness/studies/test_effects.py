@@ -18,9 +18,15 @@ WHOLE = 1.0 + 0.5 + 0.02 + 0.008 + 0.007  # slope of the model with all that goe
 
 
 def parts(on=(), **more):
-    return read_scene({
-        "stop_time": 1.0, "master": {"step": 1e-2}, "study": {"quantities": ["part.total, end"]},
-        "units": {"part": {"component": "cosimo.tests.harness.studies.parts:Parts", "effects": list(on)}}, **more})
+    return read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 1e-2},
+            "study": {"quantities": ["part.total, end"]},
+            "units": {"part": {"component": "cosimo.tests.harness.studies.parts:Parts", "effects": list(on)}},
+            **more,
+        }
+    )
 
 
 @pytest.fixture(scope="module")
@@ -94,8 +100,13 @@ def test_dropping_takes_along_what_cannot_be_without():
     assert effects_on(model.without({("part", "big"), ("part", "needy")}))["part"] == ("medium", "small", "smaller", "broken")
 
 
-@pytest.mark.parametrize("more", [{"record": {"signals": ["part.total", "part.needy.seen"]}},
-                                  {"study": {"quantities": ["part.needy.seen, end", "part.total, end"]}}])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"record": {"signals": ["part.total", "part.needy.seen"]}},
+        {"study": {"quantities": ["part.needy.seen, end", "part.total, end"]}},
+    ],
+)
 def test_an_effect_whose_output_is_asked_for_is_required(more):
     found = effects(parts(["big", "needy"], **more), 0.9)
     for effect in ("big", "needy"):
@@ -133,13 +144,29 @@ def test_the_table(found, tmp_path):
 
 # -- a real one: an underwater vehicle driven ahead and turned -----------------------------------------------------------------
 def hull():
-    return read_scene({
-        "title": "a vehicle that is pushed", "stop_time": 4.0, "master": {"step": 0.02},
-        "study": {"quantities": ["hull.surge, end", "hull.yaw, end", "hull.depth, maximum", "hull.roll, time history"]},
-        "units": {"hull": {"component": "RovHull", "effects": ["linear_drag"], "parameters": {
-            "substep": 0.02, "start_surge": 0.5, "start_sway": 0.3, "thrust[1]": 8.0, "thrust[2]": 5.0, "thrust[5]": 2.0,
-            **{f"linear_drag.{axis}": 0.05 for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw")}}}},
-    })
+    return read_scene(
+        {
+            "title": "a vehicle that is pushed",
+            "stop_time": 4.0,
+            "master": {"step": 0.02},
+            "study": {"quantities": ["hull.surge, end", "hull.yaw, end", "hull.depth, maximum", "hull.roll, time history"]},
+            "units": {
+                "hull": {
+                    "component": "RovHull",
+                    "effects": ["linear_drag"],
+                    "parameters": {
+                        "substep": 0.02,
+                        "start_surge": 0.5,
+                        "start_sway": 0.3,
+                        "thrust[1]": 8.0,
+                        "thrust[2]": 5.0,
+                        "thrust[5]": 2.0,
+                        **{f"linear_drag.{axis}": 0.05 for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw")},
+                    },
+                }
+            },
+        }
+    )
 
 
 @pytest.fixture(scope="module")
@@ -181,11 +208,20 @@ def test_drag_has_no_states_and_no_calls_of_its_own(vehicle):
 
 
 def test_friction_that_sticks_has_states_and_is_one_of_three():
-    scene = read_scene({
-        "stop_time": 2.0, "master": {"step": 5e-3},
-        "study": {"quantities": ["body.outer_angle, time history", "body.outer_rate, time history"]},
-        "units": {"body": {"component": "GimbalBody", "effects": ["gravity", "stick_friction"], "parameters": {
-            "axis_orientation": "horizontal", "start_outer_angle": 0.5, "substep": 5e-3}}}})
+    scene = read_scene(
+        {
+            "stop_time": 2.0,
+            "master": {"step": 5e-3},
+            "study": {"quantities": ["body.outer_angle, time history", "body.outer_rate, time history"]},
+            "units": {
+                "body": {
+                    "component": "GimbalBody",
+                    "effects": ["gravity", "stick_friction"],
+                    "parameters": {"axis_orientation": "horizontal", "start_outer_angle": 0.5, "substep": 5e-3},
+                }
+            },
+        }
+    )
     found = effects(scene, 0.02)
     assert of(found, "smoothed_friction").reason == of(found, "lugre_friction").reason == "excluded by 'stick_friction'"
     assert of(found, "stick_friction").states == 2

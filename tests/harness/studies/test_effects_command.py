@@ -99,12 +99,18 @@ def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
     assert json.loads(store.read_kept(kept))["on"] == json.loads(whole)["on"]
 
 
-@pytest.mark.parametrize(("arguments", "word"), [
-    (["effects", "no-such-scene"], "shipped scene"), (["effects", "SCENE", "--tolerance", "0"], "above 0 %"),
-    (["effects", "SCENE", "--write", "x.ssp"], ".toml"), (["effects", "SCENE", "--with", "part.lode"], "load"),
-    (["run", "SCENE", "--tolerance", "1%"], "--effects auto"), (["run", "SCENE", "--effects", "auto,part.big"], "auto alone"),
-    (["run", "SCENE", "--effects", "auto", "--tolerance", "1 kg"], "above 0 %"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["effects", "no-such-scene"], "shipped scene"),
+        (["effects", "SCENE", "--tolerance", "0"], "above 0 %"),
+        (["effects", "SCENE", "--write", "x.ssp"], ".toml"),
+        (["effects", "SCENE", "--with", "part.lode"], "load"),
+        (["run", "SCENE", "--tolerance", "1%"], "--effects auto"),
+        (["run", "SCENE", "--effects", "auto,part.big"], "auto alone"),
+        (["run", "SCENE", "--effects", "auto", "--tolerance", "1 kg"], "above 0 %"),
+    ],
+)
 def test_bad_input(arguments, word, scene, tmp_path, capsys):
     output = ["-o", tmp_path / "out"] if arguments[0] == "effects" else []
     assert code_of(*(scene if a == "SCENE" else a for a in arguments), *output) == 2

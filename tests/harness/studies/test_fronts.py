@@ -23,8 +23,10 @@ SLOW = {**FAST, "master.step": 1e-4}
 
 def front(*points, floor=1e-6):
     made = [Point(OWN, "own", 5e-3, {}, "done", error=0.01, error_with_finer=0.01, seconds=1.0)]
-    made += [Point(name, "coupling", size, changes, "done", error=error, error_with_finer=error, seconds=seconds)
-             for name, size, changes, error, seconds in points]
+    made += [
+        Point(name, "coupling", size, changes, "done", error=error, error_with_finer=error, seconds=seconds)
+        for name, size, changes, error, seconds in points
+    ]
     return Accuracy("mass-on-spring", "", tuple(made), "by hand", "by hand", {"mass.base_x, time history": floor}, "here", "now")
 
 
@@ -33,17 +35,23 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "cache"))
 
 
-@pytest.mark.parametrize("changes", [
-    {"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"units.mass.parameters.substep": 1e-4},
-])
+@pytest.mark.parametrize(
+    "changes", [{"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"units.mass.parameters.substep": 1e-4}]
+)
 def test_a_front_is_that_of_the_physics(changes):
     assert scene_digest(SCENE.with_changes(changes)) == scene_digest(SCENE)
 
 
-@pytest.mark.parametrize("changes", [
-    {"stop_time": 0.6}, {"units.spring.parameters.stiffness": 101.0}, {"study.quantities": ["mass.base_x, end"]},
-    {"units.mass.effects": ["gravity"]}, {"analysis.transient": 0.1},
-])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"stop_time": 0.6},
+        {"units.spring.parameters.stiffness": 101.0},
+        {"study.quantities": ["mass.base_x, end"]},
+        {"units.mass.effects": ["gravity"]},
+        {"analysis.transient": 0.1},
+    ],
+)
 def test_another_scene_has_another_front(changes):
     assert scene_digest(SCENE.with_changes(changes)) != scene_digest(SCENE)
 
@@ -196,11 +204,18 @@ def test_nothing_known_is_measured_first(cache, tmp_path, capsys):
     assert "measured on this machine" in captured.out
 
 
-@pytest.mark.parametrize(("options", "word"), [
-    (["--accuracy", "1%", "--step", "1e-3"], "--step"), (["--accuracy", "1%", "--algorithm", "jacobi"], "--algorithm"),
-    (["--accuracy", "0%"], "share above 0 %"), (["--accuracy", "120%"], "at most 100 %"), (["--accuracy", "x"], "1% or 0.01"),
-        (["--verify", "often"], "whole or full"), (["--verify", "whole", "--no-verify"], "one of them"),
-])
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--accuracy", "1%", "--step", "1e-3"], "--step"),
+        (["--accuracy", "1%", "--algorithm", "jacobi"], "--algorithm"),
+        (["--accuracy", "0%"], "share above 0 %"),
+        (["--accuracy", "120%"], "at most 100 %"),
+        (["--accuracy", "x"], "1% or 0.01"),
+        (["--verify", "often"], "whole or full"),
+        (["--verify", "whole", "--no-verify"], "one of them"),
+    ],
+)
 def test_options_that_do_not_go_together(options, word, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(["run", "mass-on-spring", "--in-process", *options])

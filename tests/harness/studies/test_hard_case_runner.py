@@ -67,8 +67,12 @@ def test_a_claim_beyond_its_limit_does_not_hold():
 
 def test_courses_follow_time_within_a_step_and_jumps_do_not():
     ends = {}
-    for name, course in (("ramp", ramp(1.0)), ("jump", jumps(0.0, (0.05, 1.0))), ("start", jumps(7.0, (0.0, 2.0))),
-                         ("held", Course(lambda t: t, smooth=False))):
+    for name, course in (
+        ("ramp", ramp(1.0)),
+        ("jump", jumps(0.0, (0.05, 1.0))),
+        ("start", jumps(7.0, (0.0, 2.0))),
+        ("held", Course(lambda t: t, smooth=False)),
+    ):
         ends[name] = one(Ends("rear_position", 10.0), inputs={"rear_position": course}, duration=0.1, step=0.02).reached
     assert ends == pytest.approx({"ramp": 0.1, "jump": 1.0, "start": 2.0, "held": 0.08})
     found = one(Invariant("rear_position", 10.0), inputs={"rear_position": jumps(7.0, (0.0, 2.0))})
@@ -121,12 +125,15 @@ def test_command(tmp_path, capsys):
     assert re.search(r"<td[^>]*>a bar without length", page)
 
 
-@pytest.mark.parametrize(("arguments", "message"), [
-    (["stability", "--hard-cases", "TowCouplin"], "did you mean 'TowCoupling'"),
-    (["stability", "--hard-cases", TOW, "--steps", "3"], "--steps"),
-    (["stability"], "one scene"),
-    (["stability", "mass-on-spring", "lumped-catenary"], "one scene"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["stability", "--hard-cases", "TowCouplin"], "did you mean 'TowCoupling'"),
+        (["stability", "--hard-cases", TOW, "--steps", "3"], "--steps"),
+        (["stability"], "one scene"),
+        (["stability", "mass-on-spring", "lumped-catenary"], "one scene"),
+    ],
+)
 def test_command_refuses(arguments, message, tmp_path, capsys):
     main_ends([*arguments, "-o", str(tmp_path)], 2)
     assert message in capsys.readouterr().err

@@ -16,8 +16,12 @@ from cosimo.tests.short_run import ONE_A_SYSTEM, full_but
 
 IMAGINARY, REAL = 2.0 * math.sqrt(2.0), 2.785293563405282  # where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 on the two axes
 WITHIN = 0.02
-INTEGRATED = [name for name in CATALOGUE if issubclass(component_class(name), OdeComponent) and any(
-    v.causality is Causality.INPUT and "." not in n for n, v in component_class(name).variables.items())]
+INTEGRATED = [
+    name
+    for name in CATALOGUE
+    if issubclass(component_class(name), OdeComponent)
+    and any(v.causality is Causality.INPUT and "." not in n for n, v in component_class(name).variables.items())
+]
 
 
 def one(name, effects=(), steps=400, **parameters):
@@ -101,8 +105,22 @@ def test_what_cannot_be_measured_is_said():
 
 def test_the_command_writes_table_and_page(tmp_path, capsys):
     with pytest.raises(SystemExit) as stopped:
-        main(["stability", "component:PlanarLink", "--effects", "pinned,gravity", "--set", "length=2", "--set", "centre=1",
-              "--steps", "200", "-o", str(tmp_path)])
+        main(
+            [
+                "stability",
+                "component:PlanarLink",
+                "--effects",
+                "pinned,gravity",
+                "--set",
+                "length=2",
+                "--set",
+                "centre=1",
+                "--steps",
+                "200",
+                "-o",
+                str(tmp_path),
+            ]
+        )
     assert stopped.value.code == 0
     rows = list(csv.reader((tmp_path / "stability.csv").open(encoding="utf-8")))
     assert rows[0][:4] == ["effects", "longest stable internal step, s", "own limit, s", "margin, 1"]
@@ -112,13 +130,16 @@ def test_the_command_writes_table_and_page(tmp_path, capsys):
     assert "Planar link" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("arguments", "said"), [
-    (["component:PlanarLink", "--over", "a.b=1:2:3"], "--over"),
-    (["component:PlanarLink", "--set", "mass"], "parameter=value"),
-    (["mass-on-spring", "--effects", "gravity"], "--effects"),
-    (["mass-on-spring", "--algorithm", "jakobi"], "did you mean 'jacobi'"),
-    (["double-pendulum"], "feeds back"),
-])
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["component:PlanarLink", "--over", "a.b=1:2:3"], "--over"),
+        (["component:PlanarLink", "--set", "mass"], "parameter=value"),
+        (["mass-on-spring", "--effects", "gravity"], "--effects"),
+        (["mass-on-spring", "--algorithm", "jakobi"], "did you mean 'jacobi'"),
+        (["double-pendulum"], "feeds back"),
+    ],
+)
 def test_options_that_would_have_no_effect_are_refused(arguments, said, tmp_path, capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["stability", *arguments, "-o", str(tmp_path)])

@@ -40,9 +40,16 @@ def measured(name, stop, step, **more):
 
 def test_railway_linear_gauss_seidel_against_held_jacobi():
     """At 2 % of the force's range; held values let the contact see a wire that stands still for a step."""
-    railway = measured("en50318-2002", 1.0, 1.25e-4, **{
-        "record.snapshots": (), "record.snapshot_interval": None,
-        "study.quantities": ["pantograph.contact_force, time history", "pantograph.contact_force, standard deviation"]})
+    railway = measured(
+        "en50318-2002",
+        1.0,
+        1.25e-4,
+        **{
+            "record.snapshots": (),
+            "record.snapshot_interval": None,
+            "study.quantities": ["pantograph.contact_force, time history", "pantograph.contact_force, standard deviation"],
+        },
+    )
     steps = [4e-3, 2e-3, 1e-3, 5e-4]
     linear = railway.fewest("gauss-seidel", 1, steps, 0.02)
     assert linear < np.inf
@@ -52,9 +59,19 @@ def test_railway_linear_gauss_seidel_against_held_jacobi():
 @pytest.mark.full
 def test_vehicle_held_commands_in_the_order_of_the_signals():
     """Commands are stairs: what extrapolates them, or hands them on a step later, needs more steps for the same 1 %."""
-    vehicle = measured("rov-station-keeping", 20.0, 5e-3, **{
-        "study.quantities": ["hull.position_north, time history", "hull.yaw, time history", "thruster_1.thrust, time history"],
-        "analysis.transient": 0.0})
+    vehicle = measured(
+        "rov-station-keeping",
+        20.0,
+        5e-3,
+        **{
+            "study.quantities": [
+                "hull.position_north, time history",
+                "hull.yaw, time history",
+                "thruster_1.thrust, time history",
+            ],
+            "analysis.transient": 0.0,
+        },
+    )
     steps = [0.16, 0.08, 0.04, 0.02]
     held = vehicle.fewest("gauss-seidel", 0, steps, 0.01)
     assert held < np.inf
@@ -68,11 +85,15 @@ def test_bearing_internal_steps_buy_accuracy_and_macro_steps_do_not():
 
     Between contacts that open and close the order is four; these, at half the steps, cost an error of order 2.5.
     """
-    bearing = Measured(load_scene("outer-ring-defect").with_changes({
-        "stop_time": 0.05, "analysis.transient": 0.0, "study.quantities": ["bearing.displacement_x, time history"]}),
-        {"units.bearing.parameters.substep": 1.25e-6})
-    (one, first), (half, second) = (bearing.at({"master.step": step, "units.bearing.parameters.substep": 2e-5})
-                                    for step in (4e-5, 2e-5))
+    bearing = Measured(
+        load_scene("outer-ring-defect").with_changes(
+            {"stop_time": 0.05, "analysis.transient": 0.0, "study.quantities": ["bearing.displacement_x, time history"]}
+        ),
+        {"units.bearing.parameters.substep": 1.25e-6},
+    )
+    (one, first), (half, second) = (
+        bearing.at({"master.step": step, "units.bearing.parameters.substep": 2e-5}) for step in (4e-5, 2e-5)
+    )
     finer, third = bearing.at({"master.step": 4e-5, "units.bearing.parameters.substep": 1e-5})
     assert first.work["derivative_calls"] == second.work["derivative_calls"] == third.work["derivative_calls"] / 2
     assert half == pytest.approx(one, rel=0.2)
@@ -85,9 +106,14 @@ def test_friction_located_events_against_a_smoothed_law():
     units = load_scene("joint-stiction").settings()["units"]
 
     def scene(unit):
-        return read_scene({
-            "stop_time": 6.0, "master": {"step": 0.02}, "units": {"body": units[unit]},
-            "study": {"quantities": ["body.outer_angle, time history", "body.inner_angle, time history"]}})
+        return read_scene(
+            {
+                "stop_time": 6.0,
+                "master": {"step": 0.02},
+                "units": {"body": units[unit]},
+                "study": {"quantities": ["body.outer_angle, time history", "body.inner_angle, time history"]},
+            }
+        )
 
     level = {"units.body.parameters.stick_friction.static_ratio": 1.0}  # as the smoothed law has it
     exact = Measured(scene("exact"), {**level, "units.body.parameters.substep": 5e-4})
@@ -97,8 +123,9 @@ def test_friction_located_events_against_a_smoothed_law():
     smoothed.scene, smoothed.quantities, smoothed.reference = scene("smoothed"), exact.quantities, exact.reference
     enough = []
     for width, substep in ((0.1, 0.01), (0.03, 0.01), (0.01, 5e-3), (3e-3, 1e-3)):  # each close to its longest stable step
-        found, run = smoothed.at({"units.body.parameters.smoothed_friction.width": width,
-                                  "units.body.parameters.substep": substep})
+        found, run = smoothed.at(
+            {"units.body.parameters.smoothed_friction.width": width, "units.body.parameters.substep": substep}
+        )
         enough += [run.work["derivative_calls"]] if found <= 5e-3 else []
     assert enough
     assert 3 * events.work["derivative_calls"] < min(enough)

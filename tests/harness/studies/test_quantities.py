@@ -19,7 +19,9 @@ from cosimo.orchestrator.systems import load_scene, read_scene
 
 TIME = np.linspace(0.0, 4.0, 801)
 SCENE = {
-    "stop_time": 1.0, "master": {"step": 1e-2}, "record": {"signals": ["m.x_out"]},
+    "stop_time": 1.0,
+    "master": {"step": 1e-2},
+    "record": {"signals": ["m.x_out"]},
     "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 100.0}}},
 }
 
@@ -36,9 +38,9 @@ def test_kinds_of_sweeps_are_kinds_of_quantities():
     assert set(KINDS) < set(QUANTITY_KINDS)
 
 
-@pytest.mark.parametrize(("kind", "value"), [
-    ("minimum", -1.0), ("maximum", 3.0), ("mean", 1.0), ("standard deviation", np.sqrt(2.0)), ("end", 1.0),
-])
+@pytest.mark.parametrize(
+    ("kind", "value"), [("minimum", -1.0), ("maximum", 3.0), ("mean", 1.0), ("standard deviation", np.sqrt(2.0)), ("end", 1.0)]
+)
 def test_values_of_a_wave(kind, value):
     wave = history(1.0 + 2.0 * np.sin(2.0 * np.pi * TIME))
     assert quantity(kind).value(wave) == pytest.approx(value, abs=2e-3)  # a sample too many of whole periods
@@ -129,8 +131,9 @@ def test_without_a_table_course_and_maximum_of_what_is_recorded():
 
 
 def test_a_scene_names_its_quantities_and_records_what_they_need():
-    scene = read_scene({**SCENE, "study": {"quantities": ["m.v_out, amplitude at 1.5 Hz", "m.x_out, end"]},
-                        "analysis": {"transient": 0.25}})
+    scene = read_scene(
+        {**SCENE, "study": {"quantities": ["m.v_out, amplitude at 1.5 Hz", "m.x_out, end"]}, "analysis": {"transient": 0.25}}
+    )
     first, second = quantities_of(scene)
     assert (first.name, first.kind, first.frequency) == ("m.v_out, amplitude at 1.5 Hz", "amplitude at F Hz", 1.5)
     assert (second.name, second.transient) == ("m.x_out, end", 0.25)
@@ -142,10 +145,15 @@ def test_an_element_of_an_array_may_be_a_quantity():
     assert wanted("unit.matrix[1,2], maximum")[:2] == ("unit.matrix[1,2]", "maximum")
 
 
-@pytest.mark.parametrize(("text", "words"), [
-    ("m.x_out", "unit.output, kind"), ("m.x_out, maximun", "maximum"), ("m.x_out, amplitude at -3 Hz", "positive frequency"),
-    ("m.x_ot, end", "x_out"),
-])
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("m.x_out", "unit.output, kind"),
+        ("m.x_out, maximun", "maximum"),
+        ("m.x_out, amplitude at -3 Hz", "positive frequency"),
+        ("m.x_ot, end", "x_out"),
+    ],
+)
 def test_bad_quantities_are_refused_when_the_scene_is_read(text, words):
     with pytest.raises(BadInput, match=words):
         read_scene({**SCENE, "study": {"quantities": [text]}})
@@ -165,8 +173,9 @@ def test_errors_by_name():
 
 
 def test_a_scene_may_filter_its_quantities():
-    first, second = quantities_of(read_scene({**SCENE, "study": {"quantities": [
-        "m.x_out, time history below 20 Hz", "m.v_out, maximum below 12.5 Hz"]}}))
+    first, second = quantities_of(
+        read_scene({**SCENE, "study": {"quantities": ["m.x_out, time history below 20 Hz", "m.v_out, maximum below 12.5 Hz"]}})
+    )
     assert (first.name, first.kind, first.cutoff) == ("m.x_out, time history below 20 Hz", "time history", 20.0)
     assert (second.kind, second.cutoff, second.frequency) == ("maximum", 12.5, 0.0)
 

@@ -31,8 +31,10 @@ def test_errors_that_add_up(tolerance, kept):
 def test_nothing_that_stays_can_go_whatever_the_errors(seed):
     """Errors at random for every set, with no rule that larger sets are worse."""
     names = "abcdef"
-    errors = {s: 0.0 if not s else math.fmod(math.sin(seed + sum(ord(n) * (k + 1) for k, n in enumerate(sorted(s)))) * 1e4, 1.0)
-              for s in subsets(names)}
+    errors = {
+        s: 0.0 if not s else math.fmod(math.sin(seed + sum(ord(n) * (k + 1) for k, n in enumerate(sorted(s)))) * 1e4, 1.0)
+        for s in subsets(names)
+    }
     errors = {s: abs(e) for s, e in errors.items()}
     found = select({n: errors[frozenset(n)] for n in names}, alone(names), errors.__getitem__, 0.3)
     assert found.error <= 0.3

@@ -16,12 +16,17 @@ WITHIN = 0.02  # of a closed form
 
 def spring(m=1.0, k=100.0, d=4.0, ground=(0.0, 0.0), stop=30.0, **master):
     """A mass, on a spring and damper to the ground if given, with a spring-damper as another unit."""
-    return read_scene({
-        "stop_time": stop, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"m": m, "k": ground[0], "c": ground[1]}},
-                  "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": k, "d": d}}},
-        "master": {"algorithm": "jacobi", "step": 0.02} | master,
-    })
+    return read_scene(
+        {
+            "stop_time": stop,
+            "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+            "units": {
+                "m": {"component": "cosimo.tests.support:Mass", "parameters": {"m": m, "k": ground[0], "c": ground[1]}},
+                "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"k": k, "d": d}},
+            },
+            "master": {"algorithm": "jacobi", "step": 0.02} | master,
+        }
+    )
 
 
 def limit(scene, algorithm, degree, steps=300):
@@ -91,14 +96,25 @@ def test_two_masses_have_the_limits_of_their_own_spectral_radius():
 def test_bodies_that_drift_apart_are_not_unstable():
     """A spring and damper between two free bodies: both keep the push, the limit is that of the reduced mass."""
     joint = "cosimo.tests.run.judgement.test_advice:Between"
-    scene = read_scene({
-        "stop_time": 20.0, "connections": ["s.f1 -> a.force", "s.f2 -> b.force", "a.x_out -> s.x1", "a.v_out -> s.v1",
-                                           "b.x_out -> s.x2", "b.v_out -> s.v2"],
-        "units": {"a": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 2.0}},
-                  "b": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 6.0}},
-                  "s": {"component": joint, "parameters": {"k": 300.0, "d": 6.0}}},
-        "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0},
-    })
+    scene = read_scene(
+        {
+            "stop_time": 20.0,
+            "connections": [
+                "s.f1 -> a.force",
+                "s.f2 -> b.force",
+                "a.x_out -> s.x1",
+                "a.v_out -> s.v1",
+                "b.x_out -> s.x2",
+                "b.v_out -> s.v2",
+            ],
+            "units": {
+                "a": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 2.0}},
+                "b": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 6.0}},
+                "s": {"component": joint, "parameters": {"k": 300.0, "d": 6.0}},
+            },
+            "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0},
+        }
+    )
     found = limit(scene, "jacobi", 1)
     inverse = 1.0 / 2.0 + 1.0 / 6.0
     assert found.longest == pytest.approx(longest_step(300.0 * inverse, 6.0 * inverse, 1), rel=WITHIN)
@@ -147,8 +163,16 @@ def test_the_table_of_a_map(tmp_path):
     scene = spring().with_changes({"study.stability": {"s.d": [1.0, 2.0, 4.0]}})
     found = stability(scene, [("jacobi", 0), ("jacobi", 1)], steps=300)
     rows = list(csv.reader(found.save(tmp_path).open(encoding="utf-8")))
-    assert rows[0] == ["s.d, N.s/m", "algorithm", "extrapolation", "longest stable macro step, s", "closed form, s", "seen",
-                       "tried, s", "macro steps made"]
+    assert rows[0] == [
+        "s.d, N.s/m",
+        "algorithm",
+        "extrapolation",
+        "longest stable macro step, s",
+        "closed form, s",
+        "seen",
+        "tried, s",
+        "macro steps made",
+    ]
     assert len(rows) == 1 + 3 * 2
     assert [float(row[0]) for row in rows[1:]] == [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]
     assert [float(row[3]) for row in rows[1:]] == [one.longest for one in found.limits]

@@ -94,8 +94,9 @@ def test_limits_of_stability_go_on(tmp_path, monkeypatch):
 def test_the_smallest_set_of_effects_goes_on(tmp_path, monkeypatch):
     scene = load_scene("gimbal-scan").with_changes({"stop_time": 0.05})
     whole, again, every, rest = interrupted_and_resumed(lambda: effects(scene, 0.01), trials, "_trial", 4, tmp_path, monkeypatch)
-    assert [(f.name, f.actual, f.predicted, f.chosen) for f in again.findings] == \
-           [(f.name, f.actual, f.predicted, f.chosen) for f in whole.findings]
+    assert [(f.name, f.actual, f.predicted, f.chosen) for f in again.findings] == [
+        (f.name, f.actual, f.predicted, f.chosen) for f in whole.findings
+    ]
     assert again.runs == whole.runs
     assert len(rest) == len(every) - 3
 
@@ -103,6 +104,7 @@ def test_the_smallest_set_of_effects_goes_on(tmp_path, monkeypatch):
 @pytest.mark.full
 def test_an_accuracy_study_keeps_runs_times_and_the_reference(tmp_path, monkeypatch):
     """What was measured before stands in a further call with the same times to the last bit."""
+
     def study():
         return accuracy(SCENE, budget=2.0, repeats=1)
 
@@ -148,8 +150,10 @@ def hold(folder):
 
 
 def test_two_studies_do_not_share_a_directory(tmp_path):
-    code = (f"from cosimo.orchestrator.harness.journal import kept_study\nimport sys\n"
-            f"with kept_study({str(tmp_path)!r}):\n    print('held', flush=True)\n    sys.stdin.read()\n")
+    code = (
+        f"from cosimo.orchestrator.harness.journal import kept_study\nimport sys\n"
+        f"with kept_study({str(tmp_path)!r}):\n    print('held', flush=True)\n    sys.stdin.read()\n"
+    )
     with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "held\n"
         with pytest.raises(BadInput, match=f"process {process.pid} "):
@@ -158,13 +162,25 @@ def test_two_studies_do_not_share_a_directory(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="there a process is ended, not sent a signal")
-@pytest.mark.parametrize("number", [signal.SIGINT, *(pytest.param(n, marks=pytest.mark.full)
-                                                     for n in (KILL, *ENDS[1:]))])
+@pytest.mark.parametrize("number", [signal.SIGINT, *(pytest.param(n, marks=pytest.mark.full) for n in (KILL, *ENDS[1:]))])
 def test_a_command_that_is_stopped_or_killed_goes_on(number, tmp_path):
     """A map of which the first limits are there when the signal comes."""
     file = write_scene(SCENE, tmp_path / "case.toml", [])
-    command = [sys.executable, "-m", "cosimo.orchestrator.cli", "stability", str(file), "--over", "spring.stiffness=25:400:5",
-               "--steps", "32", "--algorithm", "jacobi", "-o", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "cosimo.orchestrator.cli",
+        "stability",
+        str(file),
+        "--over",
+        "spring.stiffness=25:400:5",
+        "--steps",
+        "32",
+        "--algorithm",
+        "jacobi",
+        "-o",
+        str(tmp_path),
+    ]
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     end = monotonic() + PATIENCE

@@ -88,10 +88,19 @@ def internal_steps_of_a_component(folder):
 
 
 PAGES = {  # -> figures that the page must have at least
-    accuracy_of_a_scene: 3, accuracy_with_failures: 3, accuracy_of_a_component: 3, accuracy_without_results: 2,
-    effects_of_a_scene: 2, effects_without_which_runs_fail: 2, effects_of_a_scene_without_any: 0,
-    hard_cases_of_two_components: 1, hard_cases_that_fail: 1,
-    stability_of_a_map: 2, stability_over_one_parameter: 2, stability_without_a_map: 2, internal_steps_of_a_component: 1,
+    accuracy_of_a_scene: 3,
+    accuracy_with_failures: 3,
+    accuracy_of_a_component: 3,
+    accuracy_without_results: 2,
+    effects_of_a_scene: 2,
+    effects_without_which_runs_fail: 2,
+    effects_of_a_scene_without_any: 0,
+    hard_cases_of_two_components: 1,
+    hard_cases_that_fail: 1,
+    stability_of_a_map: 2,
+    stability_over_one_parameter: 2,
+    stability_without_a_map: 2,
+    internal_steps_of_a_component: 1,
 }
 
 
@@ -99,11 +108,29 @@ def opened(path, folder):
     """(DOM, messages of the console, addresses asked for) of a page, all of which is on the screen; no host is found."""
     log = folder.with_name("net.json")
     done = subprocess.run(
-        [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", "--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1200,12000",
-         f"--user-data-dir={folder}", "--enable-logging=stderr", "--virtual-time-budget=20000",
-         f"--log-net-log={log}", "--dump-dom", path.as_uri()],
-        capture_output=True, text=True, timeout=120, check=True)
+        [
+            BROWSER,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--host-resolver-rules=MAP * ~NOTFOUND",
+            "--window-size=1200,12000",
+            f"--user-data-dir={folder}",
+            "--enable-logging=stderr",
+            "--virtual-time-budget=20000",
+            f"--log-net-log={log}",
+            "--dump-dom",
+            path.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
     asked = set(re.findall(r'"url":"(https?://[^"]*)"', log.read_text(encoding="utf-8")))
     asked = {url for url in asked if not re.match(r"https?://[\w.-]*\.google(apis)?\.com/", url)}  # the browser's own
     return done.stdout, re.findall(r"CONSOLE[^\"]*\"(.*)\", source", done.stderr), asked

@@ -101,9 +101,10 @@ def test_the_error_of_a_mesh_is_part_of_the_reference_s_own():
     assert found.uncertainty[name] == pytest.approx(0.05**2, rel=2e-2)  # the distances are shares of ranges that differ
 
 
-@pytest.mark.parametrize(("coarse", "fine", "remaining"), [
-    (4.0, 1.0, 1.0 / 3.0), (2.0, 1.0, 1.0), (64.0, 1.0, 1.0 / 3.0), (0.5, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0),
-])
+@pytest.mark.parametrize(
+    ("coarse", "fine", "remaining"),
+    [(4.0, 1.0, 1.0 / 3.0), (2.0, 1.0, 1.0), (64.0, 1.0, 1.0 / 3.0), (0.5, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)],
+)
 def test_what_remains_behind_three_meshes(coarse, fine, remaining):
     """No order is taken below 1, which would promise nothing, or above 2, which three meshes may feign."""
     assert remaining_error(coarse, fine) == pytest.approx(remaining)
@@ -125,7 +126,8 @@ def test_a_monolith_without_the_signals_is_refused():
 
 
 def test_a_scene_whose_runs_all_fail_has_no_reference():
-    scene = read_scene({**PAIR, "units": {**PAIR["units"], "b": {"component": "cosimo.tests.support:Oscillator",
-                                                                "parameters": {"kc": -1e12}}}})
+    scene = read_scene(
+        {**PAIR, "units": {**PAIR["units"], "b": {"component": "cosimo.tests.support:Oscillator", "parameters": {"kc": -1e12}}}}
+    )
     with pytest.raises(BadInput, match="two that can be compared"):
         reference(scene, quantities_of(scene), 1e-3)

@@ -38,10 +38,14 @@ def test_rejected_steps_are_macro_steps_too():
     assert found.work["macro_steps"] == counts["accepted"] + counts["rejected"] > counts["accepted"]
 
 
-@pytest.mark.parametrize(("changes", "word"), [
-    ({"master.step": 2.0}, "master.step"), ({"master.algorithm": "jacoby"}, "jacobi"),
-    ({"units.mass.parameters.substep": -1.0}, "substep"),
-])
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"master.step": 2.0}, "master.step"),
+        ({"master.algorithm": "jacoby"}, "jacobi"),
+        ({"units.mass.parameters.substep": -1.0}, "substep"),
+    ],
+)
 def test_what_cannot_start_is_kept_as_refused(changes, word):
     found = trial(SCENE, changes)
     assert found.outcome == "refused"
@@ -51,11 +55,14 @@ def test_what_cannot_start_is_kept_as_refused(changes, word):
 
 
 def test_what_fails_on_the_way_is_kept_with_what_it_computed():
-    scene = read_scene({
-        "stop_time": 50.0, "master": {"step": 0.5, "algorithm": "jacobi", "extrapolation": 0},
-        "units": {"a": {"component": "cosimo.tests.support:Mass"}, "b": {"component": "cosimo.tests.support:SpringDamper"}},
-        "connections": ["a.x_out -> b.position", "a.v_out -> b.velocity", "b.force -> a.force"],
-    })
+    scene = read_scene(
+        {
+            "stop_time": 50.0,
+            "master": {"step": 0.5, "algorithm": "jacobi", "extrapolation": 0},
+            "units": {"a": {"component": "cosimo.tests.support:Mass"}, "b": {"component": "cosimo.tests.support:SpringDamper"}},
+            "connections": ["a.x_out -> b.position", "a.v_out -> b.velocity", "b.force -> a.force"],
+        }
+    )
     found = trial(scene)
     assert found.outcome == "failed"
     assert found.reason

@@ -43,8 +43,9 @@ def test_the_error_of_a_row_is_at_least_half_of_the_true_one():
     assert not row.undecided
 
 
-@pytest.mark.parametrize(("share", "answer", "outcome"), [(3.0, "yes", "passed"), (0.3, "undecided", "undecided"),
-                                                          (-0.3, "NO", "failed")])
+@pytest.mark.parametrize(
+    ("share", "answer", "outcome"), [(3.0, "yes", "passed"), (0.3, "undecided", "undecided"), (-0.3, "NO", "failed")]
+)
 def test_a_range_that_ends_within_the_error_is_undecided(share, answer, outcome):
     (row,) = find(case(-10.0, 10.0), Options()).rows
     result = CaseResult(case(0, 0), find(case(-10.0, row.measured + share * row.error), Options()))

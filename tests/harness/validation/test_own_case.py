@@ -112,8 +112,15 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
     measured = force + 30.0 * np.sin(2.0 * np.pi * 60.0 * t)
     table = np.column_stack([x, measured])[500:3500]
     np.savetxt(tmp_path / "force.csv", table, delimiter=",", header="x,F", comments="", fmt="%.9f")
-    curve = CurveSettings(signal="pantograph.contact_force", over="pantograph.contact_position", file="force.csv", abscissa="x",
-                          ordinate="F", cutoff=20.0, source="s")
+    curve = CurveSettings(
+        signal="pantograph.contact_force",
+        over="pantograph.contact_position",
+        file="force.csv",
+        abscissa="x",
+        ordinate="F",
+        cutoff=20.0,
+        source="s",
+    )
     comparison = compare_curve(curve, tmp_path, simulated)
     assert comparison.time[0] == pytest.approx(0.5 + 2.0 / 20.0, abs=0.01)
     difference, spread = comparison.numbers["difference"][1], comparison.numbers["standard deviation"][1]
@@ -181,8 +188,10 @@ def test_rows_may_stand_in_a_file_of_a_spreadsheet(folder, tmp_path, capsys):
         main(["validate", str(folder / "case.toml"), "-o", str(tmp_path / "none")])
     assert ended.value.code == 2
     assert "limits.csv" in capsys.readouterr().err
-    (folder / "limits.csv").write_text("quantity;measure;condition;unit;high;standing;source\n"
-                                       "largest position;a.x_out, maximum;soft;m;100.0;verbatim;rig\n", encoding="utf-8")
+    (folder / "limits.csv").write_text(
+        "quantity;measure;condition;unit;high;standing;source\nlargest position;a.x_out, maximum;soft;m;100.0;verbatim;rig\n",
+        encoding="utf-8",
+    )
     with pytest.raises(SystemExit) as ended:
         main(["validate", str(folder / "case.toml"), "--json", "--no-verify", "-o", str(tmp_path / "out")])
     assert not ended.value.code

@@ -121,8 +121,9 @@ def test_a_broken_table_is_refused(old, new, named):
 def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE, ROWS))
     drawn = Chart("Force over the way", "way, m", (Panel("force, N", (Series("run", [0.0, 1.0], [0.0, 0.25]),)),))
-    made = paper("paper-x", "A paper", "what it shows", "railway",
-                 (lambda options: Evidence({"force": 0.25}, (drawn,), claim="X1"),))
+    made = paper(
+        "paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 0.25}, (drawn,), claim="X1"),)
+    )
     monkeypatch.setitem(cases(), "paper-x", made)
     assert "paper-x" in papers()
     with pytest.raises(SystemExit) as ended:
@@ -133,7 +134,7 @@ def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch,
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
     assert [(c["number"], c["verdict"]) for c in case["claims"]] == [("X1", "shown"), ("X2", "shown")]
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    main_part = page[page.index("<main>"):]
+    main_part = page[page.index("<main>") :]
     places = [main_part.index(text) for text in ("below 1 N, as one spring", "Force over the way", "X2: model")]
     assert places == sorted(places)
 

@@ -1,6 +1,5 @@
 """Shipped tables are complete, and broken ones are refused."""
 
-
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.reference import CONFIDENCES, STANDINGS, load_table, parse_table, table_files

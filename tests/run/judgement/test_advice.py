@@ -81,9 +81,12 @@ def component(cls, **parameters):
 
 def spring(m=2.0, k=100.0, d=2.0, **master):
     return {
-        "stop_time": 1.0, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": component("cosimo.tests.support:Mass", m=m),
-                  "s": component("cosimo.tests.support:SpringDamper", k=k, d=d)},
+        "stop_time": 1.0,
+        "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+        "units": {
+            "m": component("cosimo.tests.support:Mass", m=m),
+            "s": component("cosimo.tests.support:SpringDamper", k=k, d=d),
+        },
         "master": {"algorithm": "jacobi", "step": 1e-3} | master,
     }
 
@@ -107,13 +110,25 @@ def test_the_mass_behind_a_force_is_what_answers_it_at_once():
 
 
 def test_a_spring_between_two_bodies_counts_with_their_reduced_mass():
-    scene = read_scene({
-        "stop_time": 1.0, "connections": ["s.f1 -> a.force", "s.f2 -> b.force", "a.x_out -> s.x1", "a.v_out -> s.v1",
-                                          "b.x_out -> s.x2", "b.v_out -> s.v2"],
-        "units": {"a": component("cosimo.tests.support:Mass", m=2.0), "b": component("cosimo.tests.support:Mass", m=6.0),
-                  "s": component(Between)},
-        "master": {"algorithm": "jacobi", "step": 1e-3, "extrapolation": 0},
-    })
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "connections": [
+                "s.f1 -> a.force",
+                "s.f2 -> b.force",
+                "a.x_out -> s.x1",
+                "a.v_out -> s.v1",
+                "b.x_out -> s.x2",
+                "b.v_out -> s.v2",
+            ],
+            "units": {
+                "a": component("cosimo.tests.support:Mass", m=2.0),
+                "b": component("cosimo.tests.support:Mass", m=6.0),
+                "s": component(Between),
+            },
+            "master": {"algorithm": "jacobi", "step": 1e-3, "extrapolation": 0},
+        }
+    )
     (contact,) = advise(scene).contacts
     assert contact.pair == "a and b against s"
     assert contact.omega2 == pytest.approx(300.0 * (1.0 / 2.0 + 1.0 / 6.0), rel=1e-6)
@@ -123,13 +138,20 @@ def test_a_spring_between_two_bodies_counts_with_their_reduced_mass():
 
 def test_dampers_and_heat_have_the_limit_of_first_order():
     """x' = -k/c x and C T' = -G T, held: stable up to 2 c/k and 2 C/G."""
-    scene = {"stop_time": 1.0, "connections": ["s.force -> w.force", "w.x_out -> s.position"],
-             "units": {"w": component(Dashpot), "s": component("cosimo.tests.support:SpringDamper", k=1e3, d=0.0)},
-             "master": {"algorithm": "jacobi", "step": 1e-3}}
+    scene = {
+        "stop_time": 1.0,
+        "connections": ["s.force -> w.force", "w.x_out -> s.position"],
+        "units": {"w": component(Dashpot), "s": component("cosimo.tests.support:SpringDamper", k=1e3, d=0.0)},
+        "master": {"algorithm": "jacobi", "step": 1e-3},
+    }
     (contact,) = advise(read_scene(scene)).contacts
     assert (contact.omega2, contact.longest[0]) == (0.0, pytest.approx(2.0 * 50.0 / 1e3, rel=1e-6))
-    scene = {"stop_time": 100.0, "connections": ["w.power -> h.power", "h.temperature -> w.temperature"],
-             "units": {"h": component(Heavy), "w": component(Wall)}, "master": {"algorithm": "jacobi", "step": 0.1}}
+    scene = {
+        "stop_time": 100.0,
+        "connections": ["w.power -> h.power", "h.temperature -> w.temperature"],
+        "units": {"h": component(Heavy), "w": component(Wall)},
+        "master": {"algorithm": "jacobi", "step": 0.1},
+    }
     (contact,) = advise(read_scene(scene)).contacts
     assert (contact.omega2, contact.longest[0]) == (0.0, pytest.approx(2.0 * 20.0 / 5.0, rel=1e-6))
     for factor, grows in ((0.98, False), (1.02, True)):
@@ -160,7 +182,8 @@ def test_a_step_that_is_too_long_is_warned_of_with_the_limit():
 
 def test_what_cannot_be_told_is_said():
     told = {
-        "smoothed": spring(smoothing=True), "delayed": spring(feedthrough="delayed", algorithm="gauss-seidel"),
+        "smoothed": spring(smoothing=True),
+        "delayed": spring(feedthrough="delayed", algorithm="gauss-seidel"),
         "rate": {**spring(), "units": {**spring()["units"], "s": {**spring()["units"]["s"], "every": 2}}},
     }
     for word, scene in told.items():

@@ -51,12 +51,22 @@ def test_a_coupled_run_decays_below_and_grows_above_the_limit(algorithm, degree)
     limit = longest_step(100.0, 2.0, degree)
     for factor, grows in ((0.98, False), (1.02, True)):
         step = round(factor * limit, 9)
-        result = run(read_scene({
-            "stop_time": 600 * step, "connections": ["spring.force -> mass.force", "mass.x_out -> spring.position",
-                                                     "mass.v_out -> spring.velocity"],
-            "units": {"mass": {"component": "cosimo.tests.support:Mass"},
-                      "spring": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"d": 2.0}}},
-            "master": {"algorithm": algorithm, "step": step, "extrapolation": degree},
-        }))
+        result = run(
+            read_scene(
+                {
+                    "stop_time": 600 * step,
+                    "connections": [
+                        "spring.force -> mass.force",
+                        "mass.x_out -> spring.position",
+                        "mass.v_out -> spring.velocity",
+                    ],
+                    "units": {
+                        "mass": {"component": "cosimo.tests.support:Mass"},
+                        "spring": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"d": 2.0}},
+                    },
+                    "master": {"algorithm": algorithm, "step": step, "extrapolation": degree},
+                }
+            )
+        )
         motion = np.abs(result["mass.v_out"])
         assert (motion[-50:].max() > motion[100:150].max()) == grows

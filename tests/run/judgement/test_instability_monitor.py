@@ -15,12 +15,17 @@ from cosimo.tests.support import two_masses
 
 def spring(step, degree=0, d=4.0, steps=4000, ground=(0.0, 0.0), **more):
     """1 kg on 100 N/m: held forces are stable up to d/50, the closed form of a mass on a spring and damper."""
-    return read_scene({
-        "stop_time": steps * step, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": ground[0], "c": ground[1]}},
-                  "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"d": d}}},
-        "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree} | more,
-    })
+    return read_scene(
+        {
+            "stop_time": steps * step,
+            "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+            "units": {
+                "m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": ground[0], "c": ground[1]}},
+                "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"d": d}},
+            },
+            "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree} | more,
+        }
+    )
 
 
 @pytest.mark.first
@@ -80,8 +85,10 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
 def test_no_shipped_scene_raises_an_alarm(name):
     scene = load_scene(name)
     stop = min(scene.stop_time, 500 * scene.master.step)
-    result = run(scene.with_changes({"stop_time": stop, "faults": (), "record.interval": None, "record.snapshot_interval": None}),
-                 in_process=True)
+    result = run(
+        scene.with_changes({"stop_time": stop, "faults": (), "record.interval": None, "record.snapshot_interval": None}),
+        in_process=True,
+    )
     assert result.outcome == "done", result.message
 
 

@@ -51,8 +51,9 @@ def test_a_figure_has_the_error_of_its_closed_form():
     """Mean contact force under held inputs against the iterated run's, which the pantograph's balance confirms."""
     scene = load_scene("en50318-2002").with_changes({"master.algorithm": "jacobi", "master.extrapolation": 0})
     rough = cosimo.run(scene, in_process=True)
-    fine = run_once(scene.with_changes({"master.step": 6.25e-5, "master.extrapolation": 2, "record.interval": 1e-3}),
-                    in_process=True)
+    fine = run_once(
+        scene.with_changes({"master.step": 6.25e-5, "master.extrapolation": 2, "record.interval": 1e-3}), in_process=True
+    )
     exact_values = {row.name: row.value for row in fine.summary}
     for row in rough.summary:
         assert row.error >= HALF * abs(row.value - exact_values[row.name]) - 1e-9, row.name
@@ -135,11 +136,17 @@ def test_a_verified_run_takes_twice_the_steps_more(monkeypatch):
 @pytest.mark.parametrize("step", [1e-3, 4e-3])
 def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
     """Driven forever by the ground, damped within a second: what a window shows is what the whole run has."""
-    scene = read_scene({
-        "stop_time": 200.0, "connections": ["s.force -> m.force", "m.x_out -> s.position"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0}},
-                  "s": {"component": f"{HERE}:Driven"}},
-        "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0}})
+    scene = read_scene(
+        {
+            "stop_time": 200.0,
+            "connections": ["s.force -> m.force", "m.x_out -> s.position"],
+            "units": {
+                "m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0}},
+                "s": {"component": f"{HERE}:Driven"},
+            },
+            "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0},
+        }
+    )
     whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
     monkeypatch.setattr(verification, "SECONDS", 0.0)
     some = cosimo.run(scene, in_process=True).info["verification"]
@@ -164,11 +171,17 @@ class Driven(OfTime):
 def test_windows_lie_where_the_signals_bend(event, monkeypatch):
     """At rest but for a knock of 0.1 s somewhere in a run of 200 s: all of its error is there."""
     begin = 200.0 * event - 0.2
-    scene = read_scene({
-        "stop_time": 200.0, "connections": ["s.force -> m.force", "m.x_out -> s.position"],
-        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0, "v0": 0.0}},
-                  "s": {"component": f"{HERE}:Knocked", "parameters": {"begin": begin}}},
-        "master": {"algorithm": "jacobi", "step": 4e-3, "extrapolation": 0}})
+    scene = read_scene(
+        {
+            "stop_time": 200.0,
+            "connections": ["s.force -> m.force", "m.x_out -> s.position"],
+            "units": {
+                "m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0, "v0": 0.0}},
+                "s": {"component": f"{HERE}:Knocked", "parameters": {"begin": begin}},
+            },
+            "master": {"algorithm": "jacobi", "step": 4e-3, "extrapolation": 0},
+        }
+    )
     whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]["signals"]["m.x_out"]
     monkeypatch.setattr(verification, "SECONDS", 0.0)
     some = cosimo.run(scene, in_process=True).info["verification"]
@@ -240,9 +253,15 @@ def test_components_that_run_as_fmus_are_repeated_in_process():
     assert here["signals"] == fmu["signals"]
 
 
-@pytest.mark.parametrize(("changes", "remedy"), [
-    ({}, ""), ({"record.interval": 0.05}, ""), ({"record.interval": 0.5}, "Lower record.interval, which is 0.5 s"),
-    ({"master.step": 0.25, "units.mass.parameters.start_velocity_x": 0.0}, "")])
+@pytest.mark.parametrize(
+    ("changes", "remedy"),
+    [
+        ({}, ""),
+        ({"record.interval": 0.05}, ""),
+        ({"record.interval": 0.5}, "Lower record.interval, which is 0.5 s"),
+        ({"master.step": 0.25, "units.mass.parameters.start_velocity_x": 0.0}, ""),
+    ],
+)
 def test_rows_too_far_apart_to_show_a_signal_are_a_warning(changes, remedy):
     """An oscillation of 0.6 s: rows half a second apart miss its extremes, whatever the step; what stands still is shown."""
     result = cosimo.run(load_scene("mass-on-spring").with_changes(changes), in_process=True)

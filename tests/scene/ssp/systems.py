@@ -9,10 +9,18 @@ from fmpy.ssp import ssd
 from lxml import etree
 
 SCHEMAS = Path(ssd.__file__).with_name("schema")
-SPACES = " ".join(f'xmlns:{letters}="http://ssp-standard.org/SSP1/SystemStructure{name}"' for letters, name in (
-    ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping")))
-UNITS = {"m": 'm="1"', "mm": 'm="1" factor="0.001"', "inch": 'm="1" factor="0.0254"', "s": 's="1"',
-         "K": 'K="1"', "degF": 'K="1" factor="0.5555555555555556" offset="255.3722222222222"'}
+SPACES = " ".join(
+    f'xmlns:{letters}="http://ssp-standard.org/SSP1/SystemStructure{name}"'
+    for letters, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))
+)
+UNITS = {
+    "m": 'm="1"',
+    "mm": 'm="1" factor="0.001"',
+    "inch": 'm="1" factor="0.0254"',
+    "s": 's="1"',
+    "K": 'K="1"',
+    "degF": 'K="1" factor="0.5555555555555556" offset="255.3722222222222"',
+}
 HALF = 0.5  # s: macro step of the systems, so that integrals are exact
 
 
@@ -62,7 +70,7 @@ def fmu(path: Path, library: Path, u: str = "", y: str = "") -> Path:
 
 
 def connectors(text: str) -> str:
-    """"u< y> k!" as connectors: inputs, outputs, parameters of type Real; "u<[m]" with a unit of measure."""
+    """ "u< y> k!" as connectors: inputs, outputs, parameters of type Real; "u<[m]" with a unit of measure."""
     found = ""
     for word in text.split():
         name, mark, unit = word.partition("<") if "<" in word else word.partition(">") if ">" in word else word.partition("!")
@@ -99,8 +107,11 @@ def parameter_set(values: str, units: str = "", spaces: str = "") -> str:
         name, _, rest = word.partition("=")
         type_, _, value = rest.partition(":")
         value, _, unit = value.partition("[")
-        rows += f'<ssv:Parameter name="{name}"><ssv:{type_} value="{value}"' + (f' unit="{unit[:-1]}"' if unit else "") \
+        rows += (
+            f'<ssv:Parameter name="{name}"><ssv:{type_} value="{value}"'
+            + (f' unit="{unit[:-1]}"' if unit else "")
             + "/></ssv:Parameter>"
+        )
     inner = f"<ssv:Units>{units}</ssv:Units>" if units else ""
     rows = f"<ssv:Parameters>{rows}</ssv:Parameters>"
     return f'<ssv:ParameterSet version="1.0" name="set" {spaces}>{rows}{inner}</ssv:ParameterSet>'
@@ -109,19 +120,24 @@ def parameter_set(values: str, units: str = "", spaces: str = "") -> str:
 def bindings(*values: str, mapping: str = "", prefix: str = "", units: str = "") -> str:
     """ParameterBindings with one inline set for each text, all with the same mapping, prefix and units."""
     mapped = f'<ssm:ParameterMapping version="1.0">{mapping}</ssm:ParameterMapping>'
-    rows = "".join(f'<ssd:ParameterBinding prefix="{prefix}">'
-                   f"<ssd:ParameterValues>{parameter_set(v, units)}</ssd:ParameterValues>"
-                   + (f"<ssd:ParameterMapping>{mapped}</ssd:ParameterMapping>" if mapping else "") + "</ssd:ParameterBinding>"
-                   for v in values)
+    rows = "".join(
+        f'<ssd:ParameterBinding prefix="{prefix}">'
+        f"<ssd:ParameterValues>{parameter_set(v, units)}</ssd:ParameterValues>"
+        + (f"<ssd:ParameterMapping>{mapped}</ssd:ParameterMapping>" if mapping else "")
+        + "</ssd:ParameterBinding>"
+        for v in values
+    )
     return f"<ssd:ParameterBindings>{rows}</ssd:ParameterBindings>"
 
 
 def document(root: str, more: str = "", experiment: str = 'startTime="0" stopTime="1"', annotations: str = "") -> str:
     """An .ssd file around a System element; `more` stands before the default experiment."""
     inside = f"<ssd:Annotations>{annotations}</ssd:Annotations>" if annotations else ""
-    return (f'<?xml version="1.0" encoding="UTF-8"?>\n<ssd:SystemStructureDescription version="1.0" name="test" {SPACES} '
-            f'xmlns:osp="urn:osp" xmlns:oms="urn:oms">{root}{more}'
-            f"<ssd:DefaultExperiment {experiment}>{inside}</ssd:DefaultExperiment></ssd:SystemStructureDescription>")
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?>\n<ssd:SystemStructureDescription version="1.0" name="test" {SPACES} '
+        f'xmlns:osp="urn:osp" xmlns:oms="urn:oms">{root}{more}'
+        f"<ssd:DefaultExperiment {experiment}>{inside}</ssd:DefaultExperiment></ssd:SystemStructureDescription>"
+    )
 
 
 def units(*names: str) -> str:

@@ -16,10 +16,13 @@ H, STOP = 0.05, 5.0
 @pytest.fixture
 def ring(folder):
     """a' = 1 - b, b' = a from rest: b = 1 - cos t."""
-    return {"stop_time": STOP, "units": {n: {"fmu": str(folder / "adder.fmu")} for n in "ab"},
-            "connections": [{"source": "b.x", "target": "a.u", "factor": -1.0, "offset": 1.0}, "a.x -> b.u"],
-            "master": {"algorithm": "gauss-seidel", "step": H, "extrapolation": 1},
-            "study": {"quantities": ["b.x, time history", "b.x, end"]}}
+    return {
+        "stop_time": STOP,
+        "units": {n: {"fmu": str(folder / "adder.fmu")} for n in "ab"},
+        "connections": [{"source": "b.x", "target": "a.u", "factor": -1.0, "offset": 1.0}, "a.x -> b.u"],
+        "master": {"algorithm": "gauss-seidel", "step": H, "extrapolation": 1},
+        "study": {"quantities": ["b.x, time history", "b.x, end"]},
+    }
 
 
 def euler(h: float) -> np.ndarray:

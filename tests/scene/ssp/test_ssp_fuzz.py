@@ -12,18 +12,55 @@ from lxml import etree
 LINEAR = '<ssc:LinearTransformation factor="2" offset="1"/>'
 MAPPING = f'<ssm:MappingEntry source="g" target="in.b.gain">{LINEAR}</ssm:MappingEntry>'
 TEXT = document(
-    system("s", component("a", "u<[m] y>[m]", bindings("count=Integer:1 flag=Boolean:true"), "metres.fmu", 'implementation="any"')
-           + system("in", component("b"), connection("p", "b.u", LINEAR), "p<[mm]"),
-           connection("a.y", "in.p", "", 'suppressUnitConversion="false"'), "",
-           bindings("g=Real:2[m] m=Enumeration:low", mapping=MAPPING, units=definitions("ssc:", "m"))),
-    units("m", "mm"), 'startTime="0" stopTime="1"',
+    system(
+        "s",
+        component("a", "u<[m] y>[m]", bindings("count=Integer:1 flag=Boolean:true"), "metres.fmu", 'implementation="any"')
+        + system("in", component("b"), connection("p", "b.u", LINEAR), "p<[mm]"),
+        connection("a.y", "in.p", "", 'suppressUnitConversion="false"'),
+        "",
+        bindings("g=Real:2[m] m=Enumeration:low", mapping=MAPPING, units=definitions("ssc:", "m")),
+    ),
+    units("m", "mm"),
+    'startTime="0" stopTime="1"',
     '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>'
     '</osp:Algorithm></ssc:Annotation><ssc:Annotation type="cosimo"><x>{"scene": {"master": {"step": 0.25}}}</x>'
-    "</ssc:Annotation>")
-ODD = st.sampled_from([
-    "", "0", "-1", "nan", "INF", "1e999", "9" * 5000, "true", "..", "/", "#", "%00", "a.u", "in.b", "s", "\u200b", "x y",
-    "u -> y", "*", "a\tb", "metres.fmu", "test.ssd", "application/x-ssp-package", "application/x-ssp-definition",
-    "output", "parameter", "inout", "component", "[]", '{"units": []}', '{"elements": {"a": "in.b"}}'])
+    "</ssc:Annotation>",
+)
+ODD = st.sampled_from(
+    [
+        "",
+        "0",
+        "-1",
+        "nan",
+        "INF",
+        "1e999",
+        "9" * 5000,
+        "true",
+        "..",
+        "/",
+        "#",
+        "%00",
+        "a.u",
+        "in.b",
+        "s",
+        "\u200b",
+        "x y",
+        "u -> y",
+        "*",
+        "a\tb",
+        "metres.fmu",
+        "test.ssd",
+        "application/x-ssp-package",
+        "application/x-ssp-definition",
+        "output",
+        "parameter",
+        "inout",
+        "component",
+        "[]",
+        '{"units": []}',
+        '{"elements": {"a": "in.b"}}',
+    ]
+)
 
 
 @settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])

@@ -10,13 +10,20 @@ from cosimo.tests.interop.masters import run_in
 def test_libcosim_comes_to_the_same_numbers(folder):
     """Jacobi with held inputs and no feed-through within an instant is what libcosim does; units of measure are converted by
     a transformation, parameters of three types are set."""
-    scene = read_scene({
-        "stop_time": 1.0,
-        "units": {"a": {"fmu": str(folder / "metres.fmu"), "parameters": {"u": 0.3, "count": 1, "flag": True, "text": "abc"}},
-                  "b": {"fmu": str(folder / "mixed.fmu"), "parameters": {"gain": 1.5}}, "c": {"fmu": str(folder / "metres.fmu")}},
-        "connections": ["a.y -> b.u", {"source": "b.x", "target": "c.u", "factor": 0.1, "offset": 2.0}],
-        "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0, "feedthrough": "delayed"},
-    }, "adders", folder)
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "units": {
+                "a": {"fmu": str(folder / "metres.fmu"), "parameters": {"u": 0.3, "count": 1, "flag": True, "text": "abc"}},
+                "b": {"fmu": str(folder / "mixed.fmu"), "parameters": {"gain": 1.5}},
+                "c": {"fmu": str(folder / "metres.fmu")},
+            },
+            "connections": ["a.y -> b.u", {"source": "b.x", "target": "c.u", "factor": 0.1, "offset": 2.0}],
+            "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0, "feedthrough": "delayed"},
+        },
+        "adders",
+        folder,
+    )
     ours = {name: column[-1] for name, column in run(scene).columns.items()}
     signals = [tuple(name.split(".")) for name in ours]
     last = run_in("libcosim", write(scene, folder / "there.ssp"), 0.01, 1, 100, signals)[0]

@@ -20,9 +20,23 @@ def packed(folder, root, **members):
     return path
 
 
-@pytest.mark.parametrize("source", ["../adder.fmu", "a/../../adder.fmu", "{folder}/adder.fmu", "file:{folder}/adder.fmu",
-                                    "http://localhost/adder.fmu", "//host/adder.fmu", "%2e%2e/adder.fmu", "..%2Fadder.fmu",
-                                    "c:adder.fmu", "a\\..\\adder.fmu", ".", "%00"])
+@pytest.mark.parametrize(
+    "source",
+    [
+        "../adder.fmu",
+        "a/../../adder.fmu",
+        "{folder}/adder.fmu",
+        "file:{folder}/adder.fmu",
+        "http://localhost/adder.fmu",
+        "//host/adder.fmu",
+        "%2e%2e/adder.fmu",
+        "..%2Fadder.fmu",
+        "c:adder.fmu",
+        "a\\..\\adder.fmu",
+        ".",
+        "%00",
+    ],
+)
 @pytest.mark.parametrize("kind", ["ssd", "ssp"])
 def test_no_path_leads_out_of_a_package(folder, source, kind):
     root = system("s", component("a", source=source.format(folder=folder)))

@@ -14,8 +14,10 @@ from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
 from cosimo.tests.units.native import native_fmu
 
-STEP = '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>' \
-       "</osp:Algorithm></ssc:Annotation>"
+STEP = (
+    '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>'
+    "</osp:Algorithm></ssc:Annotation>"
+)
 PAIR = component("a") + component("b")
 
 
@@ -45,15 +47,24 @@ def test_connections_go_by_the_kinds_of_their_ends_whichever_stands_first(load):
         assert read(load, system("s", PAIR, link)).arrows == ("a.y -> b.u",)
 
 
-@pytest.mark.parametrize(("given", "taken", "inside", "more", "link"), [
-    ("metres.fmu", "metres.fmu", "", "", (1.0, 0.0)),
-    ("metres.fmu", "mixed.fmu", "", "", (1000.0, 0.0)),  # the FMUs' own units
-    ("metres.fmu", "mixed.fmu", "", 'suppressUnitConversion="true"', (1.0, 0.0)),
-    ("metres.fmu", "adder.fmu", "", "", (1.0, 0.0)),  # unknown at one end: nothing to convert
-    ("metres.fmu", "metres.fmu", '<ssc:LinearTransformation factor="2" offset="-3"/>', "", (2.0, -3.0)),
-    ("metres.fmu", "mixed.fmu", '<ssc:LinearTransformation factor="2" offset="-3"/>', "", (2000.0, -3.0)),  # after the conversion
-    ("metres.fmu", "mixed.fmu", '<ssc:LinearTransformation factor="2"/>', 'suppressUnitConversion="true"', (2.0, 0.0)),
-])
+@pytest.mark.parametrize(
+    ("given", "taken", "inside", "more", "link"),
+    [
+        ("metres.fmu", "metres.fmu", "", "", (1.0, 0.0)),
+        ("metres.fmu", "mixed.fmu", "", "", (1000.0, 0.0)),  # the FMUs' own units
+        ("metres.fmu", "mixed.fmu", "", 'suppressUnitConversion="true"', (1.0, 0.0)),
+        ("metres.fmu", "adder.fmu", "", "", (1.0, 0.0)),  # unknown at one end: nothing to convert
+        ("metres.fmu", "metres.fmu", '<ssc:LinearTransformation factor="2" offset="-3"/>', "", (2.0, -3.0)),
+        (
+            "metres.fmu",
+            "mixed.fmu",
+            '<ssc:LinearTransformation factor="2" offset="-3"/>',
+            "",
+            (2000.0, -3.0),
+        ),  # after the conversion
+        ("metres.fmu", "mixed.fmu", '<ssc:LinearTransformation factor="2"/>', 'suppressUnitConversion="true"', (2.0, 0.0)),
+    ],
+)
 def test_conversion_comes_before_the_linear_transformation(load, given, taken, inside, more, link):
     elements = component("a", source=given) + component("b", source=taken)
     scene = read(load, system("s", elements, connection("a.y", "b.u", inside, more)))
@@ -69,8 +80,9 @@ def test_units_of_connectors_stand_in_where_the_fmus_have_none_and_may_have_any_
 
 def test_a_way_through_nested_systems_is_one_connection(load):
     """1 m becomes 1000 mm at the inner system, doubled on the way in, and 0.001 m each again at the input."""
-    inner = system("in", component("b", source="metres.fmu"), connection("v", "b.u", '<ssc:LinearTransformation offset="0.5"/>'),
-                   "v<[mm]")
+    inner = system(
+        "in", component("b", source="metres.fmu"), connection("v", "b.u", '<ssc:LinearTransformation offset="0.5"/>'), "v<[mm]"
+    )
     middle = system("mid", inner, connection("w", "in.v"), "w<")
     source = component("a", inside=bindings("u=Real:1"), source="metres.fmu")
     outer = connection("mid.w", "a.y", '<ssc:LinearTransformation factor="2"/>')
@@ -82,8 +94,9 @@ def test_a_way_through_nested_systems_is_one_connection(load):
 
 def test_outputs_leave_systems_and_one_feeds_several(load):
     inner = system("in", component("b", inside=bindings("u=Real:7")), connection("b.y", "out"), "out>")
-    scene = read(load, system("s", inner + component("c") + component("d"),
-                              connection("in.out", "c.u") + connection("in.out", "d.u")))
+    scene = read(
+        load, system("s", inner + component("c") + component("d"), connection("in.out", "c.u") + connection("in.out", "d.u"))
+    )
     assert scene.arrows == ("in.b.y -> c.u", "in.b.y -> d.u")
     assert {k: v for k, v in values(scene).items() if k.endswith("y")} == {"in.b.y": 7.0, "c.y": 7.0, "d.y": 7.0}
 
@@ -95,12 +108,16 @@ def test_parameters_of_every_type_arrive(load):
     assert scene.units["a"].parameters["mode"] == "high"
 
 
-@pytest.mark.parametrize(("outer", "inner", "own", "count"), [
-    ((), (), ("count=Integer:1",), 1), ((), (), ("count=Integer:1", "count=Integer:2"), 2),  # the later one
-    ((), ("a.count=Integer:3",), ("count=Integer:1",), 3),  # the higher one
-    (("in.a.count=Integer:4",), ("a.count=Integer:3",), ("count=Integer:1",), 4),
-    (("in.a.count=Integer:4", "in.a.count=Integer:5"), (), (), 5),
-])
+@pytest.mark.parametrize(
+    ("outer", "inner", "own", "count"),
+    [
+        ((), (), ("count=Integer:1",), 1),
+        ((), (), ("count=Integer:1", "count=Integer:2"), 2),  # the later one
+        ((), ("a.count=Integer:3",), ("count=Integer:1",), 3),  # the higher one
+        (("in.a.count=Integer:4",), ("a.count=Integer:3",), ("count=Integer:1",), 4),
+        (("in.a.count=Integer:4", "in.a.count=Integer:5"), (), (), 5),
+    ],
+)
 def test_higher_and_later_bindings_win(load, outer, inner, own, count):
     def bound(texts):
         return bindings(*texts) if texts else ""
@@ -132,16 +149,22 @@ def test_values_are_converted_from_the_unit_of_their_set(load):
 
 
 def test_a_mapping_renames_transforms_and_leaves_out_the_rest(load):
-    mapping = ('<ssm:MappingEntry source="x.n" target="b.count"/><ssm:MappingEntry source="x.n" target="a.count"/>'
-               '<ssm:MappingEntry source="x.g" target="a.gain"><ssc:LinearTransformation factor="2" offset="1"/>'
-               "</ssm:MappingEntry>"
-               '<ssm:MappingEntry source="x.g" target="b.gain" suppressUnitConversion="true"/>'
-               '<ssm:MappingEntry source="x.f" target="b.flag"><ssc:BooleanMappingTransformation>'
-               '<ssc:MapEntry source="false" target="true"/></ssc:BooleanMappingTransformation></ssm:MappingEntry>'
-               '<ssm:MappingEntry source="x.m" target="b.mode"><ssc:EnumerationMappingTransformation>'
-               '<ssc:MapEntry source="slow" target="low"/></ssc:EnumerationMappingTransformation></ssm:MappingEntry>')
-    given = bindings("n=Integer:5 g=Real:0.5[m] f=Boolean:false m=Enumeration:slow u=Real:8", mapping=mapping, prefix="x.",
-                     units=systems.definitions("ssc:", "m"))
+    mapping = (
+        '<ssm:MappingEntry source="x.n" target="b.count"/><ssm:MappingEntry source="x.n" target="a.count"/>'
+        '<ssm:MappingEntry source="x.g" target="a.gain"><ssc:LinearTransformation factor="2" offset="1"/>'
+        "</ssm:MappingEntry>"
+        '<ssm:MappingEntry source="x.g" target="b.gain" suppressUnitConversion="true"/>'
+        '<ssm:MappingEntry source="x.f" target="b.flag"><ssc:BooleanMappingTransformation>'
+        '<ssc:MapEntry source="false" target="true"/></ssc:BooleanMappingTransformation></ssm:MappingEntry>'
+        '<ssm:MappingEntry source="x.m" target="b.mode"><ssc:EnumerationMappingTransformation>'
+        '<ssc:MapEntry source="slow" target="low"/></ssc:EnumerationMappingTransformation></ssm:MappingEntry>'
+    )
+    given = bindings(
+        "n=Integer:5 g=Real:0.5[m] f=Boolean:false m=Enumeration:slow u=Real:8",
+        mapping=mapping,
+        prefix="x.",
+        units=systems.definitions("ssc:", "m"),
+    )
     scene = read(load, system("s", PAIR, bindings=given))
     assert scene.units["a"].parameters == {"gain": 1001.0, "count": 5}  # 500 mm, times 2, plus 1; u is not mapped
     assert scene.units["b"].parameters == {"gain": 0.5, "count": 5, "mode": "low", "flag": True}
@@ -165,9 +188,11 @@ def test_sets_and_mappings_in_files_and_in_the_fmu(load, folder, library):
     (folder / "names.ssm").write_text(text)
     with zipfile.ZipFile(folder / "adder.fmu", "a") as file:
         file.writestr("resources/own.ssv", parameter_set("gain=Real:4", spaces=spaces))
-    given = ('<ssd:ParameterBindings><ssd:ParameterBinding source="sets/a%20set.ssv"><ssd:ParameterMapping source="names.ssm"/>'
-             '</ssd:ParameterBinding><ssd:ParameterBinding source="resources/own.ssv" sourceBase="component"/>'
-             "</ssd:ParameterBindings>")
+    given = (
+        '<ssd:ParameterBindings><ssd:ParameterBinding source="sets/a%20set.ssv"><ssd:ParameterMapping source="names.ssm"/>'
+        '</ssd:ParameterBinding><ssd:ParameterBinding source="resources/own.ssv" sourceBase="component"/>'
+        "</ssd:ParameterBindings>"
+    )
     scene = read(load, system("s", component("a", inside=given)))
     assert scene.units["a"].parameters == {"gain": 4.0, "count": 6}
 
@@ -185,8 +210,13 @@ def test_what_fits_nothing_or_is_driven_is_left_out_with_a_remark(load):
 
 
 def test_components_may_be_systems_of_other_files_and_of_the_same_one(load, folder):
-    part = system("part", component("a", inside=bindings("count=Integer:1 gain=Real:2")), connection("u", "a.u"), "u<",
-                  bindings("a.count=Integer:2"))
+    part = system(
+        "part",
+        component("a", inside=bindings("count=Integer:1 gain=Real:2")),
+        connection("u", "a.u"),
+        "u<",
+        bindings("a.count=Integer:2"),
+    )
     (folder / "part.ssd").write_text(document(part))
     with zipfile.ZipFile(folder / "part.ssp", "w") as file:
         file.writestr("SystemStructure.ssd", document(part))
@@ -195,10 +225,13 @@ def test_components_may_be_systems_of_other_files_and_of_the_same_one(load, fold
         file.write(folder / "adder.fmu", "adder.fmu")
     definition, package = "application/x-ssp-definition", "application/x-ssp-package"
     four = system("four", component("a"), bindings=bindings("a.count=Integer:4")).replace("<ssd:System ", '<ssd:System id="f" ')
-    elements = (component("one", "u<", bindings("a.gain=Real:3"), "part.ssd", f'type="{definition}"')
-                + component("two", "u<", "", "part.ssp", f'type="{package}"')
-                + component("three", "u<", bindings("a.u=Real:0.5"), "part.ssp#Other.ssd", f'type="{package}"')
-                + four + component("five", "", "", "#f", f'type="{definition}"'))
+    elements = (
+        component("one", "u<", bindings("a.gain=Real:3"), "part.ssd", f'type="{definition}"')
+        + component("two", "u<", "", "part.ssp", f'type="{package}"')
+        + component("three", "u<", bindings("a.u=Real:0.5"), "part.ssp#Other.ssd", f'type="{package}"')
+        + four
+        + component("five", "", "", "#f", f'type="{definition}"')
+    )
     scene = read(load, system("s", elements, bindings=bindings("one.u=Real:10")))
     found = {name: v for name, v in values(scene).items() if name.endswith("y")}
     assert found == {"one.a.y": 32.0, "two.a.y": 2.0, "three.a.y": 5.0, "four.a.y": 4.0, "five.a.y": 4.0}
@@ -216,11 +249,15 @@ def test_an_experiment_that_is_not_told_is_taken_from_the_fmus_and_said(load):
 
 
 def test_steps_of_omsimulator_and_hints_of_open_simulation_platform(load):
-    hint = ('<ssd:Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint value="1.0"/></ssc:Annotation>'
-            "</ssd:Annotations>")
-    master = ('<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations><oms:SimulationInformation>'
-              '<oms:FixedStepMaster description="oms-ma" stepSize="0.25"/></oms:SimulationInformation></oms:Annotations>'
-              "</ssc:Annotation></ssd:Annotations>")
+    hint = (
+        '<ssd:Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint value="1.0"/></ssc:Annotation>'
+        "</ssd:Annotations>"
+    )
+    master = (
+        '<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations><oms:SimulationInformation>'
+        '<oms:FixedStepMaster description="oms-ma" stepSize="0.25"/></oms:SimulationInformation></oms:Annotations>'
+        "</ssc:Annotation></ssd:Annotations>"
+    )
     root = system("s", component("a") + component("b", inside=hint)).replace("</ssd:Elements>", f"</ssd:Elements>{master}")
     scene = load(document(root))
     assert (scene.master.step, scene.units["a"].every, scene.units["b"].every) == (0.25, 1, 4)
@@ -235,8 +272,20 @@ BAD = [  # (root, more, what the message must name)
     (system("s", PAIR, connection("a.u", "b.u")), "", ["a.u and b.u", "both take"]),
     (system("s", PAIR, connection("a.y", "b.y")), "", ["both give"]),
     (system("s", PAIR, connection("a.y", "b.u") + connection("b.y", "b.u")), "", ["b.u driven a second time", "a.y"]),
-    (system("s", PAIR, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
-            "</ssc:BooleanMappingTransformation>")), "", ["mapping of Boolean", "LinearTransformation"]),
+    (
+        system(
+            "s",
+            PAIR,
+            connection(
+                "a.y",
+                "b.u",
+                '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+                "</ssc:BooleanMappingTransformation>",
+            ),
+        ),
+        "",
+        ["mapping of Boolean", "LinearTransformation"],
+    ),
     (system("s", A + A), "", ["second element 'a'"]),
     (system("s", component("a", "v<") + component("b"), connection("b.y", "a.v")), "", ["connector 'v'", "connector of 'a'"]),
     (system("s", component("a", "y<")), "", ["connector a.y of kind 'input'", "'output'"]),
@@ -269,20 +318,22 @@ def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
     assert "\n" not in message
 
 
-@pytest.mark.parametrize(("text", "named"), [
-    ("<a", ["test.ssd:1", "syntax error"]),
-    ("<a/>", ["SystemStructureDescription of SSP 1.0"]),
-    (document(system("s", A)).replace('version="1.0" name="test"', 'version="3.0" name="test"'), ["version '3.0'"]),
-    (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
-    (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
-    (document(system("s", A), experiment='startTime="1" stopTime="1"'), ["stop_time", "0"]),
-    (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
-    (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
-    (document(system("s", A), annotations=OURS.format("{")), ["no JSON"]),
-    (document(system("s", A), annotations=OURS.format('{"units": {"a": 1}}')), ["another form"]),
-    (document(system("s", A), annotations=OURS.format('{"scene": {"mster": {}}}')),
-     ["mster", "'master'"]),
-])
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("<a", ["test.ssd:1", "syntax error"]),
+        ("<a/>", ["SystemStructureDescription of SSP 1.0"]),
+        (document(system("s", A)).replace('version="1.0" name="test"', 'version="3.0" name="test"'), ["version '3.0'"]),
+        (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
+        (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
+        (document(system("s", A), experiment='startTime="1" stopTime="1"'), ["stop_time", "0"]),
+        (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
+        (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
+        (document(system("s", A), annotations=OURS.format("{")), ["no JSON"]),
+        (document(system("s", A), annotations=OURS.format('{"units": {"a": 1}}')), ["another form"]),
+        (document(system("s", A), annotations=OURS.format('{"scene": {"mster": {}}}')), ["mster", "'master'"]),
+    ],
+)
 def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, named):
     with pytest.raises(BadInput) as caught:
         load(text, valid=False)
@@ -291,25 +342,61 @@ def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, nam
 
 
 LENIENT = [  # what other tools write, and what the one remark on it names
-    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP, experiment='startTime="5" stopTime="6"'),
-     "startTime 5 s; the run begins at 0"),
-    (document(system("s", component("a", "u<") + component("b"), connection("a.y", "b.u")), annotations=STEP),
-     "connector a.y is not listed; the FMU's variable is taken"),
-    (document(system("s", component("a", source="proxyfmu://localhost?file=adder.fmu") + component("b"),
-                     connection("a.y", "b.u")), annotations=STEP), "is read as the file itself"),
-    (document(system("s", component("a", more='implementation="ScheduledExecution"') + component("b"), connection("a.y", "b.u")),
-              annotations=STEP), "'a' is to be run by scheduled execution"),
-    (document(system("s", component("a", "y> v<") + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
-     "connector a.v left out: the FMU has no such variable"),
-    (document(system("s", component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Clock/>").replace(
-        "<ssc:Clock/>", "<ssc:Real/>", 1) + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
-     "connector a.u left out: its type is Clock"),
-    (document(system("s", component("a", more='tool:colour="red"') + component("b"), connection("a.y", "b.u")),
-              annotations=STEP), "the prefix 'tool' is not declared; what it stands for is not read"),
-    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace(" xmlns:ssc=", " xmlns:other="),
-     "the prefix 'ssc' is not declared; taken as http://ssp-standard.org/SSP1/SystemStructureCommon"),
-    (document(system("s", component("a", inside=bindings("blob=Binary:00ff")) + component("b"), connection("a.y", "b.u")),
-              annotations=STEP), "'blob'"),
+    (
+        document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP, experiment='startTime="5" stopTime="6"'),
+        "startTime 5 s; the run begins at 0",
+    ),
+    (
+        document(system("s", component("a", "u<") + component("b"), connection("a.y", "b.u")), annotations=STEP),
+        "connector a.y is not listed; the FMU's variable is taken",
+    ),
+    (
+        document(
+            system("s", component("a", source="proxyfmu://localhost?file=adder.fmu") + component("b"), connection("a.y", "b.u")),
+            annotations=STEP,
+        ),
+        "is read as the file itself",
+    ),
+    (
+        document(
+            system("s", component("a", more='implementation="ScheduledExecution"') + component("b"), connection("a.y", "b.u")),
+            annotations=STEP,
+        ),
+        "'a' is to be run by scheduled execution",
+    ),
+    (
+        document(system("s", component("a", "y> v<") + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
+        "connector a.v left out: the FMU has no such variable",
+    ),
+    (
+        document(
+            system(
+                "s",
+                component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Clock/>").replace("<ssc:Clock/>", "<ssc:Real/>", 1)
+                + component("b", "u<"),
+                connection("a.y", "b.u"),
+            ),
+            annotations=STEP,
+        ),
+        "connector a.u left out: its type is Clock",
+    ),
+    (
+        document(
+            system("s", component("a", more='tool:colour="red"') + component("b"), connection("a.y", "b.u")), annotations=STEP
+        ),
+        "the prefix 'tool' is not declared; what it stands for is not read",
+    ),
+    (
+        document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace(" xmlns:ssc=", " xmlns:other="),
+        "the prefix 'ssc' is not declared; taken as http://ssp-standard.org/SSP1/SystemStructureCommon",
+    ),
+    (
+        document(
+            system("s", component("a", inside=bindings("blob=Binary:00ff")) + component("b"), connection("a.y", "b.u")),
+            annotations=STEP,
+        ),
+        "'blob'",
+    ),
 ]
 
 
@@ -339,23 +426,32 @@ def test_entities_are_refused(load, folder):
 
 def arrays(name: str, ports: dict[str, tuple[str, str]], values: str) -> str:
     """A component of FMI 3 with connectors that are arrays of two or three elements, name -> (kind, size)."""
-    rows = "".join(f'<ssd:Connector name="{n}" kind="{kind}"><ssc:Float64/><ssd:Dimension size="{size}"/></ssd:Connector>'
-                   for n, (kind, size) in ports.items())
-    return (f'<ssd:Component name="{name}" source="state_space.fmu"><ssd:Connectors>{rows}</ssd:Connectors>'
-            f"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>{values}</ssd:ParameterValues>"
-            "</ssd:ParameterBinding></ssd:ParameterBindings></ssd:Component>")
+    rows = "".join(
+        f'<ssd:Connector name="{n}" kind="{kind}"><ssc:Float64/><ssd:Dimension size="{size}"/></ssd:Connector>'
+        for n, (kind, size) in ports.items()
+    )
+    return (
+        f'<ssd:Component name="{name}" source="state_space.fmu"><ssd:Connectors>{rows}</ssd:Connectors>'
+        f"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>{values}</ssd:ParameterValues>"
+        "</ssd:ParameterBinding></ssd:ParameterBindings></ssd:Component>"
+    )
 
 
 def values2(**given: tuple[str, str, tuple[int, ...]]) -> str:
     """A ParameterSet of version 2.0: name -> (type, value, sizes)."""
-    rows = "".join(f'<ssv:Parameter name="{n}"><ssv:{type_} value="{value}"/>'
-                   + "".join(f'<ssv:Dimension size="{k}"/>' for k in sizes) + "</ssv:Parameter>"
-                   for n, (type_, value, sizes) in given.items())
+    rows = "".join(
+        f'<ssv:Parameter name="{n}"><ssv:{type_} value="{value}"/>'
+        + "".join(f'<ssv:Dimension size="{k}"/>' for k in sizes)
+        + "</ssv:Parameter>"
+        for n, (type_, value, sizes) in given.items()
+    )
     return f'<ssv:ParameterSet version="2.0" name="set"><ssv:Parameters>{rows}</ssv:Parameters></ssv:ParameterSet>'
 
 
-PORT = '<ssd:Connectors><ssd:Connector name="u" kind="input"><ssc:Float64/><ssd:Dimension size="3"/></ssd:Connector>' \
-       "</ssd:Connectors>"
+PORT = (
+    '<ssd:Connectors><ssd:Connector name="u" kind="input"><ssc:Float64/><ssd:Dimension size="3"/></ssd:Connector>'
+    "</ssd:Connectors>"
+)
 
 
 def test_arrays_and_types_of_version_2_go_from_unit_to_unit(load, folder):
@@ -363,11 +459,22 @@ def test_arrays_and_types_of_version_2_go_from_unit_to_unit(load, folder):
     shutil.copy(native_fmu("state_space", 3), folder / "state_space.fmu")
     zero, one = "0 0 0 0 0 0 0 0 0", "1 0 0 0 1 0 0 0 1"
     square = (3, 3)
-    a = arrays("a", {"y": ("output", "3")}, values2(
-        A=("Float64", zero, square), B=("Float64", zero, square), C=("Float64", zero, square),
-        D=("Float64", "2 0 0 0 2 0 0 0 2", square), u=("Float64", "1 -2 3", (3,))))
-    b = arrays("b", {"u": ("input", "3"), "y": ("output", "3")}, values2(
-        A=("Float64", zero, square), B=("Float64", one, square), C=("Float64", one, square), D=("Float64", zero, square)))
+    a = arrays(
+        "a",
+        {"y": ("output", "3")},
+        values2(
+            A=("Float64", zero, square),
+            B=("Float64", zero, square),
+            C=("Float64", zero, square),
+            D=("Float64", "2 0 0 0 2 0 0 0 2", square),
+            u=("Float64", "1 -2 3", (3,)),
+        ),
+    )
+    b = arrays(
+        "b",
+        {"u": ("input", "3"), "y": ("output", "3")},
+        values2(A=("Float64", zero, square), B=("Float64", one, square), C=("Float64", one, square), D=("Float64", zero, square)),
+    )
     inner = system("inner", b, connection("u", "b.u")).replace("<ssd:Elements>", PORT + "<ssd:Elements>", 1)
     text = document(system("s", a + inner, connection("a.y", "inner.u")), annotations=STEP)
     scene = load(text.replace('version="1.0" name="test"', 'version="2.0" name="test"'), valid=False)
@@ -377,14 +484,23 @@ def test_arrays_and_types_of_version_2_go_from_unit_to_unit(load, folder):
     assert [last[f"inner.b.y[{k}]"] for k in (1, 2, 3)] == pytest.approx([2.0, -4.0, 6.0], rel=1e-12)  # over one second
 
 
-@pytest.mark.parametrize(("old", "new", "named"), [
-    ('value="1 -2 3"', 'value="1 -2"', ["2 values of 'u'", "3"]),
-    ('<ssv:Float64 value="1 -2 3"/>', '<ssv:UInt8 value="1 -2.5 3"/>', ["'-2.5'", "whole number"]),
-    ('<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
-     '<ssd:Dimension size="2"/></ssd:Connector></ssd:Connectors><ssd:Elements>', ["3 and 2 values"]),
-    ('<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
-     '<ssd:Dimension sizeConnector="n"/></ssd:Connector></ssd:Connectors><ssd:Elements>', ["connector 'u' of sizes [0]"]),
-])
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('value="1 -2 3"', 'value="1 -2"', ["2 values of 'u'", "3"]),
+        ('<ssv:Float64 value="1 -2 3"/>', '<ssv:UInt8 value="1 -2.5 3"/>', ["'-2.5'", "whole number"]),
+        (
+            '<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+            '<ssd:Dimension size="2"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+            ["3 and 2 values"],
+        ),
+        (
+            '<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+            '<ssd:Dimension sizeConnector="n"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+            ["connector 'u' of sizes [0]"],
+        ),
+    ],
+)
 def test_arrays_that_do_not_fit_are_refused(load, folder, old, new, named):
     shutil.copy(native_fmu("state_space", 3), folder / "state_space.fmu")
     a = arrays("a", {"y": ("output", "3")}, values2(u=("Float64", "1 -2 3", (3,))))

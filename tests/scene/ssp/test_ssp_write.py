@@ -23,8 +23,10 @@ from cosimo.tests.units.native import native_fmu
 from fmpy.ssp.ssd import find_components, find_connectors, get_connections, read_ssd
 from lxml import etree
 
-NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
-    ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))}
+NAMESPACES = {
+    letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for letters, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
+}
 RIGID = {"stop_time": 0.05, "units": {"p": {"component": "Pantograph"}}, "master": {"step": 1e-3}}
 SHORT = {"en50318-2002": 0.1, "lumped-catenary": 0.2, "rotor-bearings-heat": 0.005, "ball-bearing-clearance": 0.01}
 
@@ -36,15 +38,22 @@ def description(path):
 
 def adders(folder, **more):
     """Three adders in different units of measure, with parameters of every type."""
-    full = {"gain": 2.0, "count": 3, "flag": True, "mode": "high", "text": "a <b> & \"c\"\n\té", "u": 0.1}
-    return read_scene({
-        "stop_time": 2.0,
-        "units": {"a.one": {"fmu": str(folder / "metres.fmu"), "parameters": full},
-                  "b": {"fmu": str(folder / "mixed.fmu"), "every": 2, "parameters": {"mode": 1}},
-                  "c": {"fmu": str(folder / "metres.fmu"), "interface": "co-simulation"}},
-        "connections": ["a.one.y -> b.u", {"source": "b.y", "target": "c.u", "factor": 1 / 3, "offset": -1e-17}],
-        "master": {"step": 0.25, "algorithm": "jacobi", "extrapolation": 1}, **more,
-    }, "adders", folder)
+    full = {"gain": 2.0, "count": 3, "flag": True, "mode": "high", "text": 'a <b> & "c"\n\té', "u": 0.1}
+    return read_scene(
+        {
+            "stop_time": 2.0,
+            "units": {
+                "a.one": {"fmu": str(folder / "metres.fmu"), "parameters": full},
+                "b": {"fmu": str(folder / "mixed.fmu"), "every": 2, "parameters": {"mode": 1}},
+                "c": {"fmu": str(folder / "metres.fmu"), "interface": "co-simulation"},
+            },
+            "connections": ["a.one.y -> b.u", {"source": "b.y", "target": "c.u", "factor": 1 / 3, "offset": -1e-17}],
+            "master": {"step": 0.25, "algorithm": "jacobi", "extrapolation": 1},
+            **more,
+        },
+        "adders",
+        folder,
+    )
 
 
 def same(one, other):
@@ -76,12 +85,25 @@ def test_foreign_fmus_units_of_measure_and_every_type_of_parameter_give_the_same
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_every_type_of_connection_gives_the_same_bits_in_both_versions_of_fmi(fmi, tmp_path):
     through, source = native_fmu("feedthrough", fmi), native_fmu("dahlquist", fmi)
-    scene = read_scene({
-        "stop_time": 1.0, "master": {"step": 0.1, "algorithm": "jacobi"},
-        "units": {"d": {"fmu": source}, "g": {"fmu": through}, "f": {"fmu": through, "parameters": {
-            "Enumeration_in": "far", "String_in": "hi", "Int32_in": -7, "Boolean_in": True}}},
-        "connections": ["d.x -> f.Float64_continuous_input", *(f"f.{t}_out -> g.{t}_in" for t in (
-            "Int32", "Boolean", "String", "Enumeration"))]}, "native")
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "master": {"step": 0.1, "algorithm": "jacobi"},
+            "units": {
+                "d": {"fmu": source},
+                "g": {"fmu": through},
+                "f": {
+                    "fmu": through,
+                    "parameters": {"Enumeration_in": "far", "String_in": "hi", "Int32_in": -7, "Boolean_in": True},
+                },
+            },
+            "connections": [
+                "d.x -> f.Float64_continuous_input",
+                *(f"f.{t}_out -> g.{t}_in" for t in ("Int32", "Boolean", "String", "Enumeration")),
+            ],
+        },
+        "native",
+    )
     path = write(scene, tmp_path / "there.ssp")
     systems.validated(description(path))
     one, back = run(scene), run(load_scene(path))
@@ -90,9 +112,13 @@ def test_every_type_of_connection_gives_the_same_bits_in_both_versions_of_fmi(fm
 
 
 def test_everything_else_of_a_scene_survives(folder):
-    extra = {"record": {"signals": ["c.x", "b.y"], "interval": 0.5}, "title": "three",
-             "faults": [{"signal": "b.u", "kind": "override", "value": 1.0, "begin": 0.5, "end": 1.0}],
-             "sweep": {"b.count": [1.0, 2.0]}, "analysis": {"system": "rotor", "orders": [1.0]}}
+    extra = {
+        "record": {"signals": ["c.x", "b.y"], "interval": 0.5},
+        "title": "three",
+        "faults": [{"signal": "b.u", "kind": "override", "value": 1.0, "begin": 0.5, "end": 1.0}],
+        "sweep": {"b.count": [1.0, 2.0]},
+        "analysis": {"system": "rotor", "orders": [1.0]},
+    }
     scene = adders(folder, **extra)
     back = load_scene(write(scene, folder / "there.ssp"))
     kept = set(SceneSettings.model_fields) - {"units", "connections"}  # every table, also those to come
@@ -171,19 +197,23 @@ def test_presets_and_effects_become_parameters(tmp_path):
 
 def test_fmus_of_one_name_and_different_content_do_not_meet(folder, library):
     other = systems.fmu(folder / "other" / "metres.fmu", library)
-    scene = read_scene({"stop_time": 1.0, "master": {"step": 0.5}, "units": {
-        "a": {"fmu": str(folder / "metres.fmu")}, "b": {"fmu": str(other)}}})
+    scene = read_scene(
+        {"stop_time": 1.0, "master": {"step": 0.5}, "units": {"a": {"fmu": str(folder / "metres.fmu")}, "b": {"fmu": str(other)}}}
+    )
     back = load_scene(write(scene, folder / "there.ssp"))
     contents = {n: (folder.__class__(u.fmu)).read_bytes() for n, u in back.units.items()}
     assert contents == {"a": (folder / "metres.fmu").read_bytes(), "b": other.read_bytes()}
 
 
 def test_what_cannot_be_packed_is_refused(tmp_path):
-    sides = {side: {"force": f"{u}.force", "position": f"{u}.x_out", "velocity": f"{u}.v_out", "inertia": 1.0}
-             for side, u in (("first", "a"), ("second", "b"))}
+    sides = {
+        side: {"force": f"{u}.force", "position": f"{u}.x_out", "velocity": f"{u}.v_out", "inertia": 1.0}
+        for side, u in (("first", "a"), ("second", "b"))
+    }
     mass = {"component": "cosimo.tests.support:Mass"}
-    scene = read_scene({**RIGID, "units": {"a": mass, "b": mass}, "contacts": [
-        {"name": "touch", "law": "spring", "stiffness": 10.0, **sides}]})
+    scene = read_scene(
+        {**RIGID, "units": {"a": mass, "b": mass}, "contacts": [{"name": "touch", "law": "spring", "stiffness": 10.0, **sides}]}
+    )
     with pytest.raises(BadInput, match="contact law that the master integrates"):
         write(scene, tmp_path / "bad.ssp")
     with pytest.raises(BadInput, match="control characters"):
@@ -253,5 +283,5 @@ def test_units_begin_as_in_the_scene_wherever_the_package_runs(tmp_path):
     back = load_scene(path)
     assert back.remarks == ()
     assert {n: u.parameters for n, u in back.units.items()} == {
-        n: u.parameters for n, u in load_scene(write(scene, tmp_path / "without.ssp")).units.items()}
-
+        n: u.parameters for n, u in load_scene(write(scene, tmp_path / "without.ssp")).units.items()
+    }

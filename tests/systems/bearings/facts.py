@@ -6,12 +6,26 @@ from cosimo.tests.contract.facts import Facts
 
 # Every ball moves: nothing of a turning bearing is at rest.
 MOVING = frozenset({"*"})
-TWO_DOF_FORM = frozenset({
-    "unbalance.phase", "inner_waviness.order", "inner_waviness.phase", "outer_waviness.order", "outer_waviness.phase",
-    "inner_defect.width", "inner_defect.position", "outer_defect.width", "outer_defect.position", "ball_defect.width",
-    "ball_defect.position", "ball_defect.ball", "cage_fault.ball", "load_variation.frequency", "load_variation.phase",
-    "speed_ramp.duration",
-})
+TWO_DOF_FORM = frozenset(
+    {
+        "unbalance.phase",
+        "inner_waviness.order",
+        "inner_waviness.phase",
+        "outer_waviness.order",
+        "outer_waviness.phase",
+        "inner_defect.width",
+        "inner_defect.position",
+        "outer_defect.width",
+        "outer_defect.position",
+        "ball_defect.width",
+        "ball_defect.position",
+        "ball_defect.ball",
+        "cage_fault.ball",
+        "load_variation.frequency",
+        "load_variation.phase",
+        "speed_ramp.duration",
+    }
+)
 
 
 def two_dof(length: float, force: float, acceleration: float, damping: float) -> dict[str, tuple[dict[str, float], float]]:
@@ -23,8 +37,10 @@ def two_dof(length: float, force: float, acceleration: float, damping: float) ->
         "unbalance.eccentricity": ({}, length),
         "inner_waviness.amplitude[1]": ({}, length),
         "outer_waviness.amplitude[1]": ({}, length),
-        **{f"{ring}_defect.depth": ({f"{ring}_defect.{n}": v for n, v in passing.items()}, length)
-           for ring in ("inner", "outer", "ball")},
+        **{
+            f"{ring}_defect.depth": ({f"{ring}_defect.{n}": v for n, v in passing.items()}, length)
+            for ring in ("inner", "outer", "ball")
+        },
         "cage_fault.offset": ({}, 1e-5),
         "load_variation.amplitude": ({}, force),
         "speed_ramp.acceleration": ({}, acceleration),
@@ -61,8 +77,16 @@ FACTS: dict[str, Facts] = {
             "radiation.emissivity": ({}, 1e-3),
         },
         structural=frozenset({"ball_bulk", "ring_walls"}),
-        form=frozenset({"film.conductivity", "lubricant_path.meniscus_height", "gas_path.widest_gap", "gas_path.ring_gap",
-                        "radiation.inner_temperature", "radiation.outer_temperature"}),
+        form=frozenset(
+            {
+                "film.conductivity",
+                "lubricant_path.meniscus_height",
+                "gas_path.widest_gap",
+                "gas_path.ring_gap",
+                "radiation.inner_temperature",
+                "radiation.outer_temperature",
+            }
+        ),
     ),
     "BearingTemperatures": Facts(
         slopes=0.01,  # temperatures above zero kelvin
@@ -79,21 +103,44 @@ FACTS: dict[str, Facts] = {
         form=frozenset({"oil_flow.inlet_temperature"}),
     ),
     "DeepGrooveBearing": Facts(
-        plain=(("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction",
-                "thermal_growth"), {"diametral_clearance": 5e-6}, 20),
-        disturbance={"displacement_x": 2e-5, "displacement_y": -1e-5, "tilt_x": 1e-4, "velocity_x": 1e-3, "tilt_rate_y": 1e-2,
-                     "speed": 30.0},
+        plain=(
+            ("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction", "thermal_growth"),
+            {"diametral_clearance": 5e-6},
+            20,
+        ),
+        disturbance={
+            "displacement_x": 2e-5,
+            "displacement_y": -1e-5,
+            "tilt_x": 1e-4,
+            "velocity_x": 1e-3,
+            "tilt_rate_y": 1e-2,
+            "speed": 30.0,
+        },
         strengths={
             "damping.factor": ({}, 1e-8),
             **{f"{ring}_waviness.amplitude[1]": ({}, 1e-10) for ring in ("inner", "outer")},
-            **{f"{ring}_defect.depth": ({f"{ring}_defect.position": 0.05, f"{ring}_defect.width": 0.2}, 1e-10)
-               for ring in ("inner", "outer", "ball")},
+            **{
+                f"{ring}_defect.depth": ({f"{ring}_defect.position": 0.05, f"{ring}_defect.width": 0.2}, 1e-10)
+                for ring in ("inner", "outer", "ball")
+            },
             "thermal_growth.clearance_change": ({}, 1e-10),
         },
         # A film vanishes with the power 0.67 of its viscosity; linearisation and friction change no output of the bearing's own.
         structural=frozenset({"film", "published_levers", "linearisation", "friction"}),
-        form=frozenset({"inner_waviness.order", "inner_waviness.phase", "outer_waviness.order", "outer_waviness.phase",
-                        "inner_defect.width", "inner_defect.position", "outer_defect.width", "outer_defect.position",
-                        "ball_defect.width", "ball_defect.position", "ball_defect.ball"}),
+        form=frozenset(
+            {
+                "inner_waviness.order",
+                "inner_waviness.phase",
+                "outer_waviness.order",
+                "outer_waviness.phase",
+                "inner_defect.width",
+                "inner_defect.position",
+                "outer_defect.width",
+                "outer_defect.position",
+                "ball_defect.width",
+                "ball_defect.position",
+                "ball_defect.ball",
+            }
+        ),
     ),
 }

@@ -15,13 +15,33 @@ from cosimo.tests.support import RPM, ball_bearing
 pytestmark = pytest.mark.interpreted
 
 MICRO = 1e-6
-ALL = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_waviness", "inner_defect", "outer_defect",
-       "ball_defect", "cage_fault", "load_variation", "speed_ramp")
+ALL = (
+    "clearance",
+    "contact_damping",
+    "unbalance",
+    "inner_waviness",
+    "outer_waviness",
+    "inner_defect",
+    "outer_defect",
+    "ball_defect",
+    "cage_fault",
+    "load_variation",
+    "speed_ramp",
+)
 ORDERS = {"order": (2, 7, 9), "amplitude": (1e-6, 0.4e-6, 0.2e-6), "phase": (0.3, -1.0, 2.0)}
-WAVES = {f"{ring}_waviness.{name}[{i + 1}]": v for ring in ("inner", "outer")
-         for name, values in ORDERS.items() for i, v in enumerate(values)}
-DEFECTS = {"inner_defect.width": 0.5, "outer_defect.width": 0.6, "inner_defect.position": 1.0, "ball_defect.width": 0.7,
-           "ball_defect.ball": 3}
+WAVES = {
+    f"{ring}_waviness.{name}[{i + 1}]": v
+    for ring in ("inner", "outer")
+    for name, values in ORDERS.items()
+    for i, v in enumerate(values)
+}
+DEFECTS = {
+    "inner_defect.width": 0.5,
+    "outer_defect.width": 0.6,
+    "inner_defect.position": 1.0,
+    "ball_defect.width": 0.7,
+    "ball_defect.ball": 3,
+}
 
 
 def with_clearance(micrometres, rpm=1000.0, **parameters):
@@ -59,9 +79,11 @@ def slow_derivatives(bearing, t, x):
         total = p["clearance.radial_clearance"] if "clearance" in on else 0.0
         for ring, angle in (("inner", at - inner), ("outer", at)):
             if f"{ring}_waviness" in on:
-                total += sum(p[f"{ring}_waviness.amplitude[{i}]"] *
-                             math.cos(p[f"{ring}_waviness.order[{i}]"] * angle + p[f"{ring}_waviness.phase[{i}]"])
-                             for i in range(1, 9))
+                total += sum(
+                    p[f"{ring}_waviness.amplitude[{i}]"]
+                    * math.cos(p[f"{ring}_waviness.order[{i}]"] * angle + p[f"{ring}_waviness.phase[{i}]"])
+                    for i in range(1, 9)
+                )
             if f"{ring}_defect" in on:
                 total += profile(angle, f"{ring}_defect")
         if "ball_defect" in on and j == p["ball_defect.ball"] - 1:
@@ -246,6 +268,7 @@ def test_energy_changes_by_the_power_of_load_and_damping():
 
 def test_order_of_convergence():
     """Fourth order where no contact opens or closes: preload keeps all balls in contact."""
+
     def end(substep):
         bearing = with_clearance(-10.0, rpm=3000.0, substep=substep)
         bearing.set("load", 400.0)  # away from the equilibrium of the start
@@ -264,9 +287,16 @@ def test_restitution_of_the_contact_damping():
     k, v = 0.2, 0.05
     bearing = ball_bearing(
         ["clearance", "contact_damping", "given_start"],
-        {"balls": 1, "damping": 0.0, "clearance.radial_clearance": 50e-6, "contact_damping.coefficient": k, "substep": 1e-6,
-         "given_start.velocity_x": v},
-        rpm=0.0, load=0.0,
+        {
+            "balls": 1,
+            "damping": 0.0,
+            "clearance.radial_clearance": 50e-6,
+            "contact_damping.coefficient": k,
+            "substep": 1e-6,
+            "given_start.velocity_x": v,
+        },
+        rpm=0.0,
+        load=0.0,
     )
     run(bearing, 0.01)
     assert bearing["loaded_balls"] == 0.0
@@ -347,8 +377,15 @@ def test_a_slope_of_the_speed_drives_an_unbalance_like_a_ramp():
 @pytest.mark.full
 def test_a_curved_speed_drives_an_unbalance():
     """Free of contact: m x'' = m e (w² cos a + w' sin a) is x = -e cos a, whatever the speed, for x + e cos a moves evenly."""
-    free = {"balls": 1, "clearance.radial_clearance": 1.0, "unbalance.eccentricity": 1e-3, "damping": 0.0, "substep": 1e-5,
-            "given_start.x": -1e-3, "given_start.velocity_y": -3e-3}
+    free = {
+        "balls": 1,
+        "clearance.radial_clearance": 1.0,
+        "unbalance.eccentricity": 1e-3,
+        "damping": 0.0,
+        "substep": 1e-5,
+        "given_start.x": -1e-3,
+        "given_start.velocity_y": -3e-3,
+    }
     bearing = ball_bearing(["clearance", "unbalance", "given_start"], free, rpm=0.0, load=0.0)
     speed, t = (3.0, 50.0, 4000.0), 0.0
     for _ in range(20):
@@ -364,8 +401,12 @@ def test_a_curved_speed_drives_an_unbalance():
 
 def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     """Preload makes the bearing nearly linear: the orbit is the circle m e w² / (k - m w²), by the linearised stiffness."""
-    bearing = ball_bearing(["clearance", "unbalance"], {"clearance.radial_clearance": -20e-6, "unbalance.eccentricity": 1e-6,
-                                                   "damping": 3e4}, rpm=3000.0, load=0.0)
+    bearing = ball_bearing(
+        ["clearance", "unbalance"],
+        {"clearance.radial_clearance": -20e-6, "unbalance.eccentricity": 1e-6, "damping": 3e4},
+        rpm=3000.0,
+        load=0.0,
+    )
     _, _, kxx, kxy, kyy = elastic_force(bearing.x, bearing.arguments[0])
     assert (kxy, kyy) == pytest.approx((0.0, kxx), abs=1e-9 * kxx)
     w = 3000.0 * RPM
@@ -390,9 +431,14 @@ def test_waves_of_a_race_shake_the_shaft_at_the_known_lines(ring, order, line):
     """Wardle's rule: radial motion comes from orders i Z ± 1; preload makes the bearing so linear that no other line shows."""
     bearing = ball_bearing(
         ["clearance", f"{ring}_waviness"],
-        {"clearance.radial_clearance": -20e-6, "damping": 2e4, f"{ring}_waviness.order[1]": order,
-         f"{ring}_waviness.amplitude[1]": 1e-8},
-        rpm=1800.0, load=0.0,
+        {
+            "clearance.radial_clearance": -20e-6,
+            "damping": 2e4,
+            f"{ring}_waviness.order[1]": order,
+            f"{ring}_waviness.amplitude[1]": 1e-8,
+        },
+        rpm=1800.0,
+        load=0.0,
     )
     fr = 30.0
     ftf = 0.5 * fr * (1.0 - 11.9 / 52.0)
@@ -412,7 +458,8 @@ def test_waves_as_many_as_balls_do_not_shake_the_shaft(ring):
     bearing = ball_bearing(
         ["clearance", f"{ring}_waviness"],
         {"clearance.radial_clearance": -20e-6, f"{ring}_waviness.order[1]": 8, f"{ring}_waviness.amplitude[1]": 1e-6},
-        rpm=1800.0, load=0.0,
+        rpm=1800.0,
+        load=0.0,
     )
     rows = run(bearing, 0.1)
     assert np.abs(rows[:, :2]).max() < 1e-15  # m; all balls are squeezed alike, what is left is rounding

@@ -26,6 +26,7 @@ def test_every_row_is_inside(name):
 
 def test_lines_are_measured_not_assumed(monkeypatch):
     """Balls that slip by 1 % pass a pit 1 % more seldom, and the case finds the line there."""
+
     def slipping(bearing, t, initialize=BallBearing._initialize):
         status = initialize(bearing, t)
         bearing.arguments[0].constants[Constants._fields.index("cage_ratio")] *= 0.99

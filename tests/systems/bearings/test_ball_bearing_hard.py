@@ -263,8 +263,13 @@ def by_weight(mass, stiffness):
     load, large = mass * 9.8, BallBearing()
     factor = (load / 196.0 * large["contact_stiffness"] / stiffness) ** (2.0 / 3.0)  # of the lengths
     faster = factor**-0.5  # of the frequencies, sqrt(W / (m x_s)), with the load the weight of the mass in both
-    parameters = {"mass": mass, "contact_stiffness": stiffness, "clearance.radial_clearance": 20e-6 * factor,
-                  "damping": large["damping"] * mass / 20.0 * faster, "substep": large["substep"] / faster}
+    parameters = {
+        "mass": mass,
+        "contact_stiffness": stiffness,
+        "clearance.radial_clearance": 20e-6 * factor,
+        "damping": large["damping"] * mass / 20.0 * faster,
+        "substep": large["substep"] / faster,
+    }
     return ball_bearing(["clearance"], parameters, rpm=3000.0 * faster, load=load), END / faster
 
 

@@ -15,8 +15,12 @@ IN_PROCESS = Options(in_process=True)
 @pytest.mark.first(3)
 @pytest.mark.parametrize(
     ("name", "expected", "rows"),
-    [("hertz-textbook", "recalled", 67), ("stribeck", "recalled", 29), ("clearance-lowers-frequency", "recalled", 24),
-     ("iso16281", "passed", 9)],
+    [
+        ("hertz-textbook", "recalled", 67),
+        ("stribeck", "recalled", 29),
+        ("clearance-lowers-frequency", "recalled", 24),
+        ("iso16281", "passed", 9),
+    ],
 )
 def test_all_rows_are_inside(name, expected, rows):
     found = cases()[name].function(IN_PROCESS)

@@ -16,10 +16,28 @@ pytestmark = pytest.mark.interpreted
 
 # K/W, computed independently with another solver; no tilt, k = 46 W/(m.K), E = 2.07e11 Pa: axial force, radial force, value
 TABLE = {
-    "7008C": [(50, 0, 10.80), (100, 0, 8.631), (500, 0, 5.204), (1000, 0, 4.218), (5000, 0, 2.641),
-              (1000, 200, 4.222), (1000, 500, 4.243), (1000, 1000, 4.330), (1000, 2000, 5.312)],
-    "7210B": [(50, 0, 11.79), (100, 0, 9.358), (500, 0, 5.481), (1000, 0, 4.356), (5000, 0, 2.564),
-              (1000, 200, 4.385), (1000, 500, 4.575), (1000, 1000, 7.256), (1000, 2000, 11.69)],
+    "7008C": [
+        (50, 0, 10.80),
+        (100, 0, 8.631),
+        (500, 0, 5.204),
+        (1000, 0, 4.218),
+        (5000, 0, 2.641),
+        (1000, 200, 4.222),
+        (1000, 500, 4.243),
+        (1000, 1000, 4.330),
+        (1000, 2000, 5.312),
+    ],
+    "7210B": [
+        (50, 0, 11.79),
+        (100, 0, 9.358),
+        (500, 0, 5.481),
+        (1000, 0, 4.356),
+        (5000, 0, 2.564),
+        (1000, 200, 4.385),
+        (1000, 500, 4.575),
+        (1000, 1000, 7.256),
+        (1000, 2000, 11.69),
+    ],
 }
 BALLS = {"7008C": {2000: 13}, "7210B": {1000: 9, 2000: 3}}
 
@@ -52,8 +70,12 @@ def test_ball_loads_by_minimising_the_energy(axial, radial):
         r, z = length * math.cos(alpha) + 1e-6 * q[0] * np.cos(beta), length * math.sin(alpha) + 1e-6 * q[1]
         return np.maximum(np.hypot(r, z) - length, 0.0)
 
-    best = minimize(lambda q: 1e6 * (0.4 * K * np.sum(loads(q) ** 2.5) - 1e-6 * (radial * q[0] + axial * q[1])), [1.0, 10.0],
-                    method="Nelder-Mead", options={"xatol": 1e-6, "fatol": 1e-9, "maxiter": 4000})
+    best = minimize(
+        lambda q: 1e6 * (0.4 * K * np.sum(loads(q) ** 2.5) - 1e-6 * (radial * q[0] + axial * q[1])),
+        [1.0, 10.0],
+        method="Nelder-Mead",
+        options={"xatol": 1e-6, "fatol": 1e-9, "maxiter": 4000},
+    )
     Q = K * loads(best.x) ** 1.5
     total = 0.0
     for load in Q[Q > 0.0]:
@@ -125,8 +147,9 @@ def test_side_paths_have_their_closed_forms():
     bare = started(axial_force=400.0)["conductance"]
     convection = started(effects=["convection"], axial_force=400.0)["conductance"] - bare
     assert convection == pytest.approx(0.5 * 10.0 * AREA, rel=1e-9)  # rounding of the difference
-    radiation = started(effects=["radiation"], parameters={"radiation.inner_temperature": 350.0,
-                                                           "radiation.outer_temperature": 300.0})["conductance"]
+    radiation = started(
+        effects=["radiation"], parameters={"radiation.inner_temperature": 350.0, "radiation.outer_temperature": 300.0}
+    )["conductance"]
     assert radiation * 50.0 == pytest.approx(0.2 * 5.670374419e-8 * AREA * (350.0**4 - 300.0**4), rel=1e-12)
     still = started(effects=["gas_path"], parameters={"gas_path.widest_gap": 0.0})["conductance"]
     assert still == pytest.approx(0.026 * AREA / 8e-3, rel=1e-12)

@@ -58,8 +58,9 @@ def published_law(q, cage, clearance, film, moment_lever):
         delta = d + film - (2.0 * groove - X / math.cos(phi))
         F = K * max(delta, 0.0) ** 1.5
         lever = r_in + (groove if moment_lever == "groove" else 0.5 * d)
-        total -= F * np.array([math.cos(phi) * c, math.cos(phi) * s, math.sin(phi), lever * math.sin(phi) * s,
-                               -lever * math.sin(phi) * c])
+        total -= F * np.array(
+            [math.cos(phi) * c, math.cos(phi) * s, math.sin(phi), lever * math.sin(phi) * s, -lever * math.sin(phi) * c]
+        )
     return total
 
 
@@ -106,8 +107,10 @@ def test_linearisation_is_the_tangent_and_its_intercept(effects):
     q = np.array([1.1e-5, -0.7e-5, 4e-5, 1e-3, -5e-4])
     v = np.array([1e-3, -2e-3, 1e-3, 0.02, 0.01])
     bearing = moved(effects, q, v, diametral_clearance=4e-6)
-    K, C = (np.array([[bearing[f"linearisation.{n}[{5 * i + j + 1}]"] for j in range(5)] for i in range(5)])
-            for n in ("stiffness", "damping"))
+    K, C = (
+        np.array([[bearing[f"linearisation.{n}[{5 * i + j + 1}]"] for j in range(5)] for i in range(5)])
+        for n in ("stiffness", "damping")
+    )
     intercept = np.array([bearing[f"linearisation.{n}"] for n in LOAD])
     scale = np.abs(intercept).max()
     np.testing.assert_allclose(intercept - K @ q - C @ v, load(bearing), rtol=0.0, atol=1e-12 * scale)
@@ -308,8 +311,13 @@ def spectrum(bearing, names, speed, steps=2**14, h=1e-3, window=True):
 def test_lines_of_waviness(race, order, output, lines):
     """A preloaded bearing, centred, so that nothing but the waves varies; order 1 of the shaft is fr."""
     speed = 60.0
-    bearing = moved([f"{race}_waviness"], (0.0, 0.0, 1e-4, 0.0, 0.0), speed=speed, diametral_clearance=-1e-5,
-                    **{f"{race}_waviness__order[1]": order, f"{race}_waviness__amplitude[1]": 1e-8})
+    bearing = moved(
+        [f"{race}_waviness"],
+        (0.0, 0.0, 1e-4, 0.0, 0.0),
+        speed=speed,
+        diametral_clearance=-1e-5,
+        **{f"{race}_waviness__order[1]": order, f"{race}_waviness__amplitude[1]": 1e-8},
+    )
     orders, (amplitude,) = spectrum(bearing, [output], speed)
     ftf = bearing.geometry.cage_ratio
     # resolution of 16.4 s and 156 turns: a hundredth of an order
@@ -320,8 +328,13 @@ def test_lines_of_waviness(race, order, output, lines):
 def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
     """Low orders l of the turning ring move with it: lines at l fr in the load of the bearing as a whole, l = 2: cage beats."""
     speed = 60.0
-    bearing = moved(["inner_waviness"], (4e-6, 0.0, 0.0, 0.0, 0.0), speed=speed, diametral_clearance=-1e-5,
-                    **{"inner_waviness__order[1]": 2, "inner_waviness__amplitude[1]": 2e-7})
+    bearing = moved(
+        ["inner_waviness"],
+        (4e-6, 0.0, 0.0, 0.0, 0.0),
+        speed=speed,
+        diametral_clearance=-1e-5,
+        **{"inner_waviness__order[1]": 2, "inner_waviness__amplitude[1]": 2e-7},
+    )
     orders, (amplitude,) = spectrum(bearing, ["force_x"], speed)
     assert orders[np.argmax(amplitude)] == pytest.approx(2.0, abs=0.01)
 
@@ -331,8 +344,12 @@ def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
 def test_a_defect_is_met_at_its_frequency(race, key):
     """Dips of the force at a fixed displacement, counted: BPFI, BPFO, and twice BSF from one ball."""
     speed, steps, h = 40.0, 24000, 4e-4
-    bearing = moved([f"{race}_defect"], speed=speed, diametral_clearance=-1e-5,
-                    **{f"{race}_defect__depth": 1e-6, f"{race}_defect__width": 0.15, f"{race}_defect__position": 1.0})
+    bearing = moved(
+        [f"{race}_defect"],
+        speed=speed,
+        diametral_clearance=-1e-5,
+        **{f"{race}_defect__depth": 1e-6, f"{race}_defect__width": 0.15, f"{race}_defect__position": 1.0},
+    )
     loaded = np.empty(steps)
     for k in range(steps):
         bearing.step(k * h, h)

@@ -45,8 +45,13 @@ def test_clearance_of_either_sign_under_any_load(clearance, force):
 def test_no_ball_in_contact_is_free_flight():
     """No force, no tangent but the spring for the search, no power, no NaN, in the whole play of the rings."""
     for x in np.linspace(-9.9e-6, 9.9e-6, 21):
-        bearing = moved(["damping", "linearisation", "friction"], (x, 0.0, 0.0, 0.0, 0.0), 500.0, diametral_clearance=2e-5,
-                        linearisation__idle_stiffness=0.0)
+        bearing = moved(
+            ["damping", "linearisation", "friction"],
+            (x, 0.0, 0.0, 0.0, 0.0),
+            500.0,
+            diametral_clearance=2e-5,
+            linearisation__idle_stiffness=0.0,
+        )
         bearing.set("velocity_x", 1.0)
         bearing.step(0.0, 1e-5)
         assert not bearing.y[:7].any()

@@ -106,5 +106,8 @@ def test_faults_show_in_the_records(tmp_path):
     assert by_label["ball"]["ball line"] > 2.0 * by_label["healthy"]["ball line"]
     sidebands = {label: row["cage sidebands"] for label, row in by_label.items()}
     assert all(sidebands["cage"] > 2.0 * sidebands[label] for label in sidebands if label != "cage")
-    assert all(by_label[label]["kurtosis"] > 1.5 * by_label["healthy"]["kurtosis"] for label in by_label
-               if label not in ("healthy", "cage"))
+    assert all(
+        by_label[label]["kurtosis"] > 1.5 * by_label["healthy"]["kurtosis"]
+        for label in by_label
+        if label not in ("healthy", "cage")
+    )

@@ -36,8 +36,19 @@ def iso_forces(q, geometry, stiffness, clearance, first=0.0):
     alpha = np.arctan2(axial, radial)
     Q = stiffness * delta**1.5
     along = Q * np.sin(alpha)
-    return np.array([(Q * np.cos(alpha) * np.cos(phi)).sum(), (Q * np.cos(alpha) * np.sin(phi)).sum(), along.sum(),
-                     R * (along * np.sin(phi)).sum(), -R * (along * np.cos(phi)).sum()]), Q, alpha
+    return (
+        np.array(
+            [
+                (Q * np.cos(alpha) * np.cos(phi)).sum(),
+                (Q * np.cos(alpha) * np.sin(phi)).sum(),
+                along.sum(),
+                R * (along * np.sin(phi)).sum(),
+                -R * (along * np.cos(phi)).sum(),
+            ]
+        ),
+        Q,
+        alpha,
+    )
 
 
 def evaluate(q, contacts, first=0.0, damper=None, velocity=None):

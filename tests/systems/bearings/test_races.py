@@ -5,16 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.bearings.geometry import BallGeometry
-from cosimo.components.bearings.races import (
-    Waviness,
-    add_ball_pit,
-    add_pit,
-    add_waves,
-    develop,
-    pit_profile,
-    smooth_pit,
-    wrapped,
-)
+from cosimo.components.bearings.races import Waviness, add_ball_pit, add_pit, add_waves, develop, pit_profile, smooth_pit, wrapped
 
 ORDER = np.array([2, 7, 9, 16])
 AMPLITUDE = np.array([1e-6, 0.3e-6, 0.0, 0.2e-6])
@@ -75,8 +66,11 @@ def test_the_rate_is_the_derivative_of_the_gap(add, what):
 
 
 def test_the_gap_is_the_same_where_no_rate_is_asked_for():
-    for add, what in ((add_waves, race_waves(ORDER, AMPLITUDE, PHASE, 8)), (add_pit, (smooth_pit(5e-6, 0.6, 0.9),)),
-                      (add_ball_pit, (smooth_pit(5e-6, 0.6, 0.9, 3),))):
+    for add, what in (
+        (add_waves, race_waves(ORDER, AMPLITUDE, PHASE, 8)),
+        (add_pit, (smooth_pit(5e-6, 0.6, 0.9),)),
+        (add_ball_pit, (smooth_pit(5e-6, 0.6, 0.9, 3),)),
+    ):
         with_rate, without = (gaps(add, 0.7, 30.0, what, with_rate=w)[0] for w in (True, False))
         assert with_rate.tobytes() == without.tobytes()
 

@@ -43,8 +43,16 @@ def test_axial_load_that_keeps_half_the_balls_loaded():
 
 @pytest.mark.parametrize(
     ("balls", "on_the_line", "midway"),
-    [(6, 4.4328, 3.464), (7, 4.3373, 3.770), (8, 4.3457, 3.899), (9, 4.3852, 3.969), (12, 4.3645, 4.153), (16, 4.3681, 4.246),
-     (32, 4.3699, 4.339), (64, 4.3701, 4.362)],
+    [
+        (6, 4.4328, 3.464),
+        (7, 4.3373, 3.770),
+        (8, 4.3457, 3.899),
+        (9, 4.3852, 3.969),
+        (12, 4.3645, 4.153),
+        (16, 4.3681, 4.246),
+        (32, 4.3699, 4.339),
+        (64, 4.3701, 4.362),
+    ],
 )
 def test_discrete_sums(balls, on_the_line, midway):
     """Z Q_max / Fr with a ball on the load line and with the line between two; independent sums, printed digits."""

@@ -80,8 +80,12 @@ def test_everything_on_and_moving_inputs_against_scipy():
 
 def test_steady_state_is_that_of_the_resistances():
     """All friction in the inner ring, no way out but the outer ring: three resistances in series."""
-    made = started((), {"shaft_conductance": 0.0, "inner_share": 1.0, "outer_share": 0.0, "substep": 500.0},
-                   friction_power=10.0, conductance=0.25)
+    made = started(
+        (),
+        {"shaft_conductance": 0.0, "inner_share": 1.0, "outer_share": 0.0, "substep": 500.0},
+        friction_power=10.0,
+        conductance=0.25,
+    )
     run(made, 1e5, 10)
     assert made["outer_temperature"] - 293.15 == pytest.approx(10.0 / 1.0, rel=1e-9)  # 1e6 s are 1000 time constants
     assert made["inner_temperature"] - made["outer_temperature"] == pytest.approx(10.0 / 0.25, rel=1e-9)

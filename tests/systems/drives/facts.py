@@ -14,5 +14,5 @@ FACTS: dict[str, Facts] = {
         },
         structural=frozenset({"inductance"}),  # tends to none with the inductance, but in steps that become as short
         form=frozenset({"saturation.voltage", "saturation.current", "shaft_friction.static_ratio"}),
-    ),
+    )
 }

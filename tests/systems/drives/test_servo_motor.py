@@ -156,8 +156,9 @@ def test_a_shaft_stands_up_to_its_static_level_and_not_beyond():
     below.step(0.0, 1.0)
     above.step(0.0, 1.0)
     assert below["angle"] == 0.0
-    assert above["rate"] == pytest.approx((0.8 * K * N * 1.001 * R * current - 0.01 * R) / (0.8 * (K * N) ** 2 + R * N**2 * 1e-7),
-                                          rel=1e-9)
+    assert above["rate"] == pytest.approx(
+        (0.8 * K * N * 1.001 * R * current - 0.01 * R) / (0.8 * (K * N) ** 2 + R * N**2 * 1e-7), rel=1e-9
+    )
 
 
 def test_a_load_must_overcome_the_friction_to_drive_the_motor_back():

@@ -14,8 +14,13 @@ from scipy.linalg import expm
 pytestmark = pytest.mark.full
 
 FULL = ("inductance", "shaft_friction", "exact_slip", "trocar_friction", "gravity", "preload_loss")
-NEUTRAL = {"shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0, "trocar_friction.level": 0.0,
-           "gravity.acceleration": 0.0, "preload_loss.first": 0.0}
+NEUTRAL = {
+    "shaft_friction.level": 0.0,
+    "shaft_friction.gear_loss": 0.0,
+    "trocar_friction.level": 0.0,
+    "gravity.acceleration": 0.0,
+    "preload_loss.first": 0.0,
+}
 SHAFT, TORQUE = 19.0**2 * 1e-6 + 1e-6, 19.0 * 23.4e-3  # kg.m2 and N.m/A at the wheel
 
 
@@ -32,8 +37,11 @@ def test_a_drive_that_creeps_is_linear(layout):
     """Without an effect: rates of sleeve and wheels by the matrix exponential."""
     drive = drive_at((), 9.0, 4.0, -1.0, 0.003, layout=layout, substep=2e-5)
     c, R, half = 600.0, 0.01, math.pi / 6.0
-    t = np.array([[1.0, 0.0], [0.0, 1.0]] if layout == "orthogonal"
-                 else [[math.cos(half), math.sin(half)], [math.cos(half), -math.sin(half)]])
+    t = np.array(
+        [[1.0, 0.0], [0.0, 1.0]]
+        if layout == "orthogonal"
+        else [[math.cos(half), math.sin(half)], [math.cos(half), -math.sin(half)]]
+    )
     # coordinates: the sleeve's surface along and around, both rims; every slip is linear in them
     D = np.zeros((4, 4))
     for k in range(2):
@@ -54,8 +62,9 @@ def test_a_drive_that_creeps_is_linear(layout):
 
 def test_even_wheels_with_free_rollers_are_one_motor_with_the_sleeve_on_its_shaft():
     """No slip: each motor accelerates half of the sleeve, m R² / 2 cos² a; the motor's own step response, poles and all."""
-    drive = drive_at(FULL, 3.0, 3.0, **NEUTRAL | {"layout": "skewed_free_rollers", "exact_slip.deflection": 2e-5,
-                                                 "substep": 5e-5})
+    drive = drive_at(
+        FULL, 3.0, 3.0, **NEUTRAL | {"layout": "skewed_free_rollers", "exact_slip.deflection": 2e-5, "substep": 5e-5}
+    )
     added = 0.5 * 0.15 * 0.01**2 / math.cos(math.pi / 6.0) ** 2
     motor = ServoMotor(("inductance",), {"wheel_inertia": 1e-6 + added, "substep": 5e-5})
     motor.set("voltage", 3.0)
@@ -151,8 +160,11 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
         drive.x[:] = state
         rates = state[at + 2 : at + 4]
         currents = np.array([drive["first_current"], drive["second_current"]])
-        power = (drive["electrical_power"] + drive["external_force"] * drive["feed_rate"]
-                 + drive["external_torque"] * drive["rotation_rate"])
+        power = (
+            drive["electrical_power"]
+            + drive["external_force"] * drive["feed_rate"]
+            + drive["external_torque"] * drive["rotation_rate"]
+        )
         power -= p.resistance * currents @ currents + p.gear_ratio**2 * p.damping * rates @ rates + drive["contact_power"]
         if shaft is not None:
             power -= float((shaft.level + shaft.gear_loss * np.abs(TORQUE * currents)) @ np.abs(rates))
@@ -165,8 +177,9 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
 SOFT = {"exact_slip.deflection": 0.1, "trocar_friction.level": 0.01, "resistance": 0.1}
 
 
-@pytest.mark.parametrize("given", [SOFT, SOFT | {"inductance.inductance": 5e-2},
-                                   {"gear_ratio": 1.0, "inductance.inductance": 0.1}])
+@pytest.mark.parametrize(
+    "given", [SOFT, SOFT | {"inductance.inductance": 5e-2}, {"gear_ratio": 1.0, "inductance.inductance": 0.1}]
+)
 def test_the_stable_step_is_that_of_the_drive_at_rest(given):
     """2.61, RK4's limit, over the largest eigenvalue of the derivatives, by differences: contacts hold, shafts are free."""
     drive = drive_at(FULL, substep=1e-5, **given)

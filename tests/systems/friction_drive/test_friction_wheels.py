@@ -17,8 +17,10 @@ MOST = 2.0 * 0.4 * 15.0  # N, friction of both contacts
 LAWS = [("smoothed_slip",), ("lugre_slip",), ("exact_slip",)]
 FULL = ("exact_slip", "trocar_friction", "gravity", "preload_loss")  # one compilation for all tests of single effects
 NEUTRAL = {"trocar_friction.level": 0.0, "gravity.acceleration": 0.0, "preload_loss.first": 0.0}
-COULOMB = {"lugre_slip": {"lugre_slip.viscous": 0.0, "lugre_slip.static_ratio": 1.0},
-           "exact_slip": {"exact_slip.static_ratio": 1.0}}  # what makes a law that of Coulomb
+COULOMB = {
+    "lugre_slip": {"lugre_slip.viscous": 0.0, "lugre_slip.static_ratio": 1.0},
+    "exact_slip": {"exact_slip.static_ratio": 1.0},
+}  # what makes a law that of Coulomb
 
 
 def wheels_at(effects=(), first=0.0, second=0.0, force=0.0, torque=0.0, **parameters) -> FrictionWheels:
@@ -44,7 +46,8 @@ def test_speed_under_load(effects, share, speed):
     assert wheels["rotation_rate"] == pytest.approx(0.0, abs=1e-9)
     assert wheels["contact_power"] == pytest.approx(power, rel=1e-6)
     assert 0.01 * (wheels["first_torque"] + wheels["second_torque"]) * 2000.0 == pytest.approx(
-        power + share * MOST * feed, rel=1e-6, abs=1e-8)  # what wheels give is lost or lifts the load
+        power + share * MOST * feed, rel=1e-6, abs=1e-8
+    )  # what wheels give is lost or lifts the load
 
 
 @pytest.mark.first
@@ -132,6 +135,7 @@ def test_layouts_are_the_same_as_the_angle_vanishes(effects):
 
     To second order in the angle, but for LuGre: there the slip across, R w sin a, lets the bristles relax along as well.
     """
+
     def feed_after(layout: str, angle: float) -> float:
         wheels = wheels_at(effects, 20.0, 20.0, -3.0, layout=layout, angle=angle)
         wheels.step(0.0, 0.05)
@@ -150,8 +154,11 @@ def test_creeping_contacts_are_linear(layout):
     wheels = wheels_at((), 20.0, -8.0, -1.0, 0.003, layout=layout, substep=5e-6)
     masses, c = np.array([0.15, 1.875e-6 / 0.005**2]), 600.0
     half = math.pi / 6.0
-    t = np.array([[1.0, 0.0], [0.0, 1.0]] if layout == "orthogonal"
-                 else [[math.cos(half), math.sin(half)], [math.cos(half), -math.sin(half)]])
+    t = np.array(
+        [[1.0, 0.0], [0.0, 1.0]]
+        if layout == "orthogonal"
+        else [[math.cos(half), math.sin(half)], [math.cos(half), -math.sin(half)]]
+    )
     shares = [np.eye(2) if layout == "skewed" else np.outer(d, d) for d in t]
     A = c * sum(shares) / masses[:, None]
     b = (c * 0.01 * (20.0 * t[0] - 8.0 * t[1]) + np.array([-1.0, 0.003 / 0.005])) / masses
@@ -250,16 +257,22 @@ def test_energy_changes_by_power_and_losses(effects, layout):
             energies.append(wheels.energy())
         wheels.x[:], wheels.t = state, 0.4
         change = (energies[0] - energies[1]) / (2.0 * h)
-        power = (wheels["first_torque"] * wheels["first_rate"] + wheels["second_torque"] * wheels["second_rate"]
-                 + wheels["external_force"] * wheels["feed_rate"] + wheels["external_torque"] * wheels["rotation_rate"])
+        power = (
+            wheels["first_torque"] * wheels["first_rate"]
+            + wheels["second_torque"] * wheels["second_rate"]
+            + wheels["external_force"] * wheels["feed_rate"]
+            + wheels["external_torque"] * wheels["rotation_rate"]
+        )
         lost = contact_losses(wheels, rate)
         assert change == pytest.approx(power - lost, rel=1e-6, abs=1e-6)
         if "exact_slip" not in effects and "lugre_slip" not in effects:
             assert lost >= 0.0
         if effects[:1] == ("exact_slip",):
             slips = [[wheels[f"{n}_slip_axial"], wheels[f"{n}_slip_around"]] for n in ("first", "second")]
-            slides = [wheels.x[MODES + i] and np.dot(slips[i], state[DEFLECTIONS + 2 * i : DEFLECTIONS + 2 * i + 2]) < 0.0
-                      for i in range(2)]
+            slides = [
+                wheels.x[MODES + i] and np.dot(slips[i], state[DEFLECTIONS + 2 * i : DEFLECTIONS + 2 * i + 2]) < 0.0
+                for i in range(2)
+            ]
             assert lost >= -1e-12 or any(slides)  # a deflection against the slip: the mode has ended
 
 
@@ -273,8 +286,12 @@ def test_energy_over_a_run_with_slip_and_stick(effects):
         for j, n in enumerate(("first_rate", "second_rate")):
             wheels.u[:2, wheels.inputs.index(n)] = 40.0 * math.sin(60.0 * t + j), 2400.0 * math.cos(60.0 * t + j)
         wheels.refresh()
-        flows.append(wheels["first_torque"] * wheels["first_rate"] + wheels["second_torque"] * wheels["second_rate"]
-                     - 2.0 * wheels["feed_rate"] - wheels["contact_power"])
+        flows.append(
+            wheels["first_torque"] * wheels["first_rate"]
+            + wheels["second_torque"] * wheels["second_rate"]
+            - 2.0 * wheels["feed_rate"]
+            - wheels["contact_power"]
+        )
         if k < 4000:
             wheels.step(t, h)
     sleeve = 0.5 * (0.15 * wheels["feed_rate"] ** 2 + 1.875e-6 * wheels["rotation_rate"] ** 2)
@@ -342,8 +359,13 @@ def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
 
 def test_the_margin_is_that_of_the_wheel_that_has_less():
     """Orthogonal wheels: 1 N along of 6 N, and around 2 N of the half of 6 N that is left to the second."""
-    wheels = wheels_at(FULL, force=-1.0, torque=0.01, layout="orthogonal",
-                       **NEUTRAL | {"preload_loss.second": 0.5, "preload_loss.start": 0.0, "preload_loss.duration": 1e-3})
+    wheels = wheels_at(
+        FULL,
+        force=-1.0,
+        torque=0.01,
+        layout="orthogonal",
+        **NEUTRAL | {"preload_loss.second": 0.5, "preload_loss.start": 0.0, "preload_loss.duration": 1e-3},
+    )
     wheels.step(0.0, 0.5)
     assert wheels["margin"] == pytest.approx(1.0 - 2.0 / 3.0, rel=1e-6)
 

@@ -94,8 +94,17 @@ def test_wheels_that_pull_against_each_other_hold_the_sleeve_between_them():
 
 def test_breaking_loose_of_one_contact_first():
     """Wheel one has half its preload: it slides first, and the sleeve holds until both do."""
-    wheels = wheels_at(FULL, **NEUTRAL | {"preload_loss.first": 0.5, "preload_loss.start": 0.0, "preload_loss.duration": 1e-3,
-                                         "exact_slip.static_ratio": 1.0, "layout": "orthogonal"})
+    wheels = wheels_at(
+        FULL,
+        **NEUTRAL
+        | {
+            "preload_loss.first": 0.5,
+            "preload_loss.start": 0.0,
+            "preload_loss.duration": 1e-3,
+            "exact_slip.static_ratio": 1.0,
+            "layout": "orthogonal",
+        },
+    )
     wheels.step(0.0, 0.1)
     wheels.u[1, 2] = 2.9  # N/s: the first wheel bears 3 N along the axis, the second none
     wheels.step(0.1, 1.0)
@@ -135,8 +144,12 @@ def test_nearly_parallel_free_rollers_turn_the_sleeve_fast(angle):
 @pytest.mark.parametrize("duration", [1e-6, 0.01, 0.1])
 def test_without_preload_the_sleeve_falls_freely(duration):
     upright = {"gravity.acceleration": 9.81, "gravity.inclination": 0.5 * math.pi}
-    wheels = wheels_at(FULL, **NEUTRAL | upright | {"preload_loss.first": 1.0, "preload_loss.second": 1.0,
-                                                   "preload_loss.start": 0.1, "preload_loss.duration": duration})
+    wheels = wheels_at(
+        FULL,
+        **NEUTRAL
+        | upright
+        | {"preload_loss.first": 1.0, "preload_loss.second": 1.0, "preload_loss.start": 0.1, "preload_loss.duration": duration},
+    )
     wheels.step(0.0, 0.25)
     early = wheels["feed_rate"]
     wheels.step(0.25, 0.5)
@@ -147,8 +160,12 @@ def test_without_preload_the_sleeve_falls_freely(duration):
 @pytest.mark.parametrize("left", [1e-3, 1e-9, 1e-15])
 def test_nearly_no_preload_is_no_stiffer_than_full_preload(left):
     """The deflection at which a contact slides stays; what shrinks is its stiffness."""
-    lost = {"preload_loss.first": 1.0 - left, "preload_loss.second": 1.0 - left, "preload_loss.start": 0.0,
-            "preload_loss.duration": 1e-6}
+    lost = {
+        "preload_loss.first": 1.0 - left,
+        "preload_loss.second": 1.0 - left,
+        "preload_loss.start": 0.0,
+        "preload_loss.duration": 1e-6,
+    }
     wheels = wheels_at(FULL, (20.0, 20.0, 0.0, 0.0), **NEUTRAL | lost)
     wheels.step(0.0, 0.5)
     assert wheels.work["events"] < 20
@@ -164,8 +181,13 @@ def test_hardly_any_friction_is_followed():
 
 # -- stiff contact, winding ---------------------------------------------------------------------------------------------------
 def test_contacts_and_windings_too_stiff_for_the_substep_are_refused():
-    stiff = [("exact_slip", {"exact_slip.deflection": 1e-8}), ("lugre_slip", {"lugre_slip.stiffness": 1e10}),
-             ("lugre_slip", {"lugre_slip.damping": 1e4}), ("smoothed_slip", {"creep": 1e5}), ("", {"creep": 1e5})]
+    stiff = [
+        ("exact_slip", {"exact_slip.deflection": 1e-8}),
+        ("lugre_slip", {"lugre_slip.stiffness": 1e10}),
+        ("lugre_slip", {"lugre_slip.damping": 1e4}),
+        ("smoothed_slip", {"creep": 1e5}),
+        ("", {"creep": 1e5}),
+    ]
     for effect, given in stiff:
         effects = (effect,) if effect else ()
         with pytest.raises(BadInput, match="the limit of RK4"):

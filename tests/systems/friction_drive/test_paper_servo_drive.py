@@ -18,7 +18,12 @@ pytestmark = pytest.mark.interpreted
 def test_the_numbers_are_those_of_the_components():
     p = FrictionDrive().parameters
     assert (p["wheel_radius"], p["sleeve_radius"], p["normal_force"], p["friction"], p["mass"]) == (
-        drive.WHEEL, drive.SLEEVE, drive.NORMAL, drive.FRICTION, drive.MASS)
+        drive.WHEEL,
+        drive.SLEEVE,
+        drive.NORMAL,
+        drive.FRICTION,
+        drive.MASS,
+    )
     assert (p["gear_ratio"], p["resistance"], p["constant"]) == (drive.GEAR, drive.RESISTANCE, drive.CONSTANT)
     shaft = FrictionDrive(("shaft_friction", "trocar_friction")).parameters
     assert shaft["shaft_friction.level"] == drive.SHAFT

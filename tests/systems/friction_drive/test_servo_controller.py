@@ -40,8 +40,9 @@ def voltages(made) -> list[float]:
 ])  # fmt: skip
 def test_errors_become_wheel_rates_by_the_inverse_kinematics(layout, first, second):
     """20 1/s of 1 mm, 15 1/s of 0.1 rad, R = 10 mm; voltages of (0.4446 + 0.4) V.s/rad, less 0.4 for what turns already."""
-    made = controller((), {"first_rate": 0.3, "second_rate": -0.2}, layout=layout, set_feed=1e-3, set_rotation=0.1,
-                      rotation_gain=15.0)
+    made = controller(
+        (), {"first_rate": 0.3, "second_rate": -0.2}, layout=layout, set_feed=1e-3, set_rotation=0.1, rotation_gain=15.0
+    )
     motion = np.array([20.0 * 1e-3, 15.0 * SLEEVE * 0.1]) / RADIUS
     wanted = np.array([first, second]) @ motion
     assert voltages(made) == pytest.approx(0.8446 * wanted - 0.4 * np.array([0.3, -0.2]), rel=1e-12)
@@ -53,8 +54,14 @@ def test_the_way_of_the_wheels_is_that_of_the_sleeve_without_slip(layout):
     """Wheels turned as the inverse kinematics has it for 3 mm and -0.2 rad: no error is left."""
     ask = controller((), layout=layout, set_feed=3e-3, set_rotation=-0.2, rate_gain=0.0, rate_limit=1e3)
     turned = np.array(voltages(ask)) / (0.4446 * 20.0)
-    made = controller((), dict(zip(("first_angle", "second_angle"), turned, strict=True)), layout=layout, feedback="wheels",
-                      set_feed=3e-3, set_rotation=-0.2)
+    made = controller(
+        (),
+        dict(zip(("first_angle", "second_angle"), turned, strict=True)),
+        layout=layout,
+        feedback="wheels",
+        set_feed=3e-3,
+        set_rotation=-0.2,
+    )
     assert abs(made["feed_error"]) < 1e-17
     assert abs(made["rotation_error"]) < 1e-15
     blind = controller((), {"feed": 1.0, "rotation": 1.0}, layout=layout, feedback="wheels")
@@ -129,8 +136,16 @@ def test_times_that_go_back_are_refused():
 # -- counts ------------------------------------------------------------------------------------------------------------------
 def test_counted_rates_sum_up_to_the_counted_angle():
     """A wheel at 0.5 rad/s passes 3.03 counts a sample: rates of 3 and 4 counts, whose mean is the rate, and no drift."""
-    made = controller(("quantisation",), {"first_rate": 0.5}, layout="orthogonal", feedback="wheels", feed_gain=0.0,
-                      feed_forward=0.0, rate_gain=1.0, rate_integral_gain=0.0)
+    made = controller(
+        ("quantisation",),
+        {"first_rate": 0.5},
+        layout="orthogonal",
+        feedback="wheels",
+        feed_gain=0.0,
+        feed_forward=0.0,
+        rate_gain=1.0,
+        rate_integral_gain=0.0,
+    )
     rates = []
     for k in range(1000):
         made.u[:, 0] = 0.5e-3 * k, 0.5, 0.0

@@ -18,8 +18,9 @@ FACTS: dict[str, Facts] = {
             "route.acceleration": ({"route.slope": 0.1}, 1e-3),
         },
         structural=frozenset({"prescribed_motion", "unbalance", "bristles", "smoothed_friction", "lugre_friction"}),
-        form=frozenset({"harmonic_force.frequency", "cubic_spring.largest_stretch", "route.friction_factor",
-                        "route.largest_factor"}),
+        form=frozenset(
+            {"harmonic_force.frequency", "cubic_spring.largest_stretch", "route.friction_factor", "route.largest_factor"}
+        ),
     ),
     "RollingPipeRobot": Facts(
         small={"start_velocity": 0.3, "start_stretch": 1e-3},
@@ -45,9 +46,5 @@ FACTS: dict[str, Facts] = {
         disturbance={"front_position": 0.6, "rear_velocity": 0.1},
         structural=frozenset({"slack"}),
     ),
-    "ExciterProgram": Facts(
-        small={"start_amplitude": 10.0},
-        moving=frozenset({"*"}),
-        plain=((), {"start_amplitude": 10.0}, 20),
-    ),
+    "ExciterProgram": Facts(small={"start_amplitude": 10.0}, moving=frozenset({"*"}), plain=((), {"start_amplitude": 10.0}, 20)),
 }

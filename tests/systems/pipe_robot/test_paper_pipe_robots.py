@@ -35,8 +35,9 @@ def test_weak_friction_gives_the_known_mean_speed_of_two_bodies():
     design = Design(forward=0.002, backward=0.006)
     answer = balance(design)
     assert answer.speed == pytest.approx(answer.amplitude * math.cos(0.25 * math.pi), rel=1e-12)
-    assert answer.amplitude == pytest.approx(20.0 / 60.0 * 2000.0 * 0.5 / 1.5 / abs(2000.0 - 1200.0 + 300.0j) / (2000.0 / 3600.0),
-                                             rel=1e-3)
+    assert answer.amplitude == pytest.approx(
+        20.0 / 60.0 * 2000.0 * 0.5 / 1.5 / abs(2000.0 - 1200.0 + 300.0j) / (2000.0 / 3600.0), rel=1e-3
+    )
 
 
 def test_speed_changes_sign_with_friction_and_load():

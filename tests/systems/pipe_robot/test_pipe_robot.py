@@ -33,16 +33,23 @@ def started(*effects: str, **parameters) -> PipeRobot:
 # -- power -------------------------------------------------------------------------------------------------------------
 EXCITERS = ("harmonic_force", "prescribed_motion", "unbalance")
 FRICTION = ("", "smoothed_friction", "lugre_friction")
-CASES = [*product(EXCITERS, ("",), (1.0, -1.0)), *product(("harmonic_force",), FRICTION[1:], (1.0, -1.0)),
-         ("harmonic_force", "", 0.0), ("unbalance", "lugre_friction", 1.0)]
+CASES = [
+    *product(EXCITERS, ("",), (1.0, -1.0)),
+    *product(("harmonic_force",), FRICTION[1:], (1.0, -1.0)),
+    ("harmonic_force", "", 0.0),
+    ("unbalance", "lugre_friction", 1.0),
+]
 
 
 @pytest.mark.parametrize(("exciter", "friction", "mode"), CASES)
 def test_energy_grows_by_what_comes_in_less_what_is_lost(exciter, friction, mode):
     """dE/dt along the derivative, by central differences, at random states, equals the sum of the powers."""
     random = np.random.default_rng(3)
-    made = robot(*[e for e in (exciter, friction) if e], cubic_spring__stiffness=1e6,
-                 static_ratio=1.0 if friction == "smoothed_friction" else 1.3)
+    made = robot(
+        *[e for e in (exciter, friction) if e],
+        cubic_spring__stiffness=1e6,
+        static_ratio=1.0 if friction == "smoothed_friction" else 1.3,
+    )
     for _ in range(5):
         for name, value in {"tow.force": -2.0, "route.slope": 0.3, "route.friction_factor": 1.2}.items():
             made.set(name, value)
@@ -58,8 +65,7 @@ def test_energy_grows_by_what_comes_in_less_what_is_lost(exciter, friction, mode
         made.refresh()
         dx = np.zeros_like(made.x)
         robot_derivatives(made.t, made.x, made.u[0], dx, *made.arguments)
-        power = (made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"]
-                 - made["dissipation"])
+        power = made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"] - made["dissipation"]
         x, t, energies, d = made.x.copy(), made.t, [], 1e-6
         for sign in (1.0, -1.0):
             made.x[:], made.t = x + sign * d * dx, t + sign * d
@@ -110,9 +116,17 @@ def test_a_rigid_robot_stops_after_its_braking_distance():
 def periodic_speed(forward: float, backward: float, w: float, b: float = 1.0, weight: float = 0.0) -> float:
     """Mean speed of the periodic motion under a prescribed one in which the body swings with +-b about the common centre, m/s."""
     period = 2.0 * math.pi / w
-    made = robot("prescribed_motion", body_mass=1.0, inner_mass=1.0, prescribed_motion__amplitude=2.0 * b / w,
-                 prescribed_motion__frequency=w, forward_friction=forward, backward_friction=backward, tow__force=-weight,
-                 substep=period / 64)
+    made = robot(
+        "prescribed_motion",
+        body_mass=1.0,
+        inner_mass=1.0,
+        prescribed_motion__amplitude=2.0 * b / w,
+        prescribed_motion__frequency=w,
+        forward_friction=forward,
+        backward_friction=backward,
+        tow__force=-weight,
+        substep=period / 64,
+    )
 
     def gain(start: float) -> float:
         made.set("start_velocity", start)
@@ -170,6 +184,7 @@ def reference(duration: float, amplitude: float, forward=2.0, backward=8.0) -> t
 
     t, x, mode, modes = 0.0, np.zeros(4), 0, [0]
     while t < duration:
+
         def rate(t, x, mode=mode):
             push = {1: -forward, -1: backward, 0: -internal(t, x)}[mode]
             return [x[1], internal(t, x) + push, x[3], -internal(t, x) / 0.5]
@@ -251,8 +266,9 @@ def test_levels_of_bristles(degrees, mu):
 def test_bristles_at_60_degrees_rub_3_times_as_much_backwards():
     """mu+ = 0.1974, mu- = 0.6245 at mu = 0.3: of the press of a straight bristle."""
     preset = PipeRobot.presets["bristles at 60 degrees"].parameters
-    forward, backward = (abs(started("harmonic_force", "bristles", start_velocity=v, **preset)["friction_force"])
-                         for v in (1.0, -1.0))
+    forward, backward = (
+        abs(started("harmonic_force", "bristles", start_velocity=v, **preset)["friction_force"]) for v in (1.0, -1.0)
+    )
     press = 8.0 * 0.019 / (0.03 * 0.5)
     assert forward / press == pytest.approx(0.1974, abs=5e-5)
     assert backward / press == pytest.approx(0.6245, abs=5e-5)
@@ -268,8 +284,14 @@ def test_friction_of_the_pipe_makes_bristles_lean_more():
 def test_an_unbalance_shakes_as_a_force_of_its_centrifugal_size():
     """A rotor so heavy that it keeps its rate: the inner mass moves as under q w² sin(psi), by linear response."""
     w, q = 40.0, 0.1 * 0.02
-    made = started("unbalance", unbalance__inertia=1e6, unbalance__damping=0.0, unbalance__start_rate=w,
-                   forward_friction=1e4, backward_friction=1e4)  # a body that stands
+    made = started(
+        "unbalance",
+        unbalance__inertia=1e6,
+        unbalance__damping=0.0,
+        unbalance__start_rate=w,
+        forward_friction=1e4,
+        backward_friction=1e4,
+    )  # a body that stands
     made.step(0.0, 4.0)
     phasor = q * w * w / (2000.0 - 0.5 * w * w + 5j * w)  # of e^(i psi)
     wanted = (phasor * np.exp(1j * (w * 4.0))).imag
@@ -292,8 +314,13 @@ def test_static_friction_holds_up_to_its_own_level():
 @pytest.mark.parametrize(("pull", "after"), [(2.5, 0.0), (2.7, 1.0), (-10.3, 0.0), (-10.5, -1.0)])
 def test_a_robot_that_stops_stays_up_to_the_static_level(pull, after):
     """It comes to rest against the pull, which lies above the kinetic level: 2 N and 8 N, static 1.3 times as much."""
-    made = started("prescribed_motion", prescribed_motion__amplitude=0.0, static_ratio=1.3, tow__force=pull,
-                   start_velocity=-math.copysign(0.05, pull))
+    made = started(
+        "prescribed_motion",
+        prescribed_motion__amplitude=0.0,
+        static_ratio=1.3,
+        tow__force=pull,
+        start_velocity=-math.copysign(0.05, pull),
+    )
     made.step(0.0, 0.1)
     assert made["mode"] == after
     assert made.work["events"] == 1
@@ -323,8 +350,14 @@ def test_other_frictions_have_the_same_levels_in_steady_sliding(friction, v):
 
 def test_a_robot_on_a_slope_starts_with_its_mass_hanging_still():
     for stiffness in (0.0, 1e6):
-        made = started("harmonic_force", route__slope=0.2, backward_friction=9.0, stiffness=400.0,
-                       harmonic_force__amplitude=0.0, cubic_spring__stiffness=stiffness)
+        made = started(
+            "harmonic_force",
+            route__slope=0.2,
+            backward_friction=9.0,
+            stiffness=400.0,
+            harmonic_force__amplitude=0.0,
+            cubic_spring__stiffness=stiffness,
+        )
         stretch = made["inner_position"]
         assert 400.0 * stretch + stiffness * stretch**3 == pytest.approx(-0.5 * G * math.sin(0.2), rel=1e-14)
         made.step(0.0, 1.0)

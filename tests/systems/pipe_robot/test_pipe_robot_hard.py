@@ -27,8 +27,14 @@ def started(*effects: str, **parameters) -> PipeRobot:
 
 def shaken_on_a_slope(duration: float, *friction: str, **parameters) -> PipeRobot:
     """Under 10 N at 20 rad/s: of the 8 N that friction bears, the weight takes 4.3 N, and 1.1 N come and go."""
-    made = started("harmonic_force", *friction, route__slope=0.3, harmonic_force__amplitude=10.0,
-                   harmonic_force__frequency=20.0, **parameters)
+    made = started(
+        "harmonic_force",
+        *friction,
+        route__slope=0.3,
+        harmonic_force__amplitude=10.0,
+        harmonic_force__frequency=20.0,
+        **parameters,
+    )
     made.step(0.0, duration)
     return made
 
@@ -128,8 +134,15 @@ def test_ice_lets_go_and_its_end_holds_again():
 def test_locked_bristles_climb_a_vertical_pipe_and_never_slip_back(lean):
     """mu tan(theta) up to 1 and beyond it: friction backwards without bound, a ratchet; forwards it is as it was."""
     angle = math.atan(lean / 0.3)
-    made = started("harmonic_force", "bristles", bristles__angle=angle, bristles__moment=0.038 * math.cos(angle),
-                   route__slope=0.5 * math.pi, harmonic_force__amplitude=60.0, cubic_spring__largest_stretch=1.0)
+    made = started(
+        "harmonic_force",
+        "bristles",
+        bristles__angle=angle,
+        bristles__moment=0.038 * math.cos(angle),
+        route__slope=0.5 * math.pi,
+        harmonic_force__amplitude=60.0,
+        cubic_spring__largest_stretch=1.0,
+    )
     places = []
     for k in range(50):
         made.step(0.02 * k, 0.02)
@@ -196,8 +209,15 @@ def torque_of_vibration(w: float) -> float:
 @pytest.mark.parametrize(("torque", "bracket"), [(0.06, (30.0, 62.0)), (0.16, (100.0, 320.0))])
 def test_a_weak_motor_is_caught_at_the_resonance_and_a_strong_one_passes(torque, bracket):
     """Sommerfeld: with 0.06 N.m the free speed of 120 rad/s is never reached; the balance of the mean torques has the rate."""
-    made = started("unbalance", unbalance__torque=torque, unbalance__damping=DRAG, unbalance__inertia=2e-3,
-                   forward_friction=1e4, backward_friction=1e4, substep=2e-3)
+    made = started(
+        "unbalance",
+        unbalance__torque=torque,
+        unbalance__damping=DRAG,
+        unbalance__inertia=2e-3,
+        forward_friction=1e4,
+        backward_friction=1e4,
+        substep=2e-3,
+    )
     made.step(0.0, 40.0)
     angle = made["unbalance.angle"]
     made.step(40.0, 5.0)
@@ -223,9 +243,16 @@ def test_one_way_rollers_chatter_and_only_go_forwards(frequency):
     """A force too weak to slide backwards: a ratchet, at most 4 switches a period, and the way does not depend on the substep."""
     ends = []
     for substep in (1e-3, 5e-4):
-        made = RollingPipeRobot(("harmonic_force", "tow", "route"), {
-            "rolling_resistance": 0.0, "friction": 5.0, "harmonic_force.amplitude": 5.0, "harmonic_force.frequency": frequency,
-            "substep": substep})
+        made = RollingPipeRobot(
+            ("harmonic_force", "tow", "route"),
+            {
+                "rolling_resistance": 0.0,
+                "friction": 5.0,
+                "harmonic_force.amplitude": 5.0,
+                "harmonic_force.frequency": frequency,
+                "substep": substep,
+            },
+        )
         made.initialize(0.0)
         last = 0.0
         for k in range(100):

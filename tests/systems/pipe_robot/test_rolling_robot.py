@@ -30,7 +30,7 @@ def started(**parameters) -> RollingPipeRobot:
 def test_a_ring_gives_way_as_energy_says():
     """Castigliano for a quarter of a ring: at its free side F / 2 and the moment F R (1/2 - 1/pi), by which it does not turn."""
     moment = 0.5 - 1.0 / math.pi  # over F R
-    turn, _ = quad(lambda a: (moment - 0.5 * (1.0 - math.cos(a))), 0.0, 0.5 * math.pi)
+    turn, _ = quad(lambda a: moment - 0.5 * (1.0 - math.cos(a)), 0.0, 0.5 * math.pi)
     assert turn == pytest.approx(0.0, abs=1e-15)
     energy, _ = quad(lambda a: (moment - 0.5 * (1.0 - math.cos(a))) ** 2, 0.0, 0.5 * math.pi)  # of F² R³ / 2 EI, one quarter
     radius, stiffness = 0.102, 0.2
@@ -73,8 +73,7 @@ def test_energy_of_a_rolling_robot_grows_by_what_comes_in_less_what_is_lost(mode
         made.refresh()
         dx = np.zeros_like(made.x)
         rolling_derivatives(0.0, made.x, made.u[0], dx, *made.arguments)
-        power = (made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"]
-                 - made["dissipation"])
+        power = made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"] - made["dissipation"]
         x, narrowing, energies = made.x.copy(), -0.02 * made["velocity"], []
         for sign in (1.0, -1.0):
             made.x[:] = x + sign * d * dx
@@ -119,6 +118,7 @@ def reference(duration: float) -> tuple[np.ndarray, int]:
 
     t, x, mode, count = 0.0, np.zeros(4), 0, 0
     while t < duration:
+
         def rate(t, x, mode=mode):
             f = internal(t, x)
             a = {1: (f - forward) / ROLLING, -1: (f + backward) / MASS, 0: 0.0}[mode]
@@ -164,8 +164,10 @@ def test_the_stable_step_is_that_of_both_masses_on_the_spring():
     assert started().stable_step() == pytest.approx(2.61 / largest, rel=1e-12)
 
 
-@pytest.mark.parametrize(("name", "value"), [("diameter", 0.2041), ("diameter", 0.16), ("route.friction_factor", -0.1),
-                                             ("harmonic_force.frequency", 3000.0)])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("diameter", 0.2041), ("diameter", 0.16), ("route.friction_factor", -0.1), ("harmonic_force.frequency", 3000.0)],
+)
 def test_out_of_its_range_the_run_fails(name, value):
     made = started()
     made.set(name, value)

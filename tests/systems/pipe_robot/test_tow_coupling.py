@@ -11,8 +11,16 @@ pytestmark = pytest.mark.interpreted
 
 def coupled(rear, front, effects=(), **parameters) -> TowCoupling:
     """A coupling between ends at (position, velocity)."""
-    made = TowCoupling(effects, {"rear_position": rear[0], "rear_velocity": rear[1], "front_position": front[0],
-                                 "front_velocity": front[1], **parameters})
+    made = TowCoupling(
+        effects,
+        {
+            "rear_position": rear[0],
+            "rear_velocity": rear[1],
+            "front_position": front[0],
+            "front_velocity": front[1],
+            **parameters,
+        },
+    )
     made.initialize(0.0)
     return made
 

@@ -23,18 +23,23 @@ FACTS = {
             "acceleration.rate": ({}, 1e-2),
             "actuator.command": ({}, 1.0),
         },
-        structural=frozenset({"second_wire", "contact_loss", "lower_frame", "outer_contact", "two_strips",
-                              "measured_unevenness"}),
-        form=frozenset({"bump_stops.travel", "frame_friction.width", "base_excitation.velocity", "acceleration.final_speed",
-                        "actuator.time_constant", "actuator.limit",
-                        *(f"lift_fluctuation.{n}" for n in ("lowest", "highest", "components", "seed")),
-                        *(f"wire_unevenness.{n}" for n in ("longest", "shortest", "exponent", "components", "seed"))}),
+        structural=frozenset(
+            {"second_wire", "contact_loss", "lower_frame", "outer_contact", "two_strips", "measured_unevenness"}
+        ),
+        form=frozenset(
+            {
+                "bump_stops.travel",
+                "frame_friction.width",
+                "base_excitation.velocity",
+                "acceleration.final_speed",
+                "actuator.time_constant",
+                "actuator.limit",
+                *(f"lift_fluctuation.{n}" for n in ("lowest", "highest", "components", "seed")),
+                *(f"wire_unevenness.{n}" for n in ("longest", "shortest", "exponent", "components", "seed")),
+            }
+        ),
     ),
-    "LumpedCatenary": Facts(
-        plain=(("inerter",), {}, 100),
-        disturbance=PUSHED,
-        strengths={"inerter.reference_force": ({}, 1.0)},
-    ),
+    "LumpedCatenary": Facts(plain=(("inerter",), {}, 100), disturbance=PUSHED, strengths={"inerter.reference_force": ({}, 1.0)}),
     "Catenary": Facts(
         small={"spans": 2},
         other_ways=(({"method": "implicit"}, ("dropper_slackening", "gravity_sag", "damping")),),
@@ -51,15 +56,50 @@ FACTS = {
             "second_pantograph.contact_force": ({"second_pantograph.contact_position": 50.0}, 1.0),
             "further_pantographs.contact_force[1]": ({"further_pantographs.contact_position[1]": 70.0}, 1.0),
         },
-        structural=frozenset({"dropper_slackening", "gravity_sag", "level_support", "moving_window", "wire_profile",
-                              "line_profile", "line_table", "second_wire", "stagger", "temperature"}),
+        structural=frozenset(
+            {
+                "dropper_slackening",
+                "gravity_sag",
+                "level_support",
+                "moving_window",
+                "wire_profile",
+                "line_profile",
+                "line_table",
+                "second_wire",
+                "stagger",
+                "temperature",
+            }
+        ),
         # a kink under a force is rounded over sqrt(EI / T)
         roots=frozenset({"bending_stiffness.contact_wire", "bending_stiffness.messenger"}),
-        form=frozenset({"steady_arm.mass", "second_pantograph.contact_position", "further_pantographs.count",
-                        "further_pantographs.contact_position",
-                        *(f"gusts.{n}" for n in ("speed", "intensity", "vertical_intensity", "length", "vertical_length", "decay",
-                                                 "contact_wire_diameter", "messenger_diameter", "drag_coefficient",
-                                                 "lift_coefficient", "lift_slope", "lowest", "highest", "shortest",
-                                                 "components", "seed"))}),
+        form=frozenset(
+            {
+                "steady_arm.mass",
+                "second_pantograph.contact_position",
+                "further_pantographs.count",
+                "further_pantographs.contact_position",
+                *(
+                    f"gusts.{n}"
+                    for n in (
+                        "speed",
+                        "intensity",
+                        "vertical_intensity",
+                        "length",
+                        "vertical_length",
+                        "decay",
+                        "contact_wire_diameter",
+                        "messenger_diameter",
+                        "drag_coefficient",
+                        "lift_coefficient",
+                        "lift_slope",
+                        "lowest",
+                        "highest",
+                        "shortest",
+                        "components",
+                        "seed",
+                    )
+                ),
+            }
+        ),
     ),
 }

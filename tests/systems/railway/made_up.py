@@ -42,10 +42,7 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
                 "pantograph": {"component": "Pantograph", "effects": ["contact_loss"]},
                 "catenary": {"component": "Catenary"},
             },
-            "analysis": {
-                "system": "railway",
-                "spans": [5, 6],
-            },
+            "analysis": {"system": "railway", "spans": [5, 6]},
         }
     )
     return SimpleNamespace(

@@ -125,6 +125,7 @@ def test_window_follows_the_contact_and_forgets_the_rest():
 @pytest.mark.parametrize(("first", "second"), [(350.0, 250.0), (250.0, 350.0)])
 def test_window_spans_both_contact_points(first, second):
     """Its ends follow the foremost and the rearmost one, whichever input that is."""
+
     def height(effects):
         catenary = Catenary([*REFERENCE, "second_pantograph", *effects], {"spans": 12} | (NARROW if effects else {}))
         catenary.set("contact_position", first)
@@ -186,8 +187,9 @@ def test_profile_of_what_the_wire_hangs_from():
     mesh, N = catenary.mesh, catenary.mesh.mass.size
     tension = np.array([catenary[f"line_profile.dropper_tension[{k + 1}]"] for k in range(PROFILE)])
     exact = np.full(PROFILE, -1.0)
-    for node, low, high, stiffness, preload in zip(mesh.dropper, mesh.lower, mesh.upper, mesh.dropper_stiffness, mesh.preload,
-                                                   strict=True):
+    for node, low, high, stiffness, preload in zip(
+        mesh.dropper, mesh.lower, mesh.upper, mesh.dropper_stiffness, mesh.preload, strict=True
+    ):
         cell = int(np.floor(mesh.position[node] - 30.0 + 0.5))
         if 0 <= cell < PROFILE:
             exact[cell] = max(preload + stiffness * (catenary.x[high] - catenary.x[low]), 0.0)

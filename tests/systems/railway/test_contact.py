@@ -29,8 +29,17 @@ def long_wire(beta: float, EI: float, element: float, substep: float, method: st
     effects, values = ["damping"], {"damping.alpha": 0.0, "damping.beta": beta}
     if EI:
         effects, values = [*effects, "bending_stiffness"], values | {"bending_stiffness.contact_wire": EI}
-    values |= {"spans": 1, "span_length": 300.0, "droppers": 1, "dropper_position[1]": 1.0, "dropper_stiffness": 1.0,
-               "element": element, "substep": substep, "method": method, "first_watched_support": 0}
+    values |= {
+        "spans": 1,
+        "span_length": 300.0,
+        "droppers": 1,
+        "dropper_position[1]": 1.0,
+        "dropper_stiffness": 1.0,
+        "element": element,
+        "substep": substep,
+        "method": method,
+        "first_watched_support": 0,
+    }
     catenary = Catenary(effects, values)
     catenary.set("contact_position", 120.0)
     catenary.set("contact_force", 0.0)
@@ -68,9 +77,15 @@ def test_answer_to_a_moving_load_is_that_of_the_infinite_wire(method, speed, bet
     assert abs(measured / exact - 1.0) < 0.012
 
 
-@pytest.mark.parametrize(("speed", "beta", "EI"), [
-    pytest.param(v, b, EI, marks=() if (v, b) == (83.3, 1e-3) else pytest.mark.full)
-    for v in (69.4, 83.3) for b in (0.0, 1e-3, 3e-3) for EI in (0.0, 195.0)])
+@pytest.mark.parametrize(
+    ("speed", "beta", "EI"),
+    [
+        pytest.param(v, b, EI, marks=() if (v, b) == (83.3, 1e-3) else pytest.mark.full)
+        for v in (69.4, 83.3)
+        for b in (0.0, 1e-3, 3e-3)
+        for EI in (0.0, 195.0)
+    ],
+)
 def test_answer_converges_at_second_order_or_better(speed, beta, EI):
     """Element and step together (explicit), then the step of either method on one mesh; at 250 and 300 km/h."""
     omega = 2.0 * np.pi * 15.0
@@ -121,8 +136,11 @@ def test_waves_ahead_and_behind_have_the_numbers_of_doppler(beta):
     for side, low, high in (("ahead", at + 1.0, at + 40.0), ("behind", at - 90.0, at - 1.0)):
         # complex root of (T k²)(1 + i beta Omega) = M Omega², Omega = omega - k v, for waves that decay away from the load
         direction = 1.0 if side == "ahead" else -1.0
-        roots = np.roots([-1j * beta * speed * T, T * (1.0 + 1j * beta * omega) - M * speed**2, 2.0 * M * omega * speed,
-                          -M * omega**2] if beta else [T - M * speed**2, 2.0 * M * omega * speed, -M * omega**2])
+        roots = np.roots(
+            [-1j * beta * speed * T, T * (1.0 + 1j * beta * omega) - M * speed**2, 2.0 * M * omega * speed, -M * omega**2]
+            if beta
+            else [T - M * speed**2, 2.0 * M * omega * speed, -M * omega**2]
+        )
         expected = min(roots, key=lambda k: abs(k + direction * omega / (C - direction * speed)))
         inside = (x > low) & (x < high)
         s = x[inside] - at
@@ -141,10 +159,26 @@ LINES = {
     "strings": (Line(spans=6), (), {}),
     "beams": (Line(spans=6, bending=(195.0, 131.7)), ("bending_stiffness",), {}),
     "another line": (
-        Line(spans=6, span=55.0, droppers=tuple(4.5 + 5.75 * i for i in range(9)), tension=(22e3, 16e3), mass=(1.35, 1.08),
-             support_stiffness=500e3, beta=3e-3), (),
-        {"span_length": 55.0, "contact_wire_tension": 22e3, "messenger_mass": 1.08, "support_stiffness": 500e3, "substep": 5e-4,
-         "damping.beta": 3e-3, **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)}}),
+        Line(
+            spans=6,
+            span=55.0,
+            droppers=tuple(4.5 + 5.75 * i for i in range(9)),
+            tension=(22e3, 16e3),
+            mass=(1.35, 1.08),
+            support_stiffness=500e3,
+            beta=3e-3,
+        ),
+        (),
+        {
+            "span_length": 55.0,
+            "contact_wire_tension": 22e3,
+            "messenger_mass": 1.08,
+            "support_stiffness": 500e3,
+            "substep": 5e-4,
+            "damping.beta": 3e-3,
+            **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
+        },
+    ),
 }
 
 
@@ -158,17 +192,25 @@ def test_filtered_force_is_within_a_percent_of_the_sine_series(name, speed):
     scene = load_scene("en50318-2002")
     given = scene.units["catenary"]
     seconds = round(5.0 * line.span / v, 3)
-    changes = {"stop_time": seconds, "units.pantograph.parameters.speed": v,
-               "record.snapshots": [], "record.snapshot_interval": None,
-               "units.catenary.effects": [e for e in given.effects if e != "wire_profile"] + list(effects),
-               "units.catenary.parameters": dict(given.parameters) | {"spans": 6, "first_watched_support": 1} | parameters}
+    changes = {
+        "stop_time": seconds,
+        "units.pantograph.parameters.speed": v,
+        "record.snapshots": [],
+        "record.snapshot_interval": None,
+        "units.catenary.effects": [e for e in given.effects if e != "wire_profile"] + list(effects),
+        "units.catenary.parameters": dict(given.parameters) | {"spans": 6, "first_watched_support": 1} | parameters,
+    }
     result = run(scene.with_changes(changes), in_process=True)
     assert result.outcome == "done"
     reference = passage(line, Head(), v, 30.0, seconds, 3600, 5e-4)
     grid = np.linspace(2.0 * line.span, 4.0 * line.span, 2401)
-    histories = [np.interp(grid, x, Filter().apply(force, rate)) for x, force, rate in (
-        (result["pantograph.contact_position"], result["pantograph.contact_force"], 1.0 / scene.master.step),
-        (reference[1], reference[2], 2000.0))]
+    histories = [
+        np.interp(grid, x, Filter().apply(force, rate))
+        for x, force, rate in (
+            (result["pantograph.contact_position"], result["pantograph.contact_force"], 1.0 / scene.master.step),
+            (reference[1], reference[2], 2000.0),
+        )
+    ]
     error = np.sqrt(np.mean((histories[0] - histories[1]) ** 2)) / histories[1].std()
     assert error < 0.01
 
@@ -176,6 +218,7 @@ def test_filtered_force_is_within_a_percent_of_the_sine_series(name, speed):
 @pytest.mark.full
 def test_sine_series_converges():
     """Halving step and doubling modes moves its filtered force by less than the error that it is to judge."""
+
     def history(modes, step):
         force = passage(Line(spans=4), Head(), 69.4, 30.0, 2.5, modes, step)[2]
         return Filter().apply(force, 1.0 / step)[:: round(1e-3 / step)][500:]

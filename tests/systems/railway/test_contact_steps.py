@@ -33,8 +33,11 @@ def test_a_diverging_contact_is_never_silent(stiffer):
     """Without a warning, the force is right, its peak is no multiple of the true one, and nothing lifts off that stays on."""
     scene = load_scene("en50318-2002")
     step = scene.master.step
-    stiff = {"stop_time": 1.0, "units.pantograph.parameters.contact_stiffness": stiffer * STIFFNESS,
-             "units.pantograph.parameters.substep": 5e-5}
+    stiff = {
+        "stop_time": 1.0,
+        "units.pantograph.parameters.contact_stiffness": stiffer * STIFFNESS,
+        "units.pantograph.parameters.substep": 5e-5,
+    }
     scene = scene.with_changes(stiff)
     reference = run(scene.with_changes({"master.step": step / 8}), in_process=True)
     assert not reference.info["warnings"]
@@ -42,8 +45,11 @@ def test_a_diverging_contact_is_never_silent(stiffer):
     for factor in (1, 2, 5, 10, 20, 50):
         result = verified_run(scene.with_changes({"master.step": factor * step}), in_process=True)
         warned = bool(result.info["warnings"]) or result.outcome != "done"
-        wrong = (error(result, reference) > WITHIN or lifted(result) > lifted(reference) + LIFTED
-                 or result.columns[FORCE].max() > ROUGH * reference.columns[FORCE].max())
+        wrong = (
+            error(result, reference) > WITHIN
+            or lifted(result) > lifted(reference) + LIFTED
+            or result.columns[FORCE].max() > ROUGH * reference.columns[FORCE].max()
+        )
         diverged += wrong
         silent += [factor] if wrong and not warned else []
     assert silent == []

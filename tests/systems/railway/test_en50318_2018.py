@@ -10,8 +10,10 @@ from cosimo.orchestrator.systems.railway.cases.en50318_2018_data import DATA, da
 from cosimo.tests.systems.railway.test_line import TWIN_WIRES, network
 
 STITCHED, TWIN = "en50318-2018-ac-stitched", "en50318-2018-dc-simple"
-PLACES = {STITCHED: {"e_support": 0.0, "e_first": 5.0, "e_clamp": 9.0, "e_greatest": 28.5, "e_midspan": 32.5},
-          TWIN: {f"e_{x}": float(x) for x in (0, 4, 8, 22, 32)}}
+PLACES = {
+    STITCHED: {"e_support": 0.0, "e_first": 5.0, "e_clamp": 9.0, "e_greatest": 28.5, "e_midspan": 32.5},
+    TWIN: {f"e_{x}": float(x) for x in (0, 4, 8, 22, 32)},
+}
 OTHER = {STITCHED: {"wires": ((27e3, 1.07), (21e3, 1.06)), "stitch": (9.0, 3500.0, 0.31)}, TWIN: TWIN_WIRES}
 
 

@@ -104,22 +104,28 @@ def test_every_form_of_the_data_is_the_same_response(tmp_path, kind, power):
     lines = [f"{f!r},{v.real!r},{v.imag!r}" for f, v in zip(FREQUENCY.tolist(), values.tolist(), strict=True)]
     path.write_text("\n".join([f"frequency [Hz],real [{kind}],imaginary [{kind}]", *lines]), encoding="utf-8")
     assert np.abs(read_response(path).receptance / exact - 1.0).max() < 1e-12
-    polar = [f"{f!r},{abs(v)!r},{float(np.degrees(np.angle(v)))!r},0.05"
-             for f, v in zip(FREQUENCY.tolist(), values.tolist(), strict=True)]
+    polar = [
+        f"{f!r},{abs(v)!r},{float(np.degrees(np.angle(v)))!r},0.05"
+        for f, v in zip(FREQUENCY.tolist(), values.tolist(), strict=True)
+    ]
     path.write_text("\n".join([f"frequency [Hz],magnitude [{kind}],phase [deg],deviation [1]", *polar]), encoding="utf-8")
     response = read_response(path)
     assert np.abs(response.receptance / exact - 1.0).max() < 1e-12
     assert (response.deviation == 0.05).all()
 
 
-@pytest.mark.parametrize(("text", "expected"), [
-    ("", "header"), ("frequency [Hz],real [m/N]\n1,2\n2,3\n3,4\n4,5\n5,6", "imaginary"),
-    ("frequency [Hz],real [m],imaginary [m]\n1,2,1\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "m/N"),
-    ("frequency [Hz],real [m/N],imaginary [m/N]\n2,2,1\n1,3,1\n3,4,1\n4,5,1\n5,6,1", "rises"),
-    ("frequency [Hz],real [m/N],imaginary [m/N]\n1,2,1\n2,3,x", "numbers"),
-    ("frequency [Hz],real [m/N],imaginary [m/N]\n1,0,0\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "logarithm"),
-    ("frequency [Hz],magnitude [m/N],phase [turn]\n1,2,1\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "deg"),
-])
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "header"),
+        ("frequency [Hz],real [m/N]\n1,2\n2,3\n3,4\n4,5\n5,6", "imaginary"),
+        ("frequency [Hz],real [m],imaginary [m]\n1,2,1\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "m/N"),
+        ("frequency [Hz],real [m/N],imaginary [m/N]\n2,2,1\n1,3,1\n3,4,1\n4,5,1\n5,6,1", "rises"),
+        ("frequency [Hz],real [m/N],imaginary [m/N]\n1,2,1\n2,3,x", "numbers"),
+        ("frequency [Hz],real [m/N],imaginary [m/N]\n1,0,0\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "logarithm"),
+        ("frequency [Hz],magnitude [m/N],phase [turn]\n1,2,1\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "deg"),
+    ],
+)
 def test_a_file_that_cannot_be_used_is_one_message(tmp_path, text, expected):
     path = tmp_path / "head.csv"
     path.write_text(text, encoding="utf-8")

@@ -11,8 +11,17 @@ from scipy.integrate import quad
 
 LENGTH, TENSION, MASS, ALPHA = 60.0, 20e3, 1.35, 1.0
 AIR = 0.5 * 1.225 * 15.0 * 0.0145 * 1.0  # N.s/m2, rho U d (C_L' + C_D) / 2 with the defaults
-ALONE = {"spans": 1, "span_length": LENGTH, "droppers": 1, "dropper_position[1]": 30.0, "dropper_stiffness": 1.0,
-         "damping.alpha": ALPHA, "damping.beta": 0.0, "gusts.messenger_diameter": 0.0, "first_watched_support": 0}
+ALONE = {
+    "spans": 1,
+    "span_length": LENGTH,
+    "droppers": 1,
+    "dropper_position[1]": 30.0,
+    "dropper_stiffness": 1.0,
+    "damping.alpha": ALPHA,
+    "damping.beta": 0.0,
+    "gusts.messenger_diameter": 0.0,
+    "first_watched_support": 0,
+}
 SMALL = {"spans": 1, "element": 6.0}
 
 
@@ -137,8 +146,13 @@ def test_a_single_wire_answers_as_its_modes_do(method):
 @pytest.mark.full
 def test_applied_load_has_the_spectrum():
     """Of a run of 400 s: variance in each band, and the time series itself, that of the waves at the place."""
-    catenary = blown(element=6.0, substep=1e-2, method="implicit", position=30.0,
-                     **{n: v for n, v in ALONE.items() if not n.startswith("damping")})
+    catenary = blown(
+        element=6.0,
+        substep=1e-2,
+        method="implicit",
+        position=30.0,
+        **{n: v for n, v in ALONE.items() if not n.startswith("damping")},
+    )
     amplitude, omega, wave, phase = waves(catenary.arguments[0].gusts)
     t = 1e-2 * np.arange(1, 40001)
     load = np.zeros(t.size)
@@ -181,8 +195,10 @@ def test_a_constant_wind_lifts_the_wire_as_a_parabola():
 def test_the_window_meets_the_same_wind():
     """Loads at a contact point that moves, and jumps ahead, do not depend on what of the line moves."""
     some = {"moving_window.ahead": 15.0, "moving_window.behind": 15.0}
-    whole, part = (blown(effects, spans=4, element=3.0, components=10, position=70.0, lift_coefficient=0.1, **values)
-                   for effects, values in (((), {}), (("moving_window",), some)))
+    whole, part = (
+        blown(effects, spans=4, element=3.0, components=10, position=70.0, lift_coefficient=0.1, **values)
+        for effects, values in (((), {}), (("moving_window",), some))
+    )
     for i in range(40):
         x = 70.0 + 1.0 * i if i < 30 else 205.0
         for catenary in (whole, part):
@@ -209,11 +225,14 @@ def test_a_step_repeats_to_the_bit_and_seeds_tell_winds_apart():
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(("values", "words"), [
-    ({"lowest": 6.0}, "frequencies from 6 to 5 Hz"),
-    ({"length": 50.0}, "only vertical gusts act"),
-    ({"speed": 60.0, "lift_coefficient": 2.0}, "slack at rest"),
-])
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"lowest": 6.0}, "frequencies from 6 to 5 Hz"),
+        ({"length": 50.0}, "only vertical gusts act"),
+        ({"speed": 60.0, "lift_coefficient": 2.0}, "slack at rest"),
+    ],
+)
 def test_winds_that_make_no_sense_are_refused(values, words):
     with pytest.raises(BadInput, match=words):
         blown(("dropper_slackening",), spans=1, element=5.0, **values)

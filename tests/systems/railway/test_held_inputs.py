@@ -18,8 +18,12 @@ SCHEMES = [("jacobi", None), ("iterative", None), *(("gauss-seidel", order) for 
 
 def held(name, step=None, algorithm="gauss-seidel", order=None, **options):
     scene = load_scene(name)
-    changes = {"master.extrapolation": 0, "master.algorithm": algorithm, "master.order": ORDERS[order] if order else [],
-               "record.signals": None}
+    changes = {
+        "master.extrapolation": 0,
+        "master.algorithm": algorithm,
+        "master.order": ORDERS[order] if order else [],
+        "record.signals": None,
+    }
     return run(scene.with_changes(changes | ({"master.step": step} if step else {}) | options), in_process=True)
 
 
@@ -30,14 +34,17 @@ def balance(result, begin):
     head_velocity = result["pantograph.head_velocity"][kept]
     p = Pantograph((), preset="EN 50318:2002").parameters
     span, frame_velocity = t[-1] - t[0], np.gradient(frame, t, edge_order=2)
-    momentum = (p["head_mass"] * (head_velocity[-1] - head_velocity[0])
-                + p["frame_mass"] * (frame_velocity[-1] - frame_velocity[0]))
+    momentum = p["head_mass"] * (head_velocity[-1] - head_velocity[0]) + p["frame_mass"] * (
+        frame_velocity[-1] - frame_velocity[0]
+    )
     damper = p["frame_damping"] * (frame[-1] - frame[0])
     return p["static_force"] - p["frame_stiffness"] * frame.mean() - (momentum + damper) / span
 
 
-@pytest.mark.parametrize(("scheme", "step"), [pytest.param(*one, marks=[] if one[1] == 1e-3 else pytest.mark.full)
-                                              for one in product(SCHEMES, (5e-4, 1e-3, 2e-3))])
+@pytest.mark.parametrize(
+    ("scheme", "step"),
+    [pytest.param(*one, marks=[] if one[1] == 1e-3 else pytest.mark.full) for one in product(SCHEMES, (5e-4, 1e-3, 2e-3))],
+)
 def test_the_mean_force_is_that_of_the_pantographs_own_balance(scheme, step):
     result = held("en50318-2002", step, *scheme)
     force = result["pantograph.contact_force"][result.time >= 1.0]
@@ -56,8 +63,12 @@ def moving_scenes():
 @pytest.mark.parametrize("name", list(moving_scenes()))
 def test_held_inputs_keep_the_mean_force_of_every_scene(name):
     scene = load_scene(name)
-    short = {"stop_time": min(scene.stop_time, 2.0), "record.interval": None, "record.snapshots": [],
-             "record.snapshot_interval": None}
+    short = {
+        "stop_time": min(scene.stop_time, 2.0),
+        "record.interval": None,
+        "record.snapshots": [],
+        "record.snapshot_interval": None,
+    }
     forces = [n for n in held(name, **short).columns if n.endswith(".contact_force")]
     one, other = held(name, **short), run(scene.with_changes(short), in_process=True)
     for force in forces:

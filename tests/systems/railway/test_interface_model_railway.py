@@ -13,8 +13,11 @@ from cosimo.tests.scene_runs import finished
 pytestmark = pytest.mark.full
 
 RAILWAY = "en50318-2002-interface-model"
-SIGNALS = {"record": {"signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height",
-                                  "catenary.support_uplift"]}}
+SIGNALS = {
+    "record": {
+        "signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height", "catenary.support_uplift"]
+    }
+}
 
 
 @pytest.mark.parametrize("speed", [250.0, 300.0])
@@ -38,8 +41,9 @@ def filtered(result, keep=1):
 def test_error_of_the_railway_pair_is_less_than_half_of_gauss_seidel():
     """Both on one mesh, against a step twenty times shorter that is sampled as coarsely: what the coupling alone does."""
     fine = {"units.catenary.parameters.element": 0.25, "units.catenary.parameters.substep": 2.5e-4, **SIGNALS}
-    reference = filtered(finished(load_scene("en50318-2002").with_changes(
-        {**fine, "master.step": 2.5e-4, "master.extrapolation": 2})), keep=20)
+    reference = filtered(
+        finished(load_scene("en50318-2002").with_changes({**fine, "master.step": 2.5e-4, "master.extrapolation": 2})), keep=20
+    )
 
     def distance(name):
         result = finished(load_scene(name).with_changes({**fine, "master.step": 5e-3}))

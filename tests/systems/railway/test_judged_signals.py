@@ -12,10 +12,12 @@ SECOND, FURTHER = "second_pantograph.", "further_pantographs."
 
 def contact(name, place, index):
     """Connections of a pantograph at the place (a prefix) and index ("" or [k]) of the catenary's contact points."""
-    return [f"catenary.{place}wire_height{index} -> {name}.wire_height",
-            f"catenary.{place}contact_compliance{index} -> {name}.wire_compliance",
-            f"{name}.contact_force -> catenary.{place}contact_force{index}",
-            f"{name}.contact_position -> catenary.{place}contact_position{index}"]
+    return [
+        f"catenary.{place}wire_height{index} -> {name}.wire_height",
+        f"catenary.{place}contact_compliance{index} -> {name}.wire_compliance",
+        f"{name}.contact_force -> catenary.{place}contact_force{index}",
+        f"{name}.contact_position -> catenary.{place}contact_position{index}",
+    ]
 
 
 def made_up(seed):
@@ -35,17 +37,32 @@ def made_up(seed):
     connections, speed = [], chance.uniform(40.0, 75.0)
     begin = 180.0
     for k, (name, place, index) in enumerate((("first", "", ""), ("second", SECOND, ""), ("third", FURTHER, "[1]"))[:count]):
-        units[name] = {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"] + ["second_wire"] * both,
-                       "parameters": {"speed": speed, "start_position": begin - 30.0 * k,
-                                      "static_force": chance.uniform(120.0, 160.0)}}
+        units[name] = {
+            "component": "Pantograph",
+            "preset": "EN 50318:2018",
+            "effects": ["contact_loss"] + ["second_wire"] * both,
+            "parameters": {"speed": speed, "start_position": begin - 30.0 * k, "static_force": chance.uniform(120.0, 160.0)},
+        }
         connections += contact(name, place, index)
         if both:
-            connections += [f"catenary.second_wire.wire_height[{k + 1}] -> {name}.second_wire.wire_height",
-                            f"catenary.second_wire.contact_compliance[{k + 1}] -> {name}.second_wire.wire_compliance",
-                            f"{name}.second_wire.contact_force -> catenary.second_wire.contact_force[{k + 1}]"]
-    return read_scene({"stop_time": round(125.0 / speed, 3), "units": units, "connections": connections,
-                       "master": {"algorithm": "gauss-seidel", "step": 1e-3, "extrapolation": 1},
-                       "analysis": {"system": "railway", "window": [begin + 20.0, begin + 50.0]}}), count, both
+            connections += [
+                f"catenary.second_wire.wire_height[{k + 1}] -> {name}.second_wire.wire_height",
+                f"catenary.second_wire.contact_compliance[{k + 1}] -> {name}.second_wire.wire_compliance",
+                f"{name}.second_wire.contact_force -> catenary.second_wire.contact_force[{k + 1}]",
+            ]
+    return (
+        read_scene(
+            {
+                "stop_time": round(125.0 / speed, 3),
+                "units": units,
+                "connections": connections,
+                "master": {"algorithm": "gauss-seidel", "step": 1e-3, "extrapolation": 1},
+                "analysis": {"system": "railway", "window": [begin + 20.0, begin + 50.0]},
+            }
+        ),
+        count,
+        both,
+    )
 
 
 @pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.full) for seed in range(4, 16))])
@@ -71,9 +88,19 @@ def test_a_scene_of_ones_own_is_judged_by_the_whole_force(seed):
 
 
 def test_half_a_collector_is_not_judged():
-    scene = load_scene("overlap").with_changes({"stop_time": 4.0, "record.snapshots": [], "record.snapshot_interval": None,
-                                                "analysis.spans": [2, 3], "record.signals": [
-        "pantograph.contact_force", "pantograph.contact_position", "pantograph.second_wire.contact_force",
-        "catenary.wire_height"]})
+    scene = load_scene("overlap").with_changes(
+        {
+            "stop_time": 4.0,
+            "record.snapshots": [],
+            "record.snapshot_interval": None,
+            "analysis.spans": [2, 3],
+            "record.signals": [
+                "pantograph.contact_force",
+                "pantograph.contact_position",
+                "pantograph.second_wire.contact_force",
+                "catenary.wire_height",
+            ],
+        }
+    )
     with pytest.raises(BadInput, match=r"no catenary.second_wire.wire_height\[1\].* judged as a whole"):
         _ = run(scene, in_process=True).summary

@@ -25,12 +25,16 @@ droppers.mass_per_length = 0.117
 droppers.contact_clamp = 0.165
 droppers.messenger_clamp = 0.195
 """
-UNEQUAL = "[[sections]]" + WIRES + """
+UNEQUAL = (
+    "[[sections]]"
+    + WIRES
+    + """
 span = { relative_sag = 0.001 }
 support = { system_height = 1.2, stiffness = 500e3 }
 spans = [50, 65, 55, 45, 60, 50]
 supports = [5.30, 5.30, 5.30, 5.25, { contact_height = 5.20, system_height = 1.0 }, 5.20, 5.20]
 """
+)
 STITCHED = """
 [[sections]]
 contact_wire = { tension = 27e3, mass = 1.07 }
@@ -77,6 +81,7 @@ def network(text, places=(), wires=((22e3, 1.35), (16e3, 1.08)), stitch=None, su
         a, b = s - stitch[0], s + stitch[0]
         mine = [p for p in d.position if a < p < b]
         net.wire(f"y{s:g}", [a, *mine, b], stitch[1], G * stitch[2], ends=(("m", round(a, 6)), ("m", round(b, 6))))
+
     def upper(p, below_stitch):
         name = f"y{x[1:-1][np.argmin(abs(x[1:-1] - p))]:g}" if below_stitch else "m"
         return name, round(p, 6)
@@ -120,8 +125,9 @@ def test_a_line_cut_as_form_finding_says_hangs_as_was_wanted(name):
     assert supports == pytest.approx(found.layout.holds.height[~np.isnan(found.layout.holds.height)], abs=1e-8)
 
 
-@pytest.mark.parametrize(("name", "places"), [("unequal", [50.0, 75.0, 82.5, 115.0, 140.3, 245.7]),
-                                              ("stitched", [260.0, 268.0, 280.0, 288.5])])
+@pytest.mark.parametrize(
+    ("name", "places"), [("unequal", [50.0, 75.0, 82.5, 115.0, 140.3, 245.7]), ("stitched", [260.0, 268.0, 280.0, 288.5])]
+)
 @pytest.mark.parametrize("force", [100.0, 200.0])
 def test_elasticity_of_a_table_is_that_of_the_network(name, places, force):
     """Uplift of the loaded, unilateral line; what is left is the kink's place in an element, or short waves at droppers."""
@@ -152,8 +158,10 @@ def test_two_wires_share_a_force_as_in_the_network(forces):
 
 def test_lengths_are_those_of_a_published_drawing():
     """AC simple of EN 50318:2018; lengths read in a public repository, rounded to the millimetre there."""
-    found = form("[[sections]]" + WIRES + "span = { sag = 0.055 }\nsupport = { system_height = 1.2, stiffness = 500e3 }\n"
-                 "spans = [{ length = 55.0, repeat = 9 }]")
+    found = form(
+        "[[sections]]" + WIRES + "span = { sag = 0.055 }\nsupport = { system_height = 1.2, stiffness = 500e3 }\n"
+        "spans = [{ length = 55.0, repeat = 9 }]"
+    )
     inside = (found.layout.droppers.position > 220.0) & (found.layout.droppers.position < 275.0)
     published = [1.017, 0.896, 0.810, 0.758, 0.741, 0.758, 0.810, 0.896, 1.017]
     assert found.length[inside] == pytest.approx(published, abs=7e-4)
@@ -165,8 +173,9 @@ def test_dropper_lengths_and_reactions_of_an_uneven_line():
     x = found.layout.droppers.position
     spans = [(x > a) & (x < b) for a, b in ((50.0, 115.0), (170.0, 215.0))]
     assert found.length[spans[0]] == pytest.approx(
-        [.9825, .8058, .6733, .5849, .5406, .5403, .5841, .6720, .8039, .9801], abs=6e-5)
-    assert found.length[spans[1]] == pytest.approx([1.0311, .9261, .8526, .8107, .8004, .8217, .8745], abs=6e-5)
+        [0.9825, 0.8058, 0.6733, 0.5849, 0.5406, 0.5403, 0.5841, 0.6720, 0.8039, 0.9801], abs=6e-5
+    )
+    assert found.length[spans[1]] == pytest.approx([1.0311, 0.9261, 0.8526, 0.8107, 0.8004, 0.8217, 0.8745], abs=6e-5)
     assert found.reaction[:4] == pytest.approx([1408.8, 1505.6, 1306.2, 1122.3], abs=0.06)
     at_clamp = found.preload - 0.5 * G * 0.117 * found.length  # half of the dropper hangs below its middle
     assert at_clamp[spans[0]][[0, 4, -1]] == pytest.approx([193.21, 61.32, 203.21], abs=0.01)
@@ -186,8 +195,9 @@ def test_the_messenger_inside_a_stitch_carries_less():
 
 def test_a_parabola_takes_its_curvature_off_the_droppers():
     """Inner droppers lose 8 T d / D² per metre: closed form of a string."""
-    flat, bowed = (form("[[sections]]" + WIRES + f"span.sag = {d}\nsupport.stiffness = 500e3\nspans = [55, 55, 55]")
-                   for d in (0.0, 0.055))
+    flat, bowed = (
+        form("[[sections]]" + WIRES + f"span.sag = {d}\nsupport.stiffness = 500e3\nspans = [55, 55, 55]") for d in (0.0, 0.055)
+    )
     inner = slice(10, 17)
     lost = flat.preload[inner] - bowed.preload[inner]
     longer = 0.5 * G * 0.117 * (flat.length[inner] - bowed.length[inner])
@@ -195,16 +205,26 @@ def test_a_parabola_takes_its_curvature_off_the_droppers():
 
 
 def test_an_even_gradient_changes_no_dropper():
-    level, steep = (form("[[sections]]" + WIRES + "spans = [55, 45, 60]\nsupports = [" + ", ".join(
-        str(5.3 + g * x) for x in (0.0, 55.0, 100.0, 160.0)) + "]") for g in (0.0, 0.004))
+    level, steep = (
+        form(
+            "[[sections]]"
+            + WIRES
+            + "spans = [55, 45, 60]\nsupports = ["
+            + ", ".join(str(5.3 + g * x) for x in (0.0, 55.0, 100.0, 160.0))
+            + "]"
+        )
+        for g in (0.0, 0.004)
+    )
     assert steep.preload == pytest.approx(level.preload, rel=1e-9)
     assert steep.length == pytest.approx(level.length, abs=1e-9)
 
 
 def test_a_change_of_gradient_loads_the_droppers_around_it():
     """- T times the change, over the two droppers beside the support."""
+
     def preload(heights):
         return form("[[sections]]" + WIRES + f"spans = [55, 55, 55, 55]\nsupports = {heights}").preload
+
     change = 0.005
     rise = preload([5.0, 5.0, 5.0, 5.0 + change * 55, 5.0 + change * 110])
     flat = preload([5.0] * 5)
@@ -258,7 +278,8 @@ def test_an_arm_swings_about_its_hinge_as_its_stiffness_says():
     heights, vertical = -length * np.sin(angles), force * np.tan(angles)
     assert stiffness == pytest.approx(-np.diff(vertical)[0] / np.diff(heights)[0], rel=1e-6)
     assert [arm_of(force, length, np.radians(a), 0.0)[1] for a in (5.0, 10.0, 20.0)] == pytest.approx(
-        [270.0, 279.0, 321.0], abs=0.8)
+        [270.0, 279.0, 321.0], abs=0.8
+    )
 
 
 def test_an_arm_that_carries_more_unloads_the_first_droppers():
@@ -279,37 +300,45 @@ def test_an_arm_is_a_spring_beside_the_compliance_of_the_wire():
     assert held < e
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    ("spans = [50]", "key 'spans'"),
-    ("[[sections]]", "at least one span"),
-    ("[[sections]]\nspans = [50, 'x']", r"spans\[2\].*a table"),
-    ("[[sections]]\nspans = [{ length = -3 }]", r"length: -3; expected a value in \[1"),
-    ("[[sections]]\nspans = [4294967296]", r"expected a value in \[1, 1000\] m"),
-    ("[[sections]]\nspans = [50, 50]\ndroppers.gap = 0.01", "droppers 0.01 m apart; expected at most 200"),
-    ("[[sections]]\nspans = [{ length = 50, repeat = 2001 }]", r"repeat: 2001; expected a value in \[1, 2000\]"),
-    ("[[sections]]\nspans = [50, 50]\nsupports = [5.3]", "1 for 2 spans"),
-    ("[[sections]]\nspans = [{ length = 50, positions = [40, 20] }]", "increasing positions"),
-    ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0, 0] }]", "2 for 1 droppers"),
-    ("[[sections]]\nspans = [{ length = 50, sagg = 0.1 }]", "did you mean 'sag'"),
-    ("[[sections]]\nspans = [50, 50]\nstitch = { half_length = 9 }", "without tension or mass"),
-    ("[[sections]\nspans", "syntax error"),
-    ("[[sections]]\nspans = [" + 5000 * "5" + "]", "syntax error"),
-    ("[[sections]]\nspans = [" + 400 * "5" + "]", r"spans\[1\].*a number in m"),
-    ("[[sections]]\nspans = [50, 50]\nsupport = { system_height = 0.2 }", "above the contact wire"),
-    ("[[sections]]\nspans = [50]\n[[sections]]\nstart = 70.0\nspans = [50]", "a position in section 1"),
-    ("[[sections]]\nspans = [50]\ndroppers = { stiffness = 1e5, axial_stiffness = 2e5 }", "only one would have an effect"),
-    ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0], sag = 0.1 }]", "heights and sag"),
-    ("[[sections]]\nspans = [50, 50]\nsupports = [5, 5, { stiffness = 1e5 }]", r"supports\[3\].stiffness.*anchor"),
-    ("[[sections]]\nspans = [50, 50]\nsupport.arm = { angle = 10 }", "arm: no length"),
-    ("[[sections]]\nspans = [50, 50]\nstitch = { tension = 3e3, mass = 0.3 }", "stitch: no half_length"),
-    ("[[sections]]\nspans = [50, 50]\nsecond_contact_wire.mass = 1.3", "a wire without tension"),
-    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ height = 1 }] }]", "without position"),
-    ("[[sections]]\nspans = [{ length = 50, dropper_list = [20], positions = [20] }]", "dropper_list and positions"),
-    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, hangs_from = 'stitch' }] }]", "expected messenger"),
-    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, height = 0, cut_length = 1.0 }] }]",
-     "a cut length of 1 of the dropper at 20 m"),
-    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, contact_wire = 2 }] }]", "second contact wire"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("spans = [50]", "key 'spans'"),
+        ("[[sections]]", "at least one span"),
+        ("[[sections]]\nspans = [50, 'x']", r"spans\[2\].*a table"),
+        ("[[sections]]\nspans = [{ length = -3 }]", r"length: -3; expected a value in \[1"),
+        ("[[sections]]\nspans = [4294967296]", r"expected a value in \[1, 1000\] m"),
+        ("[[sections]]\nspans = [50, 50]\ndroppers.gap = 0.01", "droppers 0.01 m apart; expected at most 200"),
+        ("[[sections]]\nspans = [{ length = 50, repeat = 2001 }]", r"repeat: 2001; expected a value in \[1, 2000\]"),
+        ("[[sections]]\nspans = [50, 50]\nsupports = [5.3]", "1 for 2 spans"),
+        ("[[sections]]\nspans = [{ length = 50, positions = [40, 20] }]", "increasing positions"),
+        ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0, 0] }]", "2 for 1 droppers"),
+        ("[[sections]]\nspans = [{ length = 50, sagg = 0.1 }]", "did you mean 'sag'"),
+        ("[[sections]]\nspans = [50, 50]\nstitch = { half_length = 9 }", "without tension or mass"),
+        ("[[sections]\nspans", "syntax error"),
+        ("[[sections]]\nspans = [" + 5000 * "5" + "]", "syntax error"),
+        ("[[sections]]\nspans = [" + 400 * "5" + "]", r"spans\[1\].*a number in m"),
+        ("[[sections]]\nspans = [50, 50]\nsupport = { system_height = 0.2 }", "above the contact wire"),
+        ("[[sections]]\nspans = [50]\n[[sections]]\nstart = 70.0\nspans = [50]", "a position in section 1"),
+        ("[[sections]]\nspans = [50]\ndroppers = { stiffness = 1e5, axial_stiffness = 2e5 }", "only one would have an effect"),
+        ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0], sag = 0.1 }]", "heights and sag"),
+        ("[[sections]]\nspans = [50, 50]\nsupports = [5, 5, { stiffness = 1e5 }]", r"supports\[3\].stiffness.*anchor"),
+        ("[[sections]]\nspans = [50, 50]\nsupport.arm = { angle = 10 }", "arm: no length"),
+        ("[[sections]]\nspans = [50, 50]\nstitch = { tension = 3e3, mass = 0.3 }", "stitch: no half_length"),
+        ("[[sections]]\nspans = [50, 50]\nsecond_contact_wire.mass = 1.3", "a wire without tension"),
+        ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ height = 1 }] }]", "without position"),
+        ("[[sections]]\nspans = [{ length = 50, dropper_list = [20], positions = [20] }]", "dropper_list and positions"),
+        (
+            "[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, hangs_from = 'stitch' }] }]",
+            "expected messenger",
+        ),
+        (
+            "[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, height = 0, cut_length = 1.0 }] }]",
+            "a cut length of 1 of the dropper at 20 m",
+        ),
+        ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, contact_wire = 2 }] }]", "second contact wire"),
+    ],
+)
 def test_a_table_that_cannot_be_is_one_message(text, message):
     with pytest.raises(BadInput, match=message):
         form(text)
@@ -363,14 +392,17 @@ def test_what_a_span_says_of_its_droppers_rules_over_the_section():
     assert layout.droppers.mass_below[~right].min() > 0.165
 
 
-@pytest.mark.parametrize(("values", "named"), [
-    ({"span_length": 60.0}, "span_length = 60.0"),
-    ({"dropper_position[2]": 11.0, "spans": 3}, r"dropper_position\[2\] = 11.0"),
-    ({"contact_wire_tension": 25e3}, "contact_wire_tension = 25000.0.*in every place"),
-    ({"dropper_stiffness": 1e5}, "dropper_stiffness = 100000.0"),
-    ({"bending_stiffness.contact_wire": 195.0}, "bending_stiffness.contact_wire"),
-    ({"method": "explicit", "spectral_radius": 0.8}, "method 'explicit'"),
-])
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        ({"span_length": 60.0}, "span_length = 60.0"),
+        ({"dropper_position[2]": 11.0, "spans": 3}, r"dropper_position\[2\] = 11.0"),
+        ({"contact_wire_tension": 25e3}, "contact_wire_tension = 25000.0.*in every place"),
+        ({"dropper_stiffness": 1e5}, "dropper_stiffness = 100000.0"),
+        ({"bending_stiffness.contact_wire": 195.0}, "bending_stiffness.contact_wire"),
+        ({"method": "explicit", "spectral_radius": 0.8}, "method 'explicit'"),
+    ],
+)
 def test_a_parameter_that_a_table_leaves_no_use_for_is_refused(values, named):
     """In a scene with any value, elsewhere with another one than the default: a tool may write all parameters of an FMU."""
     table = UNEQUAL.replace("mass = 1.35", "mass = 1.35, bending = 195.0")

@@ -86,10 +86,16 @@ TWO_SPANS = "[[sections]]\ndroppers.stiffness = 2e5\nspans = [40, 50]\n"
 DROPPERS = "position [m],height [m],cut length [m],stiffness [N/m]\n10,0.01,,\n30,,1.05,\n50,0,,1e5\n80,0,,\n"
 
 
-@pytest.mark.parametrize("write", [
-    lambda text: text, lambda text: "\ufeff" + text.replace("\n", "\r\n"),
-    lambda text: text.replace(",", ";").replace(".", ","), lambda text: text.replace(",", "\t").replace(".", ",") + "\t\t\t\n"],
-    ids=["plain", "with a byte order mark", "semicolons and decimal commas", "tabs"])
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda text: text,
+        lambda text: "\ufeff" + text.replace("\n", "\r\n"),
+        lambda text: text.replace(",", ";").replace(".", ","),
+        lambda text: text.replace(",", "\t").replace(".", ",") + "\t\t\t\n",
+    ],
+    ids=["plain", "with a byte order mark", "semicolons and decimal commas", "tabs"],
+)
 def test_droppers_of_spreadsheets_are_read(write):
     values = {"line_table.table": TWO_SPANS, "line_table.droppers": write(DROPPERS), "method": "implicit"}
     form = Catenary(["line_table"], values).form()
@@ -100,21 +106,24 @@ def test_droppers_of_spreadsheets_are_read(write):
     assert form.cut_length[1] == pytest.approx(1.05, abs=1e-9)
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    ("height [m]\n1", "a column position"),
-    ("position [mm]\n1", r"column 'position \[mm\]'.*did you mean 'position \[m\]'"),
-    ("position [m],position [m]\n1,2", "each column once"),
-    ("position [m],height [m]\n10,5,3", "line 2: 3 cells; expected 2.*Decimal commas need semicolons"),
-    ("position [m],height [m]\n10,abc", "line 2, height: 'abc'; expected a number in m"),
-    ("position [m],height [m]\n10,nan", "line 2, height"),
-    ("position [m],mass [kg]\n10,-1", "line 2, mass: -1"),
-    ("position [m],height [m]\n,5", "line 2: no position"),
-    ("position [m]\n40", "line 2: a dropper of contact wire 1 at 40 m; expected a place inside a span"),
-    ("position [m],contact wire\n10,2", "line 2: a dropper of contact wire 2"),
-    ("position [m]\n10\n10", "increasing positions"),
-    ("position [m]\n", "no row"),
-    (DROPPERS.replace("0.01,,", "0.01,0.9,"), "a cut length of 0.9 of the dropper at 10 m.*which follows"),
-])
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("height [m]\n1", "a column position"),
+        ("position [mm]\n1", r"column 'position \[mm\]'.*did you mean 'position \[m\]'"),
+        ("position [m],position [m]\n1,2", "each column once"),
+        ("position [m],height [m]\n10,5,3", "line 2: 3 cells; expected 2.*Decimal commas need semicolons"),
+        ("position [m],height [m]\n10,abc", "line 2, height: 'abc'; expected a number in m"),
+        ("position [m],height [m]\n10,nan", "line 2, height"),
+        ("position [m],mass [kg]\n10,-1", "line 2, mass: -1"),
+        ("position [m],height [m]\n,5", "line 2: no position"),
+        ("position [m]\n40", "line 2: a dropper of contact wire 1 at 40 m; expected a place inside a span"),
+        ("position [m],contact wire\n10,2", "line 2: a dropper of contact wire 2"),
+        ("position [m]\n10\n10", "increasing positions"),
+        ("position [m]\n", "no row"),
+        (DROPPERS.replace("0.01,,", "0.01,0.9,"), "a cut length of 0.9 of the dropper at 10 m.*which follows"),
+    ],
+)
 def test_droppers_that_cannot_be_are_one_message(text, message):
     with pytest.raises(BadInput, match=message):
         Catenary(["line_table"], {"line_table.table": TWO_SPANS, "line_table.droppers": text, "method": "implicit"}).form()
@@ -144,11 +153,15 @@ def test_the_command_takes_droppers_and_refuses_what_they_leave_no_use_for(tmp_p
         line.read(file, {"span_length": 50.0})
 
 
-STAGGERED = """[[sections]]
+STAGGERED = (
+    """[[sections]]
 contact_wire.tension = 22e3
 support.arm = { length = 1.2, angle = 10.0, mass = 0.9 }
 spans = [{ length = 60, repeat = 10 }]
-supports = """ + str([{"stagger": 0.2 * (-1) ** k} for k in range(11)]).replace("'stagger':", "stagger =") + "\n"
+supports = """
+    + str([{"stagger": 0.2 * (-1) ** k} for k in range(11)]).replace("'stagger':", "stagger =")
+    + "\n"
+)
 
 
 def test_the_line_of_a_report_is_drawn_to_scale_about_the_window():
@@ -169,8 +182,9 @@ def test_the_line_of_a_report_is_drawn_to_scale_about_the_window():
     lengths = form.length[(form.layout.droppers.position > 240.0) & (form.layout.droppers.position < 360.0)]
     assert [abs(a - b) for (_, a), (_, b) in droppers] == pytest.approx(80.0 * lengths, abs=0.11)  # 80 px a metre up
     contact, messenger, plan = lines[21:]
-    assert [(x, round(y, 1)) for x, y in plan] == [(at(x), plan[0][1] - 120.0 * b) for x, b in
-                                                   ((240.0, 0.0), (300.0, -0.4), (360.0, 0.0))]
+    assert [(x, round(y, 1)) for x, y in plan] == [
+        (at(x), plan[0][1] - 120.0 * b) for x, b in ((240.0, 0.0), (300.0, -0.4), (360.0, 0.0))
+    ]
     assert [points[0][0] for points in (contact, messenger)] == [at(240.0)] * 2
     assert [points[-1][0] for points in (contact, messenger)] == [at(360.0)] * 2
     assert sum(e.text == "+293 N" for e in drawing.findall("{*}text")) == 2  # 4 b T / L

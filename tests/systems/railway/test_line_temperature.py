@@ -17,11 +17,15 @@ EA, ALPHA, WEIGHT, TENSION = 11.64e6, 1.7e-5, 24.84, 16e3
 def table(spans, contact="tension = 1.0, mass = 1e-6", mass=WEIGHT / 9.81, gap=5.5, fixed="messenger"):
     wires = {"contact_wire": contact, "messenger": f"tension = {TENSION}, mass = {mass}"}
     wires[fixed] += f", fixed = true, axial_stiffness = {EA}"
-    return "[[sections]]\n" + "\n".join(f"{name} = {{ {keys} }}" for name, keys in wires.items()) + f"""
+    return (
+        "[[sections]]\n"
+        + "\n".join(f"{name} = {{ {keys} }}" for name, keys in wires.items())
+        + f"""
 droppers = {{ stiffness = 1e7, first = {gap}, gap = {gap} }}
 support.system_height = 3.0
 spans = {spans}
 """
+    )
 
 
 def at(text, change):
@@ -59,8 +63,10 @@ def test_a_fixed_messenger_keeps_the_equation_of_state(spans, change):
 def test_a_contact_wire_that_keeps_its_tension_holds_the_messenger_up():
     """Many droppers: both sink alike, z'' ~ (T0 + Tc) / (T + Tc). The error goes with the droppers' distance."""
     Tc, weight, change = 22e3, 9.81 * (1.35 + 1.08), 20.0
-    tensions = [at(table([55, 55, 55], f"tension = {Tc}, mass = 1.35", 1.08, gap), change)[0].sections[0].messenger.tension
-                for gap in (2.0, 1.0)]
+    tensions = [
+        at(table([55, 55, 55], f"tension = {Tc}, mass = 1.35", 1.08, gap), change)[0].sections[0].messenger.tension
+        for gap in (2.0, 1.0)
+    ]
     expected = state(change, (weight * 55.0 / TENSION) ** 2 / 24.0, lambda T: (TENSION + Tc) / (T + Tc))
     alone = state(change, (weight * 55.0 / TENSION) ** 2 / 24.0, lambda T: TENSION / T)
     assert expected < 0.96 * alone

@@ -53,8 +53,9 @@ def test_fit_says_what_a_series_cannot_follow():
     fits = []
     for within in (even, odd):
         parameters = {f"dropper_position[{i + 1}]": x for i, x in enumerate(within)}
-        line = Catenary((), {"spans": 3, "span_length": 12.0, "droppers": 3, "element": 2.0,
-                             "first_watched_support": 0} | parameters)
+        line = Catenary(
+            (), {"spans": 3, "span_length": 12.0, "droppers": 3, "element": 2.0, "first_watched_support": 0} | parameters
+        )
         line.initialize(0.0)
         fits.append(fit_span(line, 100.0))
         assert fits[-1].parameters["span_length"] == 12.0

@@ -12,8 +12,9 @@ from cosimo.orchestrator.systems.railway.lumped_domain import ERRORS, LumpedDoma
 
 def test_the_domain_ends_at_the_first_speed_outside():
     errors = {name: np.array([0.01, -0.2, 0.02]) for name in ERRORS} | {"mean": np.zeros(3), "uplift": np.full(3, 0.5)}
-    domain = LumpedDomain("made up", 100.0, SpanFit({}, 0.0, 0.0, 0.0), False, load_scene("lumped-catenary"),
-                          np.array([10.0, 20.0, 30.0]), errors)
+    domain = LumpedDomain(
+        "made up", 100.0, SpanFit({}, 0.0, 0.0, 0.0), False, load_scene("lumped-catenary"), np.array([10.0, 20.0, 30.0]), errors
+    )
     assert domain.up_to("std", 0.1) == 10.0  # what agrees again beyond an error is chance
     assert domain.up_to("mean", 0.1) == 30.0
     assert np.isnan(domain.up_to("uplift", 0.1))
@@ -46,9 +47,11 @@ def test_lumped_and_distributed_agree_where_nothing_moves_quickly(tmp_path):
 def test_commands_refuse_what_they_cannot_use(capsys, tmp_path):
     from cosimo.orchestrator.cli import main
 
-    for arguments, message in ((("lumped", "en50318-2002", "--speeds", "5,x"), "--speeds: '5,x'"),
-                               (("fit-pantograph", str(tmp_path / "none.csv")), "none.csv"),
-                               (("fit-pantograph", "x.csv", "--fix", "head_mass=heavy"), "head_mass")):
+    for arguments, message in (
+        (("lumped", "en50318-2002", "--speeds", "5,x"), "--speeds: '5,x'"),
+        (("fit-pantograph", str(tmp_path / "none.csv")), "none.csv"),
+        (("fit-pantograph", "x.csv", "--fix", "head_mass=heavy"), "head_mass"),
+    ):
         with pytest.raises(SystemExit) as end:
             main(["railway", *arguments, "-o", str(tmp_path / "out")])
         assert end.value.code == 2

@@ -22,8 +22,12 @@ def windowed(scene, **window):
     name, unit = next(((n, u) for n, u in scene.units.items() if u.component == "Catenary"), (None, None))
     if name is None or unit.parameters.get("method") == "implicit":
         return None
-    return scene.with_changes({f"units.{name}.effects": [*unit.effects, "moving_window"],
-                               **{f"units.{name}.parameters.moving_window.{key}": value for key, value in window.items()}})
+    return scene.with_changes(
+        {
+            f"units.{name}.effects": [*unit.effects, "moving_window"],
+            **{f"units.{name}.parameters.moving_window.{key}": value for key, value in window.items()},
+        }
+    )
 
 
 def slowest(scene):

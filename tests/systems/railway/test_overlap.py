@@ -24,8 +24,10 @@ def table():
 
 @cache
 def catenary(element):
-    made = Catenary(["dropper_slackening", "gravity_sag", "line_table", "second_wire"],
-                    {"line_table.table": table(), "method": "implicit", "element": element})
+    made = Catenary(
+        ["dropper_slackening", "gravity_sag", "line_table", "second_wire"],
+        {"line_table.table": table(), "method": "implicit", "element": element},
+    )
     made.set("contact_position", 380.0)
     made.initialize(0.0)
     return made
@@ -94,8 +96,10 @@ def test_a_head_passes_from_wire_to_wire_as_in_the_networks(force):
     for place in PLACES:
         share = first_share(mesh, place, force)
         forces = share * force, (1.0 - share) * force
-        head = [net.solve({("c", place): own})[0]["c", place] + own / CONTACT
-                for (net, _, _), own in zip(sections, forces, strict=True)]
+        head = [
+            net.solve({("c", place): own})[0]["c", place] + own / CONTACT
+            for (net, _, _), own in zip(sections, forces, strict=True)
+        ]
         apart = head[0] - head[1]
         soft = 2.0 * 0.4e-3 + contact_compliance(0.0, place, 0, mesh)  # m/N, about what both wires give together
         if share < 1e-6:
@@ -114,8 +118,7 @@ def test_a_head_passes_from_wire_to_wire_as_in_the_networks(force):
 def test_a_head_on_both_wires_meets_the_impedance_of_both():
     """Y = F t / (2 Z) under a force that starts between droppers: 2 Z of one wire, 2 (Z + Z) of both."""
     Z = np.sqrt(TENSION[0] * MASS[0])
-    made = Catenary(["gravity_sag", "line_table", "second_wire"],
-                    {"line_table.table": table(), "element": 0.1, "substep": 1e-4})
+    made = Catenary(["gravity_sag", "line_table", "second_wire"], {"line_table.table": table(), "element": 0.1, "substep": 1e-4})
     made.set("contact_position", 374.14)  # in the middle of a gap of both
     made.initialize(0.0)
     start = made["wire_height"], made["second_wire.wire_height[1]"]

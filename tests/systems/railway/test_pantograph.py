@@ -75,8 +75,10 @@ def test_transmissibility_of_the_base():
         t = i * h  # the base's exact quadratic over the step is close enough: omega h = 0.019
         for name, values in (
             ("base_excitation.height", (np.sin(omega * t), omega * np.cos(omega * t), -0.5 * omega**2 * np.sin(omega * t))),
-            ("base_excitation.velocity",
-             (omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t), -0.5 * omega**3 * np.cos(omega * t))),
+            (
+                "base_excitation.velocity",
+                (omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t), -0.5 * omega**3 * np.cos(omega * t)),
+            ),
         ):
             pantograph.u[:, pantograph.input_positions([name])[0]] = values
         pantograph.step(t, h)
@@ -142,6 +144,7 @@ def test_contact_springs_in_series():
 
 def test_outer_contact_gives_the_motion_of_the_inner_one():
     """Fed with the force of its own spring at the end of each short step, held: the difference falls with the step."""
+
     def distance(h):
         own, fed = Pantograph(), Pantograph(["outer_contact"])
         for pantograph in (own, fed):

@@ -22,8 +22,9 @@ def stepped(pantograph: Pantograph, seconds: float, inputs=lambda t: {}) -> list
     return rows
 
 
-@pytest.mark.parametrize("more", [(), ("bump_stops",), ("lower_frame", "aerodynamic_uplift", "strip_lift", "actuator",
-                                                                "base_excitation")])
+@pytest.mark.parametrize(
+    "more", [(), ("bump_stops",), ("lower_frame", "aerodynamic_uplift", "strip_lift", "actuator", "base_excitation")]
+)
 def test_start_on_two_strips_is_an_equilibrium(more):
     """Wires of two heights and compliances, friction that loads the front strip: nothing moves."""
     pantograph = Pantograph(["two_strips", "contact_loss", *more], {"two_strips.friction": 0.3})
@@ -61,8 +62,14 @@ def test_two_strips_average_the_wire_over_their_distance():
         pantograph = Pantograph(["two_strips"])
         pantograph.initialize(0.0)
         rest = pantograph["contact_force"] + pantograph["two_strips.contact_force"]
-        rows = stepped(pantograph, 0.2, lambda t: {"wire_height": 1e-3 * np.sin(omega * t + 0.5 * shift),
-                                                   "two_strips.wire_height": 1e-3 * np.sin(omega * t - 0.5 * shift)})
+        rows = stepped(
+            pantograph,
+            0.2,
+            lambda t: {
+                "wire_height": 1e-3 * np.sin(omega * t + 0.5 * shift),
+                "two_strips.wire_height": 1e-3 * np.sin(omega * t - 0.5 * shift),
+            },
+        )
         return np.array([r["contact_force"] + r["two_strips.contact_force"] - rest for r in rows])
 
     together, apart = total(0.0), total(phase)
@@ -145,10 +152,17 @@ def test_measured_unevenness_is_a_height_of_the_wire():
     assert np.ptp([row["contact_force"] for row in stepped(moving, 0.03)]) > 1.0
 
 
-@pytest.mark.parametrize(("table", "expected"), [
-    ("", "at least two rows"), ("position [m],height [m]\n0,0\n", "at least two rows"), ("x,z\n0,0\n1,a\n", "two numbers"),
-    ("x,z\n0,0\n2,0\n1,0\n", "1 m behind 2 m"), ("x,z\n0,0,0\n1,0,0\n", "at least two rows"), ("x,z\n0,0\n1,nan\n", "rows"),
-])
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("", "at least two rows"),
+        ("position [m],height [m]\n0,0\n", "at least two rows"),
+        ("x,z\n0,0\n1,a\n", "two numbers"),
+        ("x,z\n0,0\n2,0\n1,0\n", "1 m behind 2 m"),
+        ("x,z\n0,0,0\n1,0,0\n", "at least two rows"),
+        ("x,z\n0,0\n1,nan\n", "rows"),
+    ],
+)
 def test_a_table_of_heights_that_cannot_be_used_is_one_message(table, expected):
     with pytest.raises(BadInput, match=expected):
         Pantograph(["measured_unevenness"], {"measured_unevenness.table": table}).initialize(0.0)
@@ -191,8 +205,10 @@ def test_actuator_follows_its_command_with_a_lag():
     assert pantograph["contact_force"] == pytest.approx(95.0, rel=ROUNDING)
 
 
-@pytest.mark.parametrize(("effect", "parameters"), [
-    ("wire_unevenness", {"wire_unevenness.shortest": 70.0}), ("lift_fluctuation", {"lift_fluctuation.lowest": 30.0})])
+@pytest.mark.parametrize(
+    ("effect", "parameters"),
+    [("wire_unevenness", {"wire_unevenness.shortest": 70.0}), ("lift_fluctuation", {"lift_fluctuation.lowest": 30.0})],
+)
 def test_bands_the_wrong_way_round_are_refused(effect, parameters):
     with pytest.raises(BadInput, match="below the"):
         Pantograph(["aerodynamic_uplift", effect], parameters).initialize(0.0)

@@ -32,11 +32,13 @@ def test_the_closed_form_solves_the_equations_of_motion():
     k1, c1, k2, c2, kc, m, c = 4200.0, 10.0, 50.0, 90.0, 50e3, 0.1, 2.0
     s = 1j * w
     # unknowns: heights of head, frame and wire; the stiffness' swing acts on the mean height of the wire, mean / k0
-    A = np.array([
-        [7.2 * s * s + k1 + c1 * s + kc, -(k1 + c1 * s), -kc],
-        [-(k1 + c1 * s), 15.0 * s * s + (c1 + c2) * s + k1 + k2, 0.0],
-        [-kc, 0.0, m * s * s + c * s + STIFFNESS + kc],
-    ])
+    A = np.array(
+        [
+            [7.2 * s * s + k1 + c1 * s + kc, -(k1 + c1 * s), -kc],
+            [-(k1 + c1 * s), 15.0 * s * s + (c1 + c2) * s + k1 + k2, 0.0],
+            [-kc, 0.0, m * s * s + c * s + STIFFNESS + kc],
+        ]
+    )
     head, _, wire = np.linalg.solve(A, np.array([0.0, 0.0, -a * mean]))
     assert abs(kc * (head - wire)) / math.sqrt(2.0) == pytest.approx(relative_deviation(speed, whole=True), rel=1e-12)
 
@@ -52,5 +54,14 @@ def test_the_claims_have_the_verdicts_of_the_last_review():
     result = CaseResult(case, case.function(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     outside = {r.reference.measure for r in result.findings.rows if not r.inside}
-    assert outside == {"max.250", "min.250", "uplift_mm.250", "std.300", "statistical_max.300", "statistical_min.300", "max.300",
-                       "min.300", "uplift_mm.300"}
+    assert outside == {
+        "max.250",
+        "min.250",
+        "uplift_mm.250",
+        "std.300",
+        "statistical_max.300",
+        "statistical_min.300",
+        "max.300",
+        "min.300",
+        "uplift_mm.300",
+    }

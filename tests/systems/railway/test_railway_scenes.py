@@ -15,12 +15,22 @@ EFFECTS = ["dropper_slackening", "gravity_sag", "damping"]
 
 def reference_scene(speed=250.0, effects=EFFECTS, **changes):
     """EN 50318:2002 without pictures."""
-    return at_speed(load_scene("en50318-2002"), speed, {
-        "units.catenary.effects": effects,
-        "record": {"signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height",
-                               "catenary.support_uplift"]},
-        **changes,
-    })
+    return at_speed(
+        load_scene("en50318-2002"),
+        speed,
+        {
+            "units.catenary.effects": effects,
+            "record": {
+                "signals": [
+                    "pantograph.contact_force",
+                    "pantograph.contact_position",
+                    "catenary.wire_height",
+                    "catenary.support_uplift",
+                ]
+            },
+            **changes,
+        },
+    )
 
 
 def force(result):
@@ -58,6 +68,7 @@ def test_the_two_integrators_agree():
 @pytest.mark.full
 def test_error_falls_at_second_order_or_better_in_the_element():
     """Macro step and substep small, so that the elements make the error."""
+
     def history(element, substep):
         small = {"master.step": 5e-4, "units.catenary.parameters.element": element, "units.catenary.parameters.substep": substep}
         return force(finished(reference_scene(**small)))
@@ -102,10 +113,16 @@ def test_the_wake_reaches_the_trailing_pantograph():
     both = finished(scene)
     leading, trailing = (statistics(both, pantograph=k) for k in (0, 1))
     assert passages(both)[0].pantograph == "leading"
-    alone = finished(load_scene("en50318-2002").with_changes({
-        "stop_time": scene.stop_time, "units.catenary.parameters.spans": 12, "units.catenary.parameters.first_watched_support": 4,
-        "analysis": scene.analysis,
-    }))
+    alone = finished(
+        load_scene("en50318-2002").with_changes(
+            {
+                "stop_time": scene.stop_time,
+                "units.catenary.parameters.spans": 12,
+                "units.catenary.parameters.first_watched_support": 4,
+                "analysis": scene.analysis,
+            }
+        )
+    )
     single = statistics(alone)
     assert leading.mean == pytest.approx(single.mean, rel=0.02)
     assert trailing.mean == pytest.approx(single.mean, rel=0.02)

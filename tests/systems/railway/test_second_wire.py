@@ -18,14 +18,17 @@ def pantograph(first, second, effects=(), **parameters):
     return made
 
 
-@pytest.mark.parametrize(("first", "second", "shares"), [
-    (0.0, 0.0, (60.0, 60.0)),
-    (0.0, 1e-3, (85.0, 35.0)),  # k_c 1 mm = 50 N between them
-    (1e-3, 0.0, (35.0, 85.0)),
-    (0.0, 4e-3, (120.0, 0.0)),
-    (4e-3, 0.0, (0.0, 120.0)),
-    (0.0, 10.0, (120.0, 0.0)),
-])
+@pytest.mark.parametrize(
+    ("first", "second", "shares"),
+    [
+        (0.0, 0.0, (60.0, 60.0)),
+        (0.0, 1e-3, (85.0, 35.0)),  # k_c 1 mm = 50 N between them
+        (1e-3, 0.0, (35.0, 85.0)),
+        (0.0, 4e-3, (120.0, 0.0)),
+        (4e-3, 0.0, (0.0, 120.0)),
+        (0.0, 10.0, (120.0, 0.0)),
+    ],
+)
 def test_wires_share_the_force_by_their_heights(first, second, shares):
     """F_1 + F_2 = F_0 and F_1 - F_2 = k_c (w_2 - w_1) where both touch; at rest, then after a hundred steps."""
     made = pantograph(first, second)

@@ -31,10 +31,9 @@ def force_method(catenary: Catenary, position: float) -> float:
     Gds = green(d[:, None], s, length, p["messenger_tension"])
     # droppers carry f (pull the contact wire down), supports r (pull the messenger down): both wires move as one
     n = d.size
-    system = np.block([
-        [Gc + Gm + np.eye(n) / p["dropper_stiffness"], -Gds],
-        [-Gds.T, Gs + np.eye(s.size) / p["support_stiffness"]],
-    ])
+    system = np.block(
+        [[Gc + Gm + np.eye(n) / p["dropper_stiffness"], -Gds], [-Gds.T, Gs + np.eye(s.size) / p["support_stiffness"]]]
+    )
     load = np.concatenate((green(d, position, length, p["contact_wire_tension"]), np.zeros(s.size)))
     f = np.linalg.solve(system, load)[:n]
     own = green(position, position, length, p["contact_wire_tension"])

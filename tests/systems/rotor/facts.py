@@ -25,8 +25,21 @@ FACTS: dict[str, Facts] = {
     "BeamRotor": Facts(
         small={"element": 0.75},
         moving=frozenset({"angle"}),
-        plain=(("gyroscopic", "disks", "unbalance", "internal_damping", "gravity", "run_up", "linear_supports", "bearing_a",
-                "frame_rotation"), {"element": 0.75, "substep": 5e-4}, 3),
+        plain=(
+            (
+                "gyroscopic",
+                "disks",
+                "unbalance",
+                "internal_damping",
+                "gravity",
+                "run_up",
+                "linear_supports",
+                "bearing_a",
+                "frame_rotation",
+            ),
+            {"element": 0.75, "substep": 5e-4},
+            3,
+        ),
         disturbance={"force_x": 10.0, "force_y": 5.0},
         step=2e-4,
         strengths={
@@ -36,13 +49,25 @@ FACTS: dict[str, Facts] = {
             "internal_damping.time_constant": ({}, 1e-9),
             "gravity.acceleration": ({}, 1e-3),
             "run_up.acceleration": ({}, 1e-3),
-            **{f"linear_supports.{n}_{axis}[1]": (NO_SUPPORT, value)
-               for axis in "xy" for n, value in (("stiffness", 1.0), ("damping", 1e-3))},
+            **{
+                f"linear_supports.{n}_{axis}[1]": (NO_SUPPORT, value)
+                for axis in "xy"
+                for n, value in (("stiffness", 1.0), ("damping", 1e-3))
+            },
             "frame_rotation.rate_x": ({}, 1e-3),
             "frame_rotation.rate_y": ({}, 1e-3),
         },
         structural=frozenset({"gyroscopic", "bearing_a", "bearing_b"}),
-        form=frozenset({"disks.position", "disks.polar_inertia", "unbalance.phase", "run_up.end_speed", "run_up.start_time",
-                        "linear_supports.position", "frame_rotation.position"}),
+        form=frozenset(
+            {
+                "disks.position",
+                "disks.polar_inertia",
+                "unbalance.phase",
+                "run_up.end_speed",
+                "run_up.start_time",
+                "linear_supports.position",
+                "frame_rotation.position",
+            }
+        ),
     ),
 }

@@ -25,8 +25,7 @@ def steady_unbalance(rotor: BeamRotor, speed: float, moment: float, node: int) -
     m = rotor.matrices()
     force = np.zeros(m.mass.shape[0], dtype=complex)
     force[4 * node], force[4 * node + 1] = moment * speed**2, -1j * moment * speed**2
-    dynamic = (m.stiffness + speed * m.circulatory - speed**2 * m.mass
-               + 1j * speed * (m.damping + speed * m.gyroscopic))
+    dynamic = m.stiffness + speed * m.circulatory - speed**2 * m.mass + 1j * speed * (m.damping + speed * m.gyroscopic)
     q = np.linalg.solve(dynamic, force)
     return 0.5 * (q[0::4] + 1j * q[1::4]), 0.5 * np.conj(q[0::4] - 1j * q[1::4])
 
@@ -36,8 +35,14 @@ def steady_unbalance(rotor: BeamRotor, speed: float, moment: float, node: int) -
 def test_steady_unbalance_response_is_that_of_the_frequency_domain(speed):
     damping = {f"linear_supports.damping_{axis}[{k}]": 2000.0 for axis in "xy" for k in (1, 2)}
     anisotropic = {"linear_supports.stiffness_x[1]": 7e5}
-    rotor = started((*FRISWELL, "unbalance", "internal_damping"), start_speed=speed, substep=2e-5, **damping, **anisotropic,
-                    **{"internal_damping.time_constant": 1e-5, "unbalance.phase[1]": 0.4})
+    rotor = started(
+        (*FRISWELL, "unbalance", "internal_damping"),
+        start_speed=speed,
+        substep=2e-5,
+        **damping,
+        **anisotropic,
+        **{"internal_damping.time_constant": 1e-5, "unbalance.phase[1]": 0.4},
+    )
     forward, backward = steady_unbalance(rotor, speed, 1e-3, 2)
     slowest = modes(rotor.matrices(), speed).decay.min()
     assert slowest > 0.0
@@ -163,8 +168,13 @@ def test_internal_damping_drives_the_rotor_above_the_onset_speed():
 def test_a_run_up_passes_the_critical_speed_between_supports_with_damping():
     """Largest amplitude a little above the critical speed at 86.9 rad/s; the unbalance force is that of the run-up's angle."""
     damping = {f"linear_supports.damping_{axis}[{k}]": 300.0 for axis in "xy" for k in (1, 2)}
-    rotor = started((*FRISWELL, "unbalance", "run_up"), start_speed=40.0, substep=5e-4, **damping,
-                    **{"run_up.acceleration": 10.0, "run_up.end_speed": 160.0})
+    rotor = started(
+        (*FRISWELL, "unbalance", "run_up"),
+        start_speed=40.0,
+        substep=5e-4,
+        **damping,
+        **{"run_up.acceleration": 10.0, "run_up.end_speed": 160.0},
+    )
     speeds, amplitudes = [], []
     for k in range(2600):
         rotor.step(k * 5e-3, 5e-3)
@@ -194,8 +204,12 @@ def give(rotor: BeamRotor, port: str, tangent: np.ndarray, damping: np.ndarray, 
 
 def test_a_tangent_through_the_port_is_a_spring_in_the_rotor():
     """To rounding: the port's matrices stand in the same places as those of linear supports."""
-    springs = {f"linear_supports.{n}_{axis}[{k}]": v * (1.0 + 0.5 * (axis == "y")) for axis in "xy" for k in (1, 2)
-               for n, v in (("stiffness", 3e6), ("damping", 500.0))}
+    springs = {
+        f"linear_supports.{n}_{axis}[{k}]": v * (1.0 + 0.5 * (axis == "y"))
+        for axis in "xy"
+        for k in (1, 2)
+        for n, v in (("stiffness", 3e6), ("damping", 500.0))
+    }
     effects = ("gyroscopic", "disks", "unbalance", "gravity")
     inside = started((*effects, "linear_supports"), **springs)
     outside = BeamRotor((*effects, "bearing_a", "bearing_b"))
@@ -232,8 +246,12 @@ def test_force_and_moment_at_a_port_act_like_the_beam_says():
     L = 1.5
     bend, turn, both = L**3 / (3.0 * EI) + L / shear, L / EI, L**2 / (2.0 * EI)
     clamp = np.diag([1e14, 1e14, 1e14, 1e14])
-    loads = {"force_x": (bend, 0.0, 0.0, both), "force_y": (0.0, bend, -both, 0.0),
-             "moment_x": (0.0, -both, turn, 0.0), "moment_y": (both, 0.0, 0.0, turn)}
+    loads = {
+        "force_x": (bend, 0.0, 0.0, both),
+        "force_y": (0.0, bend, -both, 0.0),
+        "moment_x": (0.0, -both, turn, 0.0),
+        "moment_y": (both, 0.0, 0.0, turn),
+    }
     for name, expected in loads.items():
         give(rotor, "bearing_a", clamp, np.zeros((4, 4)))
         give(rotor, "bearing_b", np.zeros((4, 4)), np.zeros((4, 4)), [float(n == name) for n in loads])
@@ -245,6 +263,7 @@ def test_force_and_moment_at_a_port_act_like_the_beam_says():
 def test_a_tangent_that_changes_within_the_step_is_followed():
     """A stiffness that grows linearly in time at a port, against many small steps with held values."""
     effects = ("disks", "bearing_a", "bearing_b")
+
     def run(n):
         rotor = BeamRotor(effects, {"substep": 1e-5})
         give(rotor, "bearing_a", np.diag([1e6, 1e6, 0.0, 0.0]), np.zeros((4, 4)), (1000.0, 0.0, 0.0, 0.0))

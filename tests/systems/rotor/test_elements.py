@@ -128,20 +128,27 @@ def timoshenko_simply_supported(section: Section, length: float, n: int) -> floa
 
 
 def shaft_frequencies(element: float, length: float, diameter: float, count: int, effects=(), **parameters) -> np.ndarray:
-    made = BeamRotor(effects, {"length": length, "outer_diameter": diameter, "element": element,
-                               "watched_position": 0.0, **parameters})
+    made = BeamRotor(
+        effects, {"length": length, "outer_diameter": diameter, "element": element, "watched_position": 0.0, **parameters}
+    )
     made.initialize(0.0)
     return modes(made.matrices(), 0.0, count).frequency
 
 
-PINNED = {f"linear_supports.{n}[{k}]": v for k, z in ((1, 0.0), (2, 1.0)) for n, v in
-          (("position", z), ("stiffness_x", 1e14), ("stiffness_y", 1e14))}
+PINNED = {
+    f"linear_supports.{n}[{k}]": v
+    for k, z in ((1, 0.0), (2, 1.0))
+    for n, v in (("position", z), ("stiffness_x", 1e14), ("stiffness_y", 1e14))
+}
 
 
-@pytest.mark.parametrize(("diameter", "counts", "order"), [
-    (0.005, (4, 8, 16), 4.0),  # m; cubic deflections, next to no shear
-    (0.1, (16, 32, 64), 2.0),  # the shear angle is constant in an element
-])
+@pytest.mark.parametrize(
+    ("diameter", "counts", "order"),
+    [
+        (0.005, (4, 8, 16), 4.0),  # m; cubic deflections, next to no shear
+        (0.1, (16, 32, 64), 2.0),  # the shear angle is constant in an element
+    ],
+)
 def test_simply_supported_beam_and_its_order_of_convergence(diameter, counts, order):
     section = circular_section(diameter, 0.0, *STEEL)
     exact = np.array([timoshenko_simply_supported(section, 1.0, n) for n in (1, 2, 3)])
@@ -176,19 +183,29 @@ def test_disk_in_the_middle_of_a_light_shaft_is_the_jeffcott_rotor():
     section = circular_section(0.03, 0.0, 211e9, 81.2e9, 1e-3)
     stiffness = 1.0 / (1.0 / (48.0 * section.bending) + 0.25 / section.shear)
     disk = {f"disks.{n}[{k}]": 0.0 for n in ("mass", "polar_inertia", "diametral_inertia") for k in (1, 2)}
-    found = shaft_frequencies(0.5, 1.0, 0.03, 2, ["disks", "linear_supports"], density=1e-3,
-                              **{**PINNED, **disk, "disks.mass[1]": 20.0, "disks.position[1]": 0.5})
+    found = shaft_frequencies(
+        0.5,
+        1.0,
+        0.03,
+        2,
+        ["disks", "linear_supports"],
+        density=1e-3,
+        **{**PINNED, **disk, "disks.mass[1]": 20.0, "disks.position[1]": 0.5},
+    )
     # the shaft's own mass, 7e-7 kg, and the supports, 1e14 N/m, are below 1e-7 of it
     np.testing.assert_allclose(found, math.sqrt(stiffness / 20.0), rtol=1e-6)
 
 
-@pytest.mark.parametrize(("changes", "words"), [
-    ({"watched_position": 1.6}, "watched_position at 1.6 m"),
-    ({"disks.position[2]": 2.0}, "a disk at 2 m"),
-    ({"bearing_b.position": 1.51}, "a bearing at 1.51 m"),
-    ({"linear_supports.position[1]": 9.0}, "a support at 9 m"),
-    ({"inner_diameter": 0.05}, "inner_diameter = 0.05 m"),
-])
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"watched_position": 1.6}, "watched_position at 1.6 m"),
+        ({"disks.position[2]": 2.0}, "a disk at 2 m"),
+        ({"bearing_b.position": 1.51}, "a bearing at 1.51 m"),
+        ({"linear_supports.position[1]": 9.0}, "a support at 9 m"),
+        ({"inner_diameter": 0.05}, "inner_diameter = 0.05 m"),
+    ],
+)
 def test_places_beside_the_shaft_are_refused(changes, words):
     with pytest.raises(BadInput, match=words):
         BeamRotor(["disks", "linear_supports", "bearing_b"], changes).initialize(0.0)

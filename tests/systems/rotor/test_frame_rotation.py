@@ -90,8 +90,9 @@ def test_the_motion_is_that_of_absolute_coordinates():
     turning = rates @ rigid(rotor)
     system = np.zeros((2 * N + 2, 2 * N + 2))  # Q, Q', t, 1
     system[:N, N : 2 * N] = np.eye(N)
-    system[N : 2 * N] = np.linalg.solve(m.mass, np.column_stack(
-        (-m.stiffness, -m.damping - SPEED * m.gyroscopic, m.stiffness @ turning, m.damping @ turning)))
+    system[N : 2 * N] = np.linalg.solve(
+        m.mass, np.column_stack((-m.stiffness, -m.damping - SPEED * m.gyroscopic, m.stiffness @ turning, m.damping @ turning))
+    )
     system[2 * N, 2 * N + 1] = 1.0
     start = np.concatenate((np.zeros(N), turning, [0.0, 1.0]))
     end = 0.04

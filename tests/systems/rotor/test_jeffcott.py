@@ -98,8 +98,7 @@ def forward_rate(speed: float, internal: float) -> float:
 
 def growth_rate(speed: float, internal: float) -> float:
     """Growth of the orbit over two seconds, 1/s, after the backward whirl has died away."""
-    rotor = JeffcottRotor(["internal_damping"], {"start_speed": speed, "internal_damping.coefficient": internal,
-                                                 "substep": 5e-5})
+    rotor = JeffcottRotor(["internal_damping"], {"start_speed": speed, "internal_damping.coefficient": internal, "substep": 5e-5})
     rotor.initialize(0.0)
     rotor.x[:4] = 1e-4, 0.0, 0.0, 1e-4 * CRITICAL
     rotor.step(0.0, 3.0)
@@ -179,8 +178,16 @@ def started_from_rest() -> complex:
 @pytest.mark.interpreted
 def test_run_up_turns_by_the_integral_of_its_speed():
     """From 20 to 220 rad/s at 100 rad/s² from 0.5 s on: 10 rad, then 240 rad in two seconds, then 220 rad/s."""
-    rotor = JeffcottRotor(["run_up"], {"start_speed": 20.0, "run_up.acceleration": 100.0, "run_up.end_speed": 220.0,
-                                       "run_up.start_time": 0.5, "start_angle": 0.3})
+    rotor = JeffcottRotor(
+        ["run_up"],
+        {
+            "start_speed": 20.0,
+            "run_up.acceleration": 100.0,
+            "run_up.end_speed": 220.0,
+            "run_up.start_time": 0.5,
+            "start_angle": 0.3,
+        },
+    )
     rotor.initialize(0.0)
     rows = stepped(rotor, 3.0, 7e-4)
     t = rows[:, 0]

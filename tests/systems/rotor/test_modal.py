@@ -57,7 +57,7 @@ def test_critical_speeds_are_where_a_frequency_meets_the_speed():
 def overhung(speed: float, stiffness: np.ndarray, mass: float, polar: float, diametral: float) -> np.ndarray:
     """Frequencies of a disk at the end of a massless clamped shaft, with q = (z, tilt) exp(i w t) in complex notation:
 
-        det [[k11 - m w², k12], [k12, k22 - I_d w² + I_p speed w]] = 0
+    det [[k11 - m w², k12], [k12, k22 - I_d w² + I_p speed w]] = 0
     """
     (k11, k12), (_, k22) = stiffness
     polynomial = np.polyadd(np.polymul([-mass, 0.0, k11], [-diametral, polar * speed, k22]), [-(k12**2)])
@@ -69,10 +69,21 @@ def test_gyroscopic_splitting_of_an_overhung_disk(speed):
     """A massless shaft, clamped at one end, with a disk at the other."""
     length, diameter = 0.4, 0.03
     disk = solid_disk(0.3, 0.0, 0.02, 7810.0)
-    m = matrices(["gyroscopic", "disks"], length=length, outer_diameter=diameter, density=1e-3, element=0.1,
-                 watched_position=length,
-                 **{**NO_DISKS, "disks.position[1]": length, "disks.mass[1]": disk.mass,
-                    "disks.polar_inertia[1]": disk.polar_inertia, "disks.diametral_inertia[1]": disk.diametral_inertia})
+    m = matrices(
+        ["gyroscopic", "disks"],
+        length=length,
+        outer_diameter=diameter,
+        density=1e-3,
+        element=0.1,
+        watched_position=length,
+        **{
+            **NO_DISKS,
+            "disks.position[1]": length,
+            "disks.mass[1]": disk.mass,
+            "disks.polar_inertia[1]": disk.polar_inertia,
+            "disks.diametral_inertia[1]": disk.diametral_inertia,
+        },
+    )
     m.stiffness[range(4), range(4)] += 1e12  # the clamp
     EI, nu = 211e9 * math.pi / 64.0 * diameter**4, 0.5 * 211.0 / 81.2 - 1.0
     shear = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu) * 81.2e9 * math.pi / 4.0 * diameter**2
@@ -136,10 +147,15 @@ def test_onset_speed_of_the_jeffcott_rotor_on_a_beam():
     k = 1.0 / (length**3 / (48.0 * EI) + length / (4.0 * section_shear))
     half = {"linear_supports.position[1]": 0.0, "linear_supports.position[2]": length}
     pinned = {f"linear_supports.stiffness_{axis}[{i}]": 1e13 for axis in "xy" for i in (1, 2)}
-    m = matrices(["disks", "internal_damping", "linear_supports"], length=length, outer_diameter=diameter, density=1e-3,
-                 watched_position=0.5, element=0.5,
-                 **{**half, **pinned, **NO_DISKS, "disks.position[1]": 0.5, "disks.mass[1]": 20.0,
-                    "internal_damping.time_constant": eta})
+    m = matrices(
+        ["disks", "internal_damping", "linear_supports"],
+        length=length,
+        outer_diameter=diameter,
+        density=1e-3,
+        watched_position=0.5,
+        element=0.5,
+        **{**half, **pinned, **NO_DISKS, "disks.position[1]": 0.5, "disks.mass[1]": 20.0, "internal_damping.time_constant": eta},
+    )
     m.damping[4, 4] += external  # x and y of the middle node
     m.damping[5, 5] += external
     critical = math.sqrt(k / 20.0)

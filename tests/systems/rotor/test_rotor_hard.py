@@ -75,8 +75,10 @@ def test_a_free_rotor_precesses_and_has_critical_speeds(element):
 def test_stiff_bearings_through_the_port_at_large_macro_steps(stiffness, h):
     """The node on 1e9 N/m has a frequency of 1e4 rad/s and more: plain force coupling ends at a few 10 us."""
     rotor = BeamRotor(("gyroscopic", "disks", "unbalance", "gravity", "bearing_a", "bearing_b"))
-    fixed = started((*FRISWELL, "unbalance", "gravity"),
-                    **{f"linear_supports.stiffness_{axis}[{k}]": stiffness for axis in "xy" for k in (1, 2)})
+    fixed = started(
+        (*FRISWELL, "unbalance", "gravity"),
+        **{f"linear_supports.stiffness_{axis}[{k}]": stiffness for axis in "xy" for k in (1, 2)},
+    )
     for port in "ab":
         for element in (1, 7):
             rotor.set(f"bearing_{port}.stiffness[{element}]", stiffness)
@@ -94,6 +96,7 @@ def test_stiff_bearings_through_the_port_at_large_macro_steps(stiffness, h):
 @pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
 def test_a_reversed_rotor_is_the_mirror_image(rotor_class):
     """Speed and phase reversed: x stays, y changes its sign; to rounding, because 2 pi - angle is not -angle to the last bit."""
+
     def run(sign):
         effects = ("unbalance", "internal_damping")
         effects += ("disks", "gyroscopic", "linear_supports") if rotor_class is BeamRotor else ()
@@ -149,10 +152,17 @@ def test_ten_million_turns_of_the_angle_do_not_drift():
 def test_a_huge_disk_on_a_thin_shaft(mass):
     """The lowest frequency is that of the disk's mass on shaft and supports; high gyroscopic coupling stays stable."""
     inertia = 0.1 * mass
-    numbers = {"disks.mass[1]": mass, "disks.mass[2]": 0.0, "disks.polar_inertia[1]": 2.0 * inertia,
-               "disks.polar_inertia[2]": 0.0, "disks.diametral_inertia[1]": inertia,
-               "disks.diametral_inertia[2]": 0.0, "disks.position[1]": 0.75,
-               "disks.position[2]": 0.0, "watched_position": 0.75}
+    numbers = {
+        "disks.mass[1]": mass,
+        "disks.mass[2]": 0.0,
+        "disks.polar_inertia[1]": 2.0 * inertia,
+        "disks.polar_inertia[2]": 0.0,
+        "disks.diametral_inertia[1]": inertia,
+        "disks.diametral_inertia[2]": 0.0,
+        "disks.position[1]": 0.75,
+        "disks.position[2]": 0.0,
+        "watched_position": 0.75,
+    }
     rotor = started((*FRISWELL, "unbalance"), start_speed=1000.0, **numbers, **{"unbalance.moment[1]": mass * 1e-6})
     m = rotor.matrices()
     middle = 4 * int(np.abs(rotor.nodes - 0.75).argmin())
@@ -210,20 +220,33 @@ TIME_CONSTANT = 1e-5  # s, damping over stiffness of the linear bearings
 
 def coupled(step, tangent, extrapolation=0, stiffness=1e8, substep=1e-5, steps=200):
     """A rotor on two spring-dampers as units of their own, Jacobi; it starts straight under a sudden unbalance."""
-    rotor = {"component": "BeamRotor", "effects": ["disks", "gyroscopic", "unbalance", "bearing_a", "bearing_b"],
-             "parameters": {"substep": substep}}
-    bearing = {"component": "cosimo.tests.systems.rotor.linear_bearing:LinearBearing", "effects": ["tangent"] * tangent,
-               "parameters": {"k": stiffness, "d": stiffness * TIME_CONSTANT}}
+    rotor = {
+        "component": "BeamRotor",
+        "effects": ["disks", "gyroscopic", "unbalance", "bearing_a", "bearing_b"],
+        "parameters": {"substep": substep},
+    }
+    bearing = {
+        "component": "cosimo.tests.systems.rotor.linear_bearing:LinearBearing",
+        "effects": ["tangent"] * tangent,
+        "parameters": {"k": stiffness, "d": stiffness * TIME_CONSTANT},
+    }
     connections = [f"rotor.bearing_{p}.{n} -> {p}.{n}" for p in "ab" for n in MOTION]
     names = ["force_x", "force_y"]
     names += [f"{n}[{k}]" for n in ("stiffness", "damping") for k in range(1, 26)] if tangent else []
     connections += [f"{p}.{'tangent.' * tangent}{n} -> rotor.bearing_{p}.{n}" for p in "ab" for n in names]
-    return run(read_scene({
-        "title": "Rotor on two spring-dampers", "stop_time": steps * step, "connections": connections,
-        "units": {"rotor": rotor, "a": bearing, "b": bearing},
-        "master": {"algorithm": "jacobi", "step": step, "extrapolation": extrapolation},
-        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.bearing_a.displacement_x"]},
-    }), in_process=True)
+    return run(
+        read_scene(
+            {
+                "title": "Rotor on two spring-dampers",
+                "stop_time": steps * step,
+                "connections": connections,
+                "units": {"rotor": rotor, "a": bearing, "b": bearing},
+                "master": {"algorithm": "jacobi", "step": step, "extrapolation": extrapolation},
+                "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.bearing_a.displacement_x"]},
+            }
+        ),
+        in_process=True,
+    )
 
 
 @pytest.mark.parametrize(("share", "stable"), [(0.9, True), (1.2, False)])
@@ -240,8 +263,12 @@ def test_tangent_coupling_is_the_monolithic_rotor_at_any_macro_step(stiffness, e
     """A hundred times the plain coupling's limit, with the result of supports inside the rotor."""
     step = 200.0 * TIME_CONSTANT
     result = coupled(step, True, extrapolation, stiffness)
-    inside = {f"linear_supports.{n}_{axis}[{k}]": v for axis in "xy" for k in (1, 2)
-              for n, v in (("stiffness", stiffness), ("damping", stiffness * TIME_CONSTANT))}
+    inside = {
+        f"linear_supports.{n}_{axis}[{k}]": v
+        for axis in "xy"
+        for k in (1, 2)
+        for n, v in (("stiffness", stiffness), ("damping", stiffness * TIME_CONSTANT))
+    }
     rotor = started(("disks", "gyroscopic", "unbalance", "linear_supports"), substep=1e-5, **inside)
     for k in range(200):
         rotor.step(k * step, step)
@@ -253,8 +280,11 @@ def test_tangent_coupling_is_the_monolithic_rotor_at_any_macro_step(stiffness, e
 def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
     """Two and four times the limit 2 d/k = 50 us of plain coupling; the tangent's error there is below 3 and 15 per cent."""
     effects = ["gyroscopic", "disks", "unbalance", "gravity", "linear_supports", "bearing_a", "bearing_b"]
-    constant = {"units.rotor.effects": effects, "stop_time": 0.3,
-                "record": {"signals": ["rotor.bearing_a.displacement_x", "rotor.bearing_a.displacement_y"]}}
+    constant = {
+        "units.rotor.effects": effects,
+        "stop_time": 0.3,
+        "record": {"signals": ["rotor.bearing_a.displacement_x", "rotor.bearing_a.displacement_y"]},
+    }
     scene = load_scene("rotor-run-up")
     parameters = {n: v for n, v in scene.units["rotor"].parameters.items() if not n.startswith("run_up")}
     constant["units.rotor.parameters"] = parameters | {"start_speed": 500.0, "substep": 1e-5}
@@ -267,11 +297,15 @@ def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
         difference = np.abs(result[name] - expected)[result.time > 0.1]  # after the start, from rest
         assert difference.max() <= tolerance * np.ptp(reference[name]), step
     sides = {"rotor.bearing_a": "left", "rotor.bearing_b": "right"}
-    plain = tangent.with_changes({
-        "connections": [c for port, side in sides.items() for c in (f"{port}.* -> {side}.*", f"{side}.* -> {port}.*")],
-        "units.left.effects": ["damping"], "units.right.effects": ["damping"], "units.rotor.parameters.start_fall": 1e-5,
-        "master.step": 1e-4,
-    })
+    plain = tangent.with_changes(
+        {
+            "connections": [c for port, side in sides.items() for c in (f"{port}.* -> {side}.*", f"{side}.* -> {port}.*")],
+            "units.left.effects": ["damping"],
+            "units.right.effects": ["damping"],
+            "units.rotor.parameters.start_fall": 1e-5,
+            "master.step": 1e-4,
+        }
+    )
     assert run(plain, in_process=True).outcome != "done"
 
 
@@ -279,11 +313,18 @@ def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
 @pytest.mark.parametrize("clearance", [-10e-6, 0.0, 10e-6, 60e-6, 190e-6])
 def test_a_rotor_that_only_its_bearings_hold_finds_its_place(clearance, disk):
     """From no contact at all into the balls, within the master's sweeps: the bearings' forces carry the weight."""
-    result = run(load_scene("rotor-run-up").with_changes({
-        "stop_time": 1e-4, "units.left.parameters.diametral_clearance": clearance,
-        "units.right.parameters.diametral_clearance": clearance, "units.rotor.parameters.disks.position": [disk, 0.0],
-        "record": {"signals": ["left.force_x", "left.force_y", "right.force_x", "right.force_y"]},
-    }), in_process=True)
+    result = run(
+        load_scene("rotor-run-up").with_changes(
+            {
+                "stop_time": 1e-4,
+                "units.left.parameters.diametral_clearance": clearance,
+                "units.right.parameters.diametral_clearance": clearance,
+                "units.rotor.parameters.disks.position": [disk, 0.0],
+                "record": {"signals": ["left.force_x", "left.force_y", "right.force_x", "right.force_y"]},
+            }
+        ),
+        in_process=True,
+    )
     assert result.info["counters"]["master"]["initial_sweeps"] <= 20
     left, right = ([result.columns[f"{side}.force_{axis}"][0] for axis in "xy"] for side in ("left", "right"))
     shaft = 7810.0 * math.pi / 4.0 * 0.03**2 * 0.6 * 9.81

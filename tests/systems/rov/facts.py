@@ -19,8 +19,11 @@ def each_alone(effect: str, value: float) -> dict[str, tuple[dict[str, float], f
 FACTS: dict[str, Facts] = {
     "RovHull": Facts(
         moving=frozenset({"*"}),  # no published vehicle is neutral: it rises or sinks from the start
-        plain=(("added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring", "current", "tether", "external"),
-               {}, 100),
+        plain=(
+            ("added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring", "current", "tether", "external"),
+            {},
+            100,
+        ),
         disturbance=PUSHED,
         step=0.01,
         strengths={
@@ -37,12 +40,14 @@ FACTS: dict[str, Facts] = {
         },
         structural=frozenset({"coriolis"}),
         # the water's acceleration acts on added mass only, which the effect alone has not
-        form=frozenset({f"restoring.centre_of_buoyancy_{axis}" for axis in "xyz"}
-                       | {f"current.acceleration_{way}" for way in ("north", "east", "down")}
-                       | {f"tether.attachment_{axis}" for axis in "xyz"}
-                       | {f"pressure_gradient.centre_{axis}" for axis in "xyz"}
-                       | {f"further_thrusters.thruster_{axis}" for axis in "xyz"}
-                       | {f"further_thrusters.thruster_direction_{axis}" for axis in "xyz"}),
+        form=frozenset(
+            {f"restoring.centre_of_buoyancy_{axis}" for axis in "xyz"}
+            | {f"current.acceleration_{way}" for way in ("north", "east", "down")}
+            | {f"tether.attachment_{axis}" for axis in "xyz"}
+            | {f"pressure_gradient.centre_{axis}" for axis in "xyz"}
+            | {f"further_thrusters.thruster_{axis}" for axis in "xyz"}
+            | {f"further_thrusters.thruster_direction_{axis}" for axis in "xyz"}
+        ),
     ),
     "AddedMassForce": Facts(),
     "Thruster": Facts(
@@ -56,9 +61,23 @@ FACTS: dict[str, Facts] = {
         step=0.2,
         strengths={"tide.amplitude": ({}, 1e-3), "gust.amplitude": ({}, 1e-3), "waves.height": ({}, 1e-3)},
         structural=frozenset({"ramp", "spectrum"}),
-        form=frozenset({"tide.period", "tide.phase", "tide.direction", "gust.start_time", "gust.duration", "gust.direction",
-                        "waves.period", "waves.direction", "waves.phase", "waves.water_depth", "waves.position_north",
-                        "waves.position_east", "waves.depth"}),
+        form=frozenset(
+            {
+                "tide.period",
+                "tide.phase",
+                "tide.direction",
+                "gust.start_time",
+                "gust.duration",
+                "gust.direction",
+                "waves.period",
+                "waves.direction",
+                "waves.phase",
+                "waves.water_depth",
+                "waves.position_north",
+                "waves.position_east",
+                "waves.depth",
+            }
+        ),
     ),
     "RovController": Facts(
         plain=(("inverse_curve", "manoeuvre"), {"period": 2e-3, "manoeuvre.time[2]": 10.0, "manoeuvre.pitch[2]": 1.0}, 20),

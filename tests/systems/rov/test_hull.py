@@ -55,6 +55,7 @@ def position(hull: RovHull) -> np.ndarray:
 
 # -- speed through the water -------------------------------------------------------------------------------------------
 
+
 @pytest.mark.first
 @pytest.mark.parametrize(("force", "printed"), [(10.0, 0.6390570), (40.0, 1.3766130)])
 def test_terminal_speed(force, printed):
@@ -73,8 +74,9 @@ def test_start_from_rest_follows_riccati(axis, X, XX):
     X, XX = X * (4.03, 6.22, 5.18)[axis], XX * (18.18, 21.66, 36.99)[axis]
     mass, F, t = 11.5 + (5.5, 12.7, 14.57)[axis], 10.0, 1.3
     name = AXES[axis]
-    hull = push(started(PUSHED, substep=2e-3, **LEVEL, **{f"linear_drag.{name}": X, f"quadratic_drag.{name}": XX}),
-                *(np.eye(6)[axis] * F))
+    hull = push(
+        started(PUSHED, substep=2e-3, **LEVEL, **{f"linear_drag.{name}": X, f"quadratic_drag.{name}": XX}), *(np.eye(6)[axis] * F)
+    )
     hull.step(0.0, t)
     if XX == 0.0:
         closed = F / X * (1.0 - math.exp(-X * t / mass))
@@ -98,8 +100,7 @@ def test_a_distance_is_covered_in_the_time_of_lamberts_function(distance):
 
 def test_order_in_the_substep_is_four():
     def speed(substep: float) -> float:
-        hull = push(started(PUSHED, substep=substep, **LEVEL),
-                    40, 0, 0, 0, 0, 0)
+        hull = push(started(PUSHED, substep=substep, **LEVEL), 40, 0, 0, 0, 0, 0)
         hull.step(0.0, 0.8)
         return hull["surge"]
 
@@ -126,6 +127,7 @@ def test_thrust_acts_in_its_place_and_direction():
 
 # -- weight and buoyancy -----------------------------------------------------------------------------------------------
 
+
 @pytest.mark.full
 @pytest.mark.parametrize(("axis", "printed"), [("roll", 1.711926), ("pitch", 1.898724)])
 def test_small_roll_and_pitch(axis, printed):
@@ -145,8 +147,7 @@ def test_roll_is_damped_as_the_linear_drag_says():
     w, t = math.sqrt(0.02 * 112.8 / 0.28), 7.0
     zeta = 0.07 / (2.0 * 0.28 * w)
     assert (w, zeta) == (pytest.approx(2.838511, abs=5e-7), pytest.approx(0.044037, abs=5e-7))
-    hull = started(RIGHTED, start_roll=1e-4, substep=1e-3, **LEVEL,
-                   **{"restoring.centre_of_buoyancy_z": -0.02 * 112.8 / 114.8})
+    hull = started(RIGHTED, start_roll=1e-4, substep=1e-3, **LEVEL, **{"restoring.centre_of_buoyancy_z": -0.02 * 112.8 / 114.8})
     hull.step(0.0, t)
     damped = w * math.sqrt(1.0 - zeta**2)
     closed = 1e-4 * math.exp(-zeta * w * t) * (math.cos(damped * t) + zeta * w / damped * math.sin(damped * t))
@@ -168,8 +169,13 @@ def test_roll_with_the_weight_below_the_origin_takes_sway_along():
 @pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
 def test_large_roll_has_the_period_of_a_pendulum(degrees):
     amplitude = math.radians(degrees)
-    hull = started(FREE, start_roll=amplitude, substep=1e-3, **LEVEL,
-                   **{"restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02})
+    hull = started(
+        FREE,
+        start_roll=amplitude,
+        substep=1e-3,
+        **LEVEL,
+        **{"restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02},
+    )
     ratio = 2.0 / math.pi * ellipk(math.sin(0.5 * amplitude) ** 2)
     if degrees == 90.0:
         assert ratio == pytest.approx(1.18034, abs=5e-6)
@@ -183,8 +189,18 @@ def test_large_roll_has_the_period_of_a_pendulum(degrees):
 
 # -- a body in a perfect fluid -----------------------------------------------------------------------------------------
 
-TUMBLING = {"start_surge": 0.7, "start_sway": -0.4, "start_heave": 0.5, "start_roll_rate": 2.0, "start_pitch_rate": -1.0,
-            "start_yaw_rate": 1.5, "start_roll": 0.3, "start_pitch": -0.6, "start_yaw": 2.0, "start_depth": 5.0}
+TUMBLING = {
+    "start_surge": 0.7,
+    "start_sway": -0.4,
+    "start_heave": 0.5,
+    "start_roll_rate": 2.0,
+    "start_pitch_rate": -1.0,
+    "start_yaw_rate": 1.5,
+    "start_roll": 0.3,
+    "start_pitch": -0.6,
+    "start_yaw": 2.0,
+    "start_depth": 5.0,
+}
 
 
 def kirchhoff(hull: RovHull) -> tuple[float, np.ndarray, np.ndarray]:
@@ -220,13 +236,15 @@ def test_munk_moment_grows_at_its_rate():
     rate = u * math.sqrt(m1 * (m3 - m1) / (m3 * inertia))
     assert rate == pytest.approx(4.595985, abs=5e-7)
     small = 1e-8
-    hull = started(FREE, substep=1e-3, **LEVEL, **WEIGHTLESS, start_surge=u, start_pitch_rate=small,
-                   start_heave=small * m1 * u / (m3 * rate))  # on the growing eigenvector
+    hull = started(
+        FREE, substep=1e-3, **LEVEL, **WEIGHTLESS, start_surge=u, start_pitch_rate=small, start_heave=small * m1 * u / (m3 * rate)
+    )  # on the growing eigenvector
     hull.step(0.0, 2.0)
     assert math.log(hull["pitch_rate"] / small) / 2.0 == pytest.approx(rate, rel=1e-9)
 
 
 # -- water that moves --------------------------------------------------------------------------------------------------
+
 
 @pytest.mark.full
 @pytest.mark.parametrize("effects", [WATER, FREE])
@@ -236,8 +254,10 @@ def test_in_a_uniform_current_all_is_as_in_still_water(effects):
     pose = {n: v for n, v in TUMBLING.items() if n in ("start_roll", "start_pitch", "start_yaw")}
     turn = Rotation.from_euler("ZYX", [pose["start_yaw"], pose["start_pitch"], pose["start_roll"]])
     drift = dict(zip(("start_surge", "start_sway", "start_heave"), turn.inv().apply(flow), strict=True))
-    still, moved = (started((*effects, *more), substep=1e-3, start_yaw_rate=2.0, **pose, **start)
-                    for more, start in (((), {}), (("current",), drift)))
+    still, moved = (
+        started((*effects, *more), substep=1e-3, start_yaw_rate=2.0, **pose, **start)
+        for more, start in (((), {}), (("current",), drift))
+    )
     for name, v in zip(("north", "east", "down"), flow, strict=True):
         moved[f"current.velocity_{name}"] = v
     for hull in (still, moved):
@@ -265,14 +285,16 @@ def test_accelerating_water_takes_the_hull_along_by_its_added_mass(yaw):
 
 # -- energy ------------------------------------------------------------------------------------------------------------
 
+
 def test_energy_changes_by_the_power_of_thrust_loads_and_drag():
     """At random states: d(energy)/dt = F . axial speed + force . velocity of the attachment + external power - drag's loss."""
     random = np.random.default_rng(7)
-    hull = started((*WATER, "tether", "external"), **{f"centre_of_gravity_{a}": c for a, c in zip("xyz", (0.02, -0.01, 0.02),
-                                                                                           strict=True)},
-                   **{"restoring.centre_of_buoyancy_x": 0.01, "restoring.centre_of_buoyancy_z": -0.02})
-    D, DD = (np.array([hull[f"{kind}_drag.{a}"] for a in AXES])
-             for kind in ("linear", "quadratic"))
+    hull = started(
+        (*WATER, "tether", "external"),
+        **{f"centre_of_gravity_{a}": c for a, c in zip("xyz", (0.02, -0.01, 0.02), strict=True)},
+        **{"restoring.centre_of_buoyancy_x": 0.01, "restoring.centre_of_buoyancy_z": -0.02},
+    )
+    D, DD = (np.array([hull[f"{kind}_drag.{a}"] for a in AXES]) for kind in ("linear", "quadratic"))
     for _ in range(20):
         for name in hull.inputs:
             hull[name] = random.normal(scale=10.0)

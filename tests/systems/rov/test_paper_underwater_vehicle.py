@@ -19,8 +19,9 @@ pytestmark = pytest.mark.interpreted
 def by_linear_programme(matrix: np.ndarray, direction: np.ndarray) -> float:
     """Largest multiple of a wrench within the limits: maximise s subject to T F = s d."""
     n = matrix.shape[1]
-    solution = linprog(np.r_[np.zeros(n), -1.0], A_eq=np.c_[matrix, -direction], b_eq=np.zeros(6),
-                       bounds=[(-ASTERN, AHEAD)] * n + [(0.0, None)])
+    solution = linprog(
+        np.r_[np.zeros(n), -1.0], A_eq=np.c_[matrix, -direction], b_eq=np.zeros(6), bounds=[(-ASTERN, AHEAD)] * n + [(0.0, None)]
+    )
     return float(solution.x[-1])
 
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.systems import cases
-from cosimo.orchestrator.systems.rov.cases import (
-    added_mass as rov_added_mass,
-)
-from cosimo.orchestrator.systems.rov.cases import (
-    allocation as rov_allocation,
-)
-from cosimo.orchestrator.systems.rov.cases import (
-    closed_forms as rov_closed_forms,
-)
+from cosimo.orchestrator.systems.rov.cases import added_mass as rov_added_mass
+from cosimo.orchestrator.systems.rov.cases import allocation as rov_allocation
+from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_forms
 
 
-@pytest.mark.parametrize("name", [
-    "rov-allocation", *(pytest.param(name, marks=pytest.mark.full) for name in ("rov-closed-forms", "rov-added-mass"))])
+@pytest.mark.parametrize(
+    "name", ["rov-allocation", *(pytest.param(name, marks=pytest.mark.full) for name in ("rov-closed-forms", "rov-added-mass"))]
+)
 def test_rov_cases_pass(name):
     case = cases()[name]
     found = case.function(Options(in_process=True))
@@ -38,11 +33,14 @@ def test_columns_as_printed_would_fail(monkeypatch):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("name", "parameter", "value", "rows"), [
-    ("10 N ahead", "quadratic_drag.surge", 18.2, {"speed.10", "start.10"}),
-    ("ahead, slightly disturbed", "added_mass.heave", 14.6, {"munk"}),
-    ("roll", "added_mass.roll", 0.19, {"roll"}),
-])
+@pytest.mark.parametrize(
+    ("name", "parameter", "value", "rows"),
+    [
+        ("10 N ahead", "quadratic_drag.surge", 18.2, {"speed.10", "start.10"}),
+        ("ahead, slightly disturbed", "added_mass.heave", 14.6, {"munk"}),
+        ("roll", "added_mass.roll", 0.19, {"roll"}),
+    ],
+)
 def test_another_vehicle_fails(monkeypatch, name, parameter, value, rows):
     """Its own rows, and no others."""
     scenes = rov_closed_forms.scenes()

@@ -17,18 +17,31 @@ from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.full
 
-JUMP = {f"{name}[{k + 1}]": v for k in range(ROWS)
-        for name, v in (("command", (-1.0, -0.1, -0.1, 0.1, 0.1, 1.0)[min(k, 5)]),
-                        ("thrust", (-40.0, -4.0, 0.0, 0.0, 4.0, 40.0)[min(k, 5)]))}
+JUMP = {
+    f"{name}[{k + 1}]": v
+    for k in range(ROWS)
+    for name, v in (
+        ("command", (-1.0, -0.1, -0.1, 0.1, 0.1, 1.0)[min(k, 5)]),
+        ("thrust", (-40.0, -4.0, 0.0, 0.0, 4.0, 40.0)[min(k, 5)]),
+    )
+}
 
 
 def turned(inverse: bool, stop: float = 60.0):
     """A neutral vehicle in still water that is to turn by 0.3 rad, with much integral action; thrusters with a dead band."""
-    result = run(load_scene("rov-station-keeping").with_changes({
-        "stop_time": stop, "units.current.effects": [], "units.current.parameters": {"speed": 0.0},
-        "units.hull.parameters": {"restoring.buoyancy": 112.8, "start_depth": 5.0},
-        "units.controller.effects": ["inverse_curve"] if inverse else [],
-        "units.controller.parameters": {"set_depth": 5.0, "set_yaw": 0.3, "attitude_integral_gain[3]": 6.0}}), in_process=True)
+    result = run(
+        load_scene("rov-station-keeping").with_changes(
+            {
+                "stop_time": stop,
+                "units.current.effects": [],
+                "units.current.parameters": {"speed": 0.0},
+                "units.hull.parameters": {"restoring.buoyancy": 112.8, "start_depth": 5.0},
+                "units.controller.effects": ["inverse_curve"] if inverse else [],
+                "units.controller.parameters": {"set_depth": 5.0, "set_yaw": 0.3, "attitude_integral_gain[3]": 6.0},
+            }
+        ),
+        in_process=True,
+    )
     assert result.outcome == "done", result.message
     return result
 
@@ -76,8 +89,15 @@ def test_a_curve_with_a_true_jump_has_one_answer_at_every_command_and_thrust():
     """Dead band to either side of 0 and jumps of 4 N at its ends: nothing in between can be had; the inverse says the edge."""
     thruster = Thruster(("static_curve",), {f"static_curve.{k}": v for k, v in JUMP.items()})
     thruster.initialize(0.0)
-    for command, thrust in ((-0.1, 0.0), (np.nextafter(-0.1, -1.0), -4.0), (0.0, 0.0), (np.nextafter(0.1, 0.0), 0.0), (0.1, 4.0),
-                            (0.55, 22.0), (3.0, 40.0)):
+    for command, thrust in (
+        (-0.1, 0.0),
+        (np.nextafter(-0.1, -1.0), -4.0),
+        (0.0, 0.0),
+        (np.nextafter(0.1, 0.0), 0.0),
+        (0.1, 4.0),
+        (0.55, 22.0),
+        (3.0, 40.0),
+    ):
         thruster["command"] = command
         thruster.refresh()
         assert thruster["thrust"] == pytest.approx(thrust, abs=1e-12)
@@ -144,10 +164,22 @@ def test_a_far_set_point_is_reached(reach, kept):
     """Tens of metres off. Within a reach of 1 m thrusters have enough left for the attitude; answered in full, the error takes
     nearly all of the wrench, which is scaled as a whole, and the vehicle turns over on its way; it arrives either way."""
     way = np.array([15.0, -12.0, 5.0])
-    result = run(load_scene("rov-station-keeping").with_changes({
-        "stop_time": 90.0, "units.current.effects": [], "units.current.parameters": {"speed": 0.0},
-        "units.controller.parameters": {"set_north": way[0], "set_east": way[1], "set_depth": 5.0 + way[2], "reach": reach}}),
-        in_process=True)
+    result = run(
+        load_scene("rov-station-keeping").with_changes(
+            {
+                "stop_time": 90.0,
+                "units.current.effects": [],
+                "units.current.parameters": {"speed": 0.0},
+                "units.controller.parameters": {
+                    "set_north": way[0],
+                    "set_east": way[1],
+                    "set_depth": 5.0 + way[2],
+                    "reach": reach,
+                },
+            }
+        ),
+        in_process=True,
+    )
     assert result.outcome == "done", result.message
     position = np.array([result[f"hull.{n}"] for n in ("position_north", "position_east", "depth")]) - [[0.0], [0.0], [5.0]]
     np.testing.assert_allclose(position[:, -1], way, atol=0.05)

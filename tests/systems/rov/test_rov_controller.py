@@ -52,7 +52,13 @@ def test_the_wrench_is_the_law_at_random_poses():
         position, motion, goal = rng.uniform(-0.2, 0.2, 3), rng.normal(size=6) * 0.1, rng.uniform(-0.2, 0.2, 3)
         controller = started(
             inputs={**dict(zip(POSE, position, strict=True)), **attitude(here), **dict(zip(MOTION, motion, strict=True))},
-            set_north=goal[0], set_east=goal[1], set_depth=goal[2], set_roll=there[0], set_pitch=there[1], set_yaw=there[2])
+            set_north=goal[0],
+            set_east=goal[1],
+            set_depth=goal[2],
+            set_roll=there[0],
+            set_pitch=there[1],
+            set_yaw=there[2],
+        )
         force = gains[0] * here.inv().apply(goal - position) - gains[1] * motion[:3]
         error = (here.inv() * Rotation.from_euler("ZYX", there[::-1])).as_rotvec()
         wanted = np.concatenate((force, gains[2] * error - gains[3] * motion[3:]))
@@ -74,6 +80,7 @@ def test_integrals_grow_with_the_error_and_turn_with_the_vehicle():
 
 def test_commands_are_held_between_samples_whatever_the_macro_step():
     """Commands at the samples' instants are of the inputs there, also where a step has several samples, or none."""
+
     def run(steps):
         controller, t, seen = started(), 0.0, {}
         for h in steps:
@@ -115,8 +122,16 @@ def test_the_shorter_way_is_taken():
     assert wrench(controller)[5] > 0.0
 
 
-TABLE = {"manoeuvre.time[1]": 1.0, "manoeuvre.time[2]": 3.0, "manoeuvre.time[3]": 3.0, "manoeuvre.time[4]": 5.0,
-         "manoeuvre.north[2]": 2.0, "manoeuvre.north[3]": 3.0, "manoeuvre.north[4]": 3.0, "manoeuvre.yaw[4]": 1.0}
+TABLE = {
+    "manoeuvre.time[1]": 1.0,
+    "manoeuvre.time[2]": 3.0,
+    "manoeuvre.time[3]": 3.0,
+    "manoeuvre.time[4]": 5.0,
+    "manoeuvre.north[2]": 2.0,
+    "manoeuvre.north[3]": 3.0,
+    "manoeuvre.north[4]": 3.0,
+    "manoeuvre.yaw[4]": 1.0,
+}
 
 
 def at(t: float, **inputs) -> RovController:
@@ -126,8 +141,18 @@ def at(t: float, **inputs) -> RovController:
     return controller
 
 
-@pytest.mark.parametrize(("t", "north", "yaw"), [(0.0, 10.0, 0.0), (1.5, 10.0 + 2.0 * 5.0 / 32.0, 0.0), (2.0, 11.0, 0.0),
-                                                 (3.0, 13.0, 0.0), (4.0, 13.0, 0.5), (5.0, 13.0, 1.0), (60.0, 13.0, 1.0)])
+@pytest.mark.parametrize(
+    ("t", "north", "yaw"),
+    [
+        (0.0, 10.0, 0.0),
+        (1.5, 10.0 + 2.0 * 5.0 / 32.0, 0.0),
+        (2.0, 11.0, 0.0),
+        (3.0, 13.0, 0.0),
+        (4.0, 13.0, 0.5),
+        (5.0, 13.0, 1.0),
+        (60.0, 13.0, 1.0),
+    ],
+)
 def test_a_manoeuvre_goes_through_its_poses(t, north, yaw):
     """s² (3 - 2 s) of each way, a jump at 3 s, and the last pose for ever."""
     controller = at(t)

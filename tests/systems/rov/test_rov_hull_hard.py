@@ -33,6 +33,7 @@ def turned(hull: RovHull) -> Rotation:
 
 # -- attitude ----------------------------------------------------------------------------------------------------------
 
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_loop_through_both_verticals(sign):
     """Pitching at 1 rad/s with some roll and yaw: the attitude is exact all along, and the angles said always give it back."""
@@ -88,8 +89,12 @@ def test_a_start_beyond_the_vertical_is_the_same_attitude_in_other_words():
 
 def test_righting_moment_is_regular_in_the_vertical():
     """Nose up at rest is an angle of 90 degrees of a pendulum like any other, and the acceleration W z_g / (I + A)."""
-    hull = started((*FREE, "external"), start_pitch=0.5 * math.pi, centre_of_gravity_z=0.0,
-                   **{"restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02})
+    hull = started(
+        (*FREE, "external"),
+        start_pitch=0.5 * math.pi,
+        centre_of_gravity_z=0.0,
+        **{"restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02},
+    )
     assert hull["external.angular_acceleration_y"] == pytest.approx(-0.02 * 112.8 / 0.28, rel=1e-14)
     hull.step(0.0, 0.5)
     assert hull["pitch"] < math.radians(89.0)
@@ -97,6 +102,7 @@ def test_righting_moment_is_regular_in_the_vertical():
 
 
 # -- long runs, large steps ----------------------------------------------------------------------------------------------
+
 
 @pytest.mark.parametrize("substep", [0.01, 0.1, 0.5])
 def test_a_norm_that_drifts_turns_nothing(substep):
@@ -123,8 +129,15 @@ def test_macro_steps_of_any_length_give_the_same_attitude():
 
 
 def test_a_day_of_drifting_ends_upright_and_at_the_speed_of_the_water():
-    hull = started((*WATER, "current"), start_roll=3.0, start_pitch=0.3, start_yaw=-2.0, start_depth=1000.0,
-                   **{"restoring.buoyancy": 112.8}, substep=0.05)
+    hull = started(
+        (*WATER, "current"),
+        start_roll=3.0,
+        start_pitch=0.3,
+        start_yaw=-2.0,
+        start_depth=1000.0,
+        **{"restoring.buoyancy": 112.8},
+        substep=0.05,
+    )
     hull["current.velocity_north"], hull["current.velocity_east"] = 0.3, -0.4
     hull.step(0.0, 86400.0)
     np.testing.assert_allclose([hull["roll"], hull["pitch"]], 0.0, atol=1e-12)
@@ -133,6 +146,7 @@ def test_a_day_of_drifting_ends_upright_and_at_the_speed_of_the_water():
 
 
 # -- numbers at the edge ---------------------------------------------------------------------------------------------------
+
 
 @pytest.mark.parametrize("share", [1.0, 1e3, 1e6])
 def test_added_mass_far_above_the_mass(share):
@@ -172,8 +186,17 @@ def test_a_direction_of_any_length_is_the_same_direction():
 
 
 def test_all_axes_at_once_far_from_upright_keep_finite_and_come_to_rest():
-    hull = started(WATER, start_surge=2.0, start_sway=-2.0, start_heave=2.0, start_roll_rate=6.0, start_pitch_rate=-6.0,
-                   start_yaw_rate=6.0, start_roll=2.0, **{"restoring.buoyancy": 112.8})
+    hull = started(
+        WATER,
+        start_surge=2.0,
+        start_sway=-2.0,
+        start_heave=2.0,
+        start_roll_rate=6.0,
+        start_pitch_rate=-6.0,
+        start_yaw_rate=6.0,
+        start_roll=2.0,
+        **{"restoring.buoyancy": 112.8},
+    )
     energy = hull.energy()
     for k in range(60):
         hull.step(k * 1.0, 1.0)

@@ -123,10 +123,14 @@ def test_what_a_body_in_a_perfect_fluid_keeps_is_shown_as_its_drift():
     assert "Drift of energy and impulse" in figures(blocks)
 
 
-@pytest.mark.parametrize("changes", [
-    {"units.hull.effects": ["added_mass", "coriolis", "linear_drag"]}, {"units.hull.effects": ["added_mass"]},
-    {"units.hull.parameters.thrust": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
-])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"units.hull.effects": ["added_mass", "coriolis", "linear_drag"]},
+        {"units.hull.effects": ["added_mass"]},
+        {"units.hull.parameters.thrust": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
+    ],
+)
 def test_what_is_not_kept_is_not_shown_as_kept(changes):
     (vehicle,) = vehicles(run(short("rov-tumbling").with_changes({"stop_time": 0.04, **changes}), in_process=True))
     assert not vehicle.constants
@@ -137,11 +141,15 @@ def test_a_run_without_position_has_no_figures():
     assert SYSTEMS["rov"].figures(result) == []
 
 
-@pytest.mark.parametrize(("fault", "inside"), [
-    ({"signal": "t3.thrust", "kind": "override", "value": 0.5}, 0.5), ({"signal": "hull.thrust[3]", "kind": "drop"}, 0.0),
-    ({"signal": "t3.thrust", "kind": "offset", "value": -2.0}, 3.0 * THRUST - 2.0),
-    ({"signal": "t3.thrust", "kind": "freeze"}, 3.0 * THRUST),
-])
+@pytest.mark.parametrize(
+    ("fault", "inside"),
+    [
+        ({"signal": "t3.thrust", "kind": "override", "value": 0.5}, 0.5),
+        ({"signal": "hull.thrust[3]", "kind": "drop"}, 0.0),
+        ({"signal": "t3.thrust", "kind": "offset", "value": -2.0}, 3.0 * THRUST - 2.0),
+        ({"signal": "t3.thrust", "kind": "freeze"}, 3.0 * THRUST),
+    ],
+)
 def test_thrusts_are_those_that_arrive(fault, inside):
     result = vehicle_run()
     result.scene = read_scene({**result.scene.model_dump(), "faults": [{**fault, "begin": 5.0, "end": 10.0}]})

@@ -87,8 +87,10 @@ def test_the_pitch_that_is_given_up_is_the_moments_balance(failed):
 @pytest.mark.parametrize("lost", [1, 2, 3, 4, 5, 6])
 def test_depth_and_heading_survive_any_thruster(lost):
     """Told at once; which place can still be held depends on the thruster: without a horizontal one, not every place."""
-    faults = [{"signal": f"thruster_{lost}.{what}", "kind": "override", "value": 0.0, "begin": 5.0}
-              for what in ("thrust", "status.available")]
+    faults = [
+        {"signal": f"thruster_{lost}.{what}", "kind": "override", "value": 0.0, "begin": 5.0}
+        for what in ("thrust", "status.available")
+    ]
     result = finished(load_scene("rov-thruster-failed").with_changes({"faults": faults, "stop_time": 40.0}))
     late = result.time > 30.0
     assert np.abs(result["hull.depth"] - 5.0)[late].max() < 0.02
@@ -134,7 +136,12 @@ def test_a_shorter_macro_step_changes_little():
     scene = load_scene("rov-station-keeping").with_changes({"stop_time": 20.0})
     runs = [finished(scene.with_changes({"master.step": h})) for h in (0.02, 0.01, 0.0025)]
     exact = runs[2]
-    errors = [max(np.abs(np.interp(exact.time, r.time, r[f"hull.{n}"]) - exact[f"hull.{n}"]).max()
-                  for n in ("position_north", "position_east")) for r in runs[:2]]
+    errors = [
+        max(
+            np.abs(np.interp(exact.time, r.time, r[f"hull.{n}"]) - exact[f"hull.{n}"]).max()
+            for n in ("position_north", "position_east")
+        )
+        for r in runs[:2]
+    ]
     assert errors[0] < 5e-3
     assert errors[1] < 0.7 * errors[0]

@@ -47,9 +47,23 @@ def test_a_hanging_tether_tends_to_the_catenary_with_the_square_of_the_segments(
         assert 1.9 < math.log2(e[1] / e[2]) < 2.1
 
 
-@pytest.mark.parametrize("end", [(0.0, 0.0, 0.0), (-5.0, 12.0, 20.0), (13.0, 8.0, -3.0), (14.999, 0.0, 0.0),
-                                 (-20.0, 0.0, 10.0), (-20.0, 1e-3, -13.0), (-20.0, 0.0, 0.0), (-20.0, 0.0, 14.0),
-                                 (-19.0, 0.5, 34.0), (20.0, 3.0, 5.0), (-20.0, 0.0, 40.0), (-20.0, 0.0, -40.0)])
+@pytest.mark.parametrize(
+    "end",
+    [
+        (0.0, 0.0, 0.0),
+        (-5.0, 12.0, 20.0),
+        (13.0, 8.0, -3.0),
+        (14.999, 0.0, 0.0),
+        (-20.0, 0.0, 10.0),
+        (-20.0, 1e-3, -13.0),
+        (-20.0, 0.0, 0.0),
+        (-20.0, 0.0, 14.0),
+        (-19.0, 0.5, 34.0),
+        (20.0, 3.0, 5.0),
+        (-20.0, 0.0, 40.0),
+        (-20.0, 0.0, -40.0),
+    ],
+)
 @pytest.mark.parametrize("mass", [0.043, 0.143])
 def test_a_tether_starts_at_rest(end, mass):
     """Slack, nearly straight, stretched, one end above the other or at the same place; lighter and heavier than water."""
@@ -94,14 +108,16 @@ def test_a_taut_tether_swings_along_itself_as_a_chain_does(mode):
 def test_a_taut_tether_in_a_cross_flow_carries_its_drag():
     """rho d C L U² / 2 over its length, half at either end, and a bow of q L² / 8 H for a small sag."""
     U = 0.5
-    tether = started("internal_damping", "drag", "current", end=(20.0, 0.0, 0.0), mass_per_length=1000.0 * AREA, segments=20,
-                     substep=2.5e-4)
+    tether = started(
+        "internal_damping", "drag", "current", end=(20.0, 0.0, 0.0), mass_per_length=1000.0 * AREA, segments=20, substep=2.5e-4
+    )
     tether["current.velocity_east"] = U
     tether.step(0.0, 20.0)
     drag = 0.5 * 1000.0 * 7.5e-3 * 1.2 * U**2  # N/m
     length = 40.0
-    stretched = np.linalg.norm(np.diff(np.vstack(([-20.0, 0.0, 0.0], tether.x.reshape(2, -1, 3)[0], [20.0, 0.0, 0.0])), axis=0),
-                               axis=1).sum()
+    stretched = np.linalg.norm(
+        np.diff(np.vstack(([-20.0, 0.0, 0.0], tether.x.reshape(2, -1, 3)[0], [20.0, 0.0, 0.0])), axis=0), axis=1
+    ).sum()
     # drag is reckoned on the length without tension, 35 m, and falls with the cosine squared of the small angle to the flow
     assert force(tether)[1] == pytest.approx(0.5 * drag * 35.0, rel=2e-3)
     bow = np.abs(tether.x.reshape(2, -1, 3)[0, :, 1]).max()

@@ -24,8 +24,9 @@ def started(*effects, command=0.0, **parameters) -> Thruster:
     return thruster
 
 
-@pytest.mark.parametrize(("command", "thrust"), [(1.0, 51.44), (0.5, 25.72), (0.0, 0.0), (-0.5, -19.95), (-1.0, -39.9),
-                                                 (7.0, 51.44), (-7.0, -39.9)])
+@pytest.mark.parametrize(
+    ("command", "thrust"), [(1.0, 51.44), (0.5, 25.72), (0.0, 0.0), (-0.5, -19.95), (-1.0, -39.9), (7.0, 51.44), (-7.0, -39.9)]
+)
 def test_an_ideal_thruster_gives_its_limits_in_proportion(command, thrust):
     assert started(command=command)["thrust"] == pytest.approx(thrust, rel=1e-14)
 

@@ -13,8 +13,17 @@ pytestmark = pytest.mark.interpreted
 WAYS = ("north", "east", "down")
 EVERYTHING = WaterCurrent(
     ("tide", "ramp", "gust"),
-    {"direction": 0.7, "downwelling": -0.1, "tide.period": 60.0, "tide.phase": 0.4, "tide.direction": -2.0,
-     "ramp.start_time": 3.0, "gust.direction": 1.2, "gust.amplitude": -0.3})
+    {
+        "direction": 0.7,
+        "downwelling": -0.1,
+        "tide.period": 60.0,
+        "tide.phase": 0.4,
+        "tide.direction": -2.0,
+        "ramp.start_time": 3.0,
+        "gust.direction": 1.2,
+        "gust.amplitude": -0.3,
+    },
+)
 
 
 def at(current: WaterCurrent, t: float) -> np.ndarray:

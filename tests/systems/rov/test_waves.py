@@ -154,24 +154,53 @@ def particle(start: np.ndarray, mean: float, height: float, period: float, times
     return solve_ivp(velocity, (times[0], times[-1]), start, "DOP853", times, rtol=1e-11, atol=1e-12).y.T
 
 
-@pytest.mark.parametrize(("mean", "height", "period", "depth"), [
-    (0.0, 1.0, 4.0, 2.0), (0.0, 0.5, 6.0, 5.0), (0.5, 0.5, 3.0, 2.0), (1.0, 1.0, 4.0, 2.0), (2.0, 1.0, 4.0, 3.0),
-    pytest.param(0.3, 1.5, 4.0, 2.0, marks=pytest.mark.full), pytest.param(0.0, 1.8, 4.0, 2.5, marks=pytest.mark.full)])
+@pytest.mark.parametrize(
+    ("mean", "height", "period", "depth"),
+    [
+        (0.0, 1.0, 4.0, 2.0),
+        (0.0, 0.5, 6.0, 5.0),
+        (0.5, 0.5, 3.0, 2.0),
+        (1.0, 1.0, 4.0, 2.0),
+        (2.0, 1.0, 4.0, 3.0),
+        pytest.param(0.3, 1.5, 4.0, 2.0, marks=pytest.mark.full),
+        pytest.param(0.0, 1.8, 4.0, 2.5, marks=pytest.mark.full),
+    ],
+)
 def test_a_free_neutral_hull_goes_where_a_particle_goes(mean, height, period, depth):
     """For 60 s, in steep waves and currents: within 1 % of the wave's amplitude, with the speed of the water to 0.1 %."""
     current = WaterCurrent(("waves",), {"speed": mean, "waves.height": height, "waves.period": period, "waves.water_depth": 1e3})
     current.initialize(0.0)
     start = at(current, np.array([0.0, 0.0, depth]))[0]
-    scene = read_scene({
-        "stop_time": 60.0, "master": {"step": 0.01, "algorithm": "iterative", "extrapolation": 2},
-        "connections": ["water.* -> hull.current.*", "hull.position_north -> water.waves.position_north",
-                        "hull.depth -> water.waves.depth"],
-        "units": {
-            "water": {"component": "WaterCurrent", "effects": ["waves"], "parameters": {
-                "speed": mean, "waves": {"height": height, "period": period, "water_depth": 1e3}}},
-            "hull": {"component": "RovHull", "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
-                     "parameters": {"start_depth": depth, "centre_of_gravity_z": 0.0, "start_surge": start[0],
-                                    "start_heave": start[2], "mass": 11.5, "pressure_gradient.displaced_mass": 11.5}}}})
+    scene = read_scene(
+        {
+            "stop_time": 60.0,
+            "master": {"step": 0.01, "algorithm": "iterative", "extrapolation": 2},
+            "connections": [
+                "water.* -> hull.current.*",
+                "hull.position_north -> water.waves.position_north",
+                "hull.depth -> water.waves.depth",
+            ],
+            "units": {
+                "water": {
+                    "component": "WaterCurrent",
+                    "effects": ["waves"],
+                    "parameters": {"speed": mean, "waves": {"height": height, "period": period, "water_depth": 1e3}},
+                },
+                "hull": {
+                    "component": "RovHull",
+                    "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
+                    "parameters": {
+                        "start_depth": depth,
+                        "centre_of_gravity_z": 0.0,
+                        "start_surge": start[0],
+                        "start_heave": start[2],
+                        "mass": 11.5,
+                        "pressure_gradient.displaced_mass": 11.5,
+                    },
+                },
+            },
+        }
+    )
     result = run(scene, in_process=True)
     path = particle(np.array([0.0, depth]), mean, height, period, result.time)
     assert np.abs(result["hull.position_north"] - path[:, 0]).max() < 0.01 * 0.5 * height
@@ -189,15 +218,19 @@ def test_in_deep_water_orbits_are_circles_that_shrink_with_depth():
         np.testing.assert_allclose(speeds, 0.4 * 2.0 * np.pi / 5.0 * math.exp(-k * depth), rtol=1e-12)
 
 
-@pytest.mark.parametrize(("height", "period", "speeds", "accelerations"), [
-    (0.5, 4.0, (0.110, 0.049, 0.015, 0.002), (0.191, 0.076, 0.022, 0.003)),
-    (1.0, 6.0, (0.213, 0.137, 0.075, 0.026), (0.274, 0.157, 0.079, 0.026)),
-    (1.5, 7.0, (0.301, 0.212, 0.131, 0.057), (0.345, 0.215, 0.123, 0.050)),
-])
+@pytest.mark.parametrize(
+    ("height", "period", "speeds", "accelerations"),
+    [
+        (0.5, 4.0, (0.110, 0.049, 0.015, 0.002), (0.191, 0.076, 0.022, 0.003)),
+        (1.0, 6.0, (0.213, 0.137, 0.075, 0.026), (0.274, 0.157, 0.079, 0.026)),
+        (1.5, 7.0, (0.301, 0.212, 0.131, 0.057), (0.345, 0.215, 0.123, 0.050)),
+    ],
+)
 def test_a_sea_has_its_height_and_its_motion_at_depth(height, period, speeds, accelerations):
     """Significant height 4 sqrt(m0); root mean squares at 2, 5, 10 and 20 m of another program, printed to 1 mm/s."""
-    current = WaterCurrent(("waves", "spectrum"), STILL | {"waves.height": height, "waves.period": period,
-                                                          "waves.water_depth": 1e3})
+    current = WaterCurrent(
+        ("waves", "spectrum"), STILL | {"waves.height": height, "waves.period": period, "waves.water_depth": 1e3}
+    )
     current.initialize(0.0)
     amplitude, frequency, number = components(current)[[AMPLITUDE, FREQUENCY, NUMBER]]
     assert 4.0 * math.sqrt(0.5 * (amplitude**2).sum()) == pytest.approx(height, rel=0.005)
@@ -237,8 +270,10 @@ def test_above_still_water_and_below_the_bottom_the_value_at_the_end_holds():
         np.testing.assert_array_equal(beyond, there)
 
 
-@pytest.mark.parametrize(("height", "period", "depth", "breaks"), [
-    (4.0, 4.0, 1e3, True), (3.4, 4.0, 1e3, False), (1.0, 8.0, 1.0, True), (0.8, 8.0, 1.0, False)])
+@pytest.mark.parametrize(
+    ("height", "period", "depth", "breaks"),
+    [(4.0, 4.0, 1e3, True), (3.4, 4.0, 1e3, False), (1.0, 8.0, 1.0, True), (0.8, 8.0, 1.0, False)],
+)
 def test_waves_that_would_have_broken_are_refused(height, period, depth, breaks):
     current = WaterCurrent(("waves",), {"waves.height": height, "waves.period": period, "waves.water_depth": depth})
     if breaks:
@@ -252,8 +287,10 @@ def test_waves_that_would_have_broken_are_refused(height, period, depth, breaks)
 def test_a_neutral_hull_moves_with_the_water_of_a_wave(displaced):
     """|V/u| = |(rho V + m_a) i w + d| / |(m + m_a) i w + d|, 1 where the hull weighs what it displaces; linear drag."""
     mass, added, drag, w, amplitude = 11.5, 5.5, 4.03, 1.2, 0.2
-    hull = RovHull(("added_mass", "linear_drag", "current", "pressure_gradient"),
-                   {"pressure_gradient.displaced_mass": displaced, "centre_of_gravity_z": 0.0})
+    hull = RovHull(
+        ("added_mass", "linear_drag", "current", "pressure_gradient"),
+        {"pressure_gradient.displaced_mass": displaced, "centre_of_gravity_z": 0.0},
+    )
     hull.set("current.velocity_north", 0.0)
     response = complex(drag, w * (displaced + added)) / complex(drag, w * (mass + added))
     hull.parameters["start_surge"] = amplitude * response.imag

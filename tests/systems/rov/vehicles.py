@@ -9,9 +9,11 @@ RADIUS, DEPTH, DURATION, STEP = 3.0, 5.0, 20.0, 0.1
 ASIDE = 0.2  # m, by which the track is east of the set point
 LIMIT = (8.0, 13.0)  # s, when thruster 6 is at its limit
 THRUST = 4.0  # N, times the number of the thruster
-CONNECTIONS = [*(f"t{k}.thrust -> hull.thrust[{k}]" for k in range(1, 7)),
-               *(f"control.command[{k}] -> t{k}.command" for k in range(1, 7)),
-               "hull.position_north -> control.position_north"]
+CONNECTIONS = [
+    *(f"t{k}.thrust -> hull.thrust[{k}]" for k in range(1, 7)),
+    *(f"control.command[{k}] -> t{k}.command" for k in range(1, 7)),
+    "hull.position_north -> control.position_north",
+]
 
 
 def vehicle_run(analysis=None, vertical=False, control=True):
@@ -44,10 +46,21 @@ def vehicle_run(analysis=None, vertical=False, control=True):
         columns |= {f"t{k}.thrust": THRUST * k + zero for k in range(1, 7)}
         columns |= {f"control.command[{k}]": 0.1 * k + zero for k in range(1, 6)}
         columns["control.command[6]"] = np.where((t >= LIMIT[0]) & (t <= LIMIT[1]), 1.0, 0.6)
-        columns |= {"control.error_north": zero, "control.error_east": zero - ASIDE, "control.error_down": zero,
-                    "control.error_roll": zero, "control.error_pitch": zero, "control.error_yaw": 0.1 * np.cos(2.0 * np.pi * t),
-                    "control.scale": np.where((t >= LIMIT[0]) & (t <= LIMIT[1]), 0.7, 1.0)}
-    scene = {"title": "Made-up vehicle", "stop_time": DURATION, "master": {"step": STEP}, "units": units,
-             "connections": CONNECTIONS if control else [], "analysis": {"system": "rov", **(analysis or {})}}
-    return SimpleNamespace(scene=read_scene(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
-                           outcome="done")
+        columns |= {
+            "control.error_north": zero,
+            "control.error_east": zero - ASIDE,
+            "control.error_down": zero,
+            "control.error_roll": zero,
+            "control.error_pitch": zero,
+            "control.error_yaw": 0.1 * np.cos(2.0 * np.pi * t),
+            "control.scale": np.where((t >= LIMIT[0]) & (t <= LIMIT[1]), 0.7, 1.0),
+        }
+    scene = {
+        "title": "Made-up vehicle",
+        "stop_time": DURATION,
+        "master": {"step": STEP},
+        "units": units,
+        "connections": CONNECTIONS if control else [],
+        "analysis": {"system": "rov", **(analysis or {})},
+    }
+    return SimpleNamespace(scene=read_scene(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"), outcome="done")

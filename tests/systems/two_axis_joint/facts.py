@@ -24,13 +24,26 @@ FACTS: dict[str, Facts] = {
             "lugre_friction.stiffness": ({"lugre_friction.damping": 0.0}, 1e-2),
             "lugre_friction.damping": ({"lugre_friction.stiffness": 0.0}, 1e-4),
             "stops.stiffness": ({"stops.outer_upper": 0.0, "stops.inner_upper": 0.5}, 1e-2),
-            **{f"base_motion.{n}": ({}, 1e-4)
-               for n in ("rate", "acceleration", "acceleration_x", "acceleration_y", "acceleration_z")},
+            **{
+                f"base_motion.{n}": ({}, 1e-4)
+                for n in ("rate", "acceleration", "acceleration_x", "acceleration_y", "acceleration_z")
+            },
             **{f"payload.moment_{axis}": ({}, 1e-4) for axis in "xyz"},
         },
-        form=frozenset({"gravity.distance", "gravity.acceleration", "smoothed_friction.width", "stick_friction.static_ratio",
-                        "stops.outer_lower", "stops.inner_lower", "stops.outer_upper", "stops.inner_upper", "stops.dissipation",
-                        *(f"lugre_friction.{n}" for n in ("outer_level", "inner_level", "static_ratio", "stribeck_rate"))}),
+        form=frozenset(
+            {
+                "gravity.distance",
+                "gravity.acceleration",
+                "smoothed_friction.width",
+                "stick_friction.static_ratio",
+                "stops.outer_lower",
+                "stops.inner_lower",
+                "stops.outer_upper",
+                "stops.inner_upper",
+                "stops.dissipation",
+                *(f"lugre_friction.{n}" for n in ("outer_level", "inner_level", "static_ratio", "stribeck_rate")),
+            }
+        ),
     ),
     "TorqueMotor": Facts(
         plain=(("inductance", "saturation"), {}, 20),
@@ -41,8 +54,10 @@ FACTS: dict[str, Facts] = {
     "GimbalController": Facts(
         plain=(("scan",), {}, 20),
         disturbance={"outer_angle": 1e-3, "inner_angle": -2e-3, "outer_rate": 0.01},
-        strengths={f"scan.{axis}_amplitude": ({f"scan.{other}_amplitude": 0.0}, 1e-5)
-                   for axis, other in (("outer", "inner"), ("inner", "outer"))},
+        strengths={
+            f"scan.{axis}_amplitude": ({f"scan.{other}_amplitude": 0.0}, 1e-5)
+            for axis, other in (("outer", "inner"), ("inner", "outer"))
+        },
         form=frozenset(f"scan.{axis}_{what}" for axis in ("outer", "inner") for what in ("frequency", "phase")),
     ),
     "TwoLinkChain": Facts(
@@ -64,9 +79,16 @@ FACTS: dict[str, Facts] = {
             "lugre_friction.damping": ({"lugre_friction.stiffness": 0.0}, 1e-4),
         },
         structural=frozenset({"high_order", "reactions"}),
-        form=frozenset({"smoothed_friction.width", "stick_friction.static_ratio", "springs.first_rest", "springs.second_rest",
-                        *(f"stops.{n}" for n in ("lower", "upper", "dissipation")),
-                        *(f"lugre_friction.{n}" for n in ("first_level", "second_level", "static_ratio", "stribeck_rate"))}),
+        form=frozenset(
+            {
+                "smoothed_friction.width",
+                "stick_friction.static_ratio",
+                "springs.first_rest",
+                "springs.second_rest",
+                *(f"stops.{n}" for n in ("lower", "upper", "dissipation")),
+                *(f"lugre_friction.{n}" for n in ("first_level", "second_level", "static_ratio", "stribeck_rate")),
+            }
+        ),
     ),
     "PlanarLink": Facts(
         plain=(("pinned", "gravity"), {"start_angle": 0.3}, 20),

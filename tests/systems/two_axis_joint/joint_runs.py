@@ -20,8 +20,14 @@ def gimbal_run(analysis=None, effects=(), duration=40.0, orientation="vertical")
     """The outer axis turns steadily, the inner one swings with another frequency: a regular motion on a torus."""
     t = np.arange(0.0, duration, 5e-3)
     inner = 0.4 * np.sin(3.7 * t)
-    columns = _columns("body", ("outer", "inner"), (2.0 * t, inner), (np.full_like(t, 2.0), 1.48 * np.cos(3.7 * t)),
-                       outer_momentum=0.3 + 1e-12 * t, mechanical_energy=2.0 - 4e-11 * t)
+    columns = _columns(
+        "body",
+        ("outer", "inner"),
+        (2.0 * t, inner),
+        (np.full_like(t, 2.0), 1.48 * np.cos(3.7 * t)),
+        outer_momentum=0.3 + 1e-12 * t,
+        mechanical_energy=2.0 - 4e-11 * t,
+    )
     unit = {"component": "GimbalBody", "effects": list(effects), "parameters": {"axis_orientation": orientation}}
     return _result({"units": {"body": unit}, "analysis": {"system": "two_axis_joint", **(analysis or {})}}, t, columns)
 
@@ -33,8 +39,9 @@ def chain_run(effects=("gravity", "viscous")):
     angles = (0.5 * decay * np.cos(2.0 * t), 3.0 * t)
     rates = (np.gradient(angles[0], t), np.full_like(t, 3.0))
     x, y = np.sin(angles[0]) + np.sin(angles[1]), -np.cos(angles[0]) - np.cos(angles[1])
-    columns = _columns("chain", ("first", "second"), angles, rates, tip_x=x, tip_y=y, angular_momentum=decay,
-                       mechanical_energy=5.0 * decay)
+    columns = _columns(
+        "chain", ("first", "second"), angles, rates, tip_x=x, tip_y=y, angular_momentum=decay, mechanical_energy=5.0 * decay
+    )
     return _result({"units": {"chain": {"component": "TwoLinkChain", "effects": list(effects)}},
                     "analysis": {"system": "two_axis_joint"}}, t, columns)  # fmt: skip
 

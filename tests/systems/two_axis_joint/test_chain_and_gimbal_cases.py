@@ -40,8 +40,10 @@ def centres(name: str) -> dict[str, float]:
 def test_the_chain_s_table_follows_from_the_formulas():
     """Closed expressions written here, and NumPy's roots of the quartic."""
     table = centres("chain-closed-forms")
-    for name, squares in (("masses", (2.0 - math.sqrt(2.0), 2.0 + math.sqrt(2.0))),
-                          ("rods", (3.0 - 6.0 / math.sqrt(7.0), 3.0 + 6.0 / math.sqrt(7.0)))):
+    for name, squares in (
+        ("masses", (2.0 - math.sqrt(2.0), 2.0 + math.sqrt(2.0))),
+        ("rods", (3.0 - 6.0 / math.sqrt(7.0), 3.0 + 6.0 / math.sqrt(7.0))),
+    ):
         for mode, square in enumerate(squares, 1):
             assert table[f"frequency.{name}.{mode}"] == pytest.approx(math.sqrt(9.81 * square), abs=6e-8)
     roots = np.roots([1.0, 0.35, 4.0 * 9.81 + 0.005, 0.25 * 9.81, 2.0 * 9.81**2])

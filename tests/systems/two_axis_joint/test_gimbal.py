@@ -158,8 +158,15 @@ def test_nutation_of_a_gyroscope():
     inertias = {"frame_inertia": 0.005, "cross_inertia": 0.015, "inner_inertia": 0.015, "axial_inertia": 0.015}
     frequency = nutation_frequency(2.0, 0.02, 0.015)
     assert frequency == pytest.approx(115.4701, abs=5e-5)
-    body = gimbal(("rotor",), **inertias, **{"rotor.spin_momentum": 2.0}, axis_orientation="horizontal", start_inner_angle=0.0,
-                  start_inner_rate=1e-3, substep=1e-4)
+    body = gimbal(
+        ("rotor",),
+        **inertias,
+        **{"rotor.spin_momentum": 2.0},
+        axis_orientation="horizontal",
+        start_inner_angle=0.0,
+        start_inner_rate=1e-3,
+        substep=1e-4,
+    )
     period = 2.0 * math.pi / frequency
     rows = course(body, period, period / 64)
     phase = frequency * rows[:, 0]
@@ -174,8 +181,16 @@ def test_steady_precession_and_its_growth_towards_gimbal_lock(inclination):
     """Torque on the inner axis, answered by the outer one: -T / (h cos beta); exact for a body with equal moments."""
     inertias = {"cross_inertia": 0.015, "inner_inertia": 0.015, "axial_inertia": 0.015, "rotor.spin_momentum": 2.0}
     rate = -precession_rate(0.3, 2.0, inclination)
-    body = GimbalBody(("rotor",), {**inertias, "axis_orientation": "horizontal", "start_inner_angle": inclination,
-                                   "start_outer_rate": rate, "substep": 1e-4})
+    body = GimbalBody(
+        ("rotor",),
+        {
+            **inertias,
+            "axis_orientation": "horizontal",
+            "start_inner_angle": inclination,
+            "start_outer_rate": rate,
+            "substep": 1e-4,
+        },
+    )
     body.set("inner_torque", 0.3)
     body.initialize(0.0)
     body.step(0.0, 2.0)
@@ -185,8 +200,12 @@ def test_steady_precession_and_its_growth_towards_gimbal_lock(inclination):
 
 
 def test_a_rotor_does_no_work():
-    body = gimbal(("gravity", "rotor", "viscous"), start_outer_rate=3.0, start_inner_rate=-2.0,
-                  **{"viscous.outer_coefficient": 0.0, "viscous.inner_coefficient": 0.0})
+    body = gimbal(
+        ("gravity", "rotor", "viscous"),
+        start_outer_rate=3.0,
+        start_inner_rate=-2.0,
+        **{"viscous.outer_coefficient": 0.0, "viscous.inner_coefficient": 0.0},
+    )
     energy, momentum = body["mechanical_energy"], body["outer_momentum"]
     body.step(0.0, 20.0)
     assert body["mechanical_energy"] == pytest.approx(energy, rel=1e-9)
@@ -197,8 +216,9 @@ def test_a_rotor_does_no_work():
 @pytest.mark.parametrize("substep", [1e-3, 1e-2])
 def test_a_pendulum_with_dry_friction_turns_where_the_work_says_and_stays(substep):
     level = 0.2
-    body = gimbal(("gravity", "stick_friction"), **GOVERNOR, start_inner_angle=1.2, substep=substep,
-                  **{"stick_friction.inner_level": level})
+    body = gimbal(
+        ("gravity", "stick_friction"), **GOVERNOR, start_inner_angle=1.2, substep=substep, **{"stick_friction.inner_level": level}
+    )
     turning = friction_turning_points(1.2, level, MOMENT)
     for a, b in pairwise(turning):  # the balance itself: height lost = friction times way
         assert MOMENT * (math.cos(b) - math.cos(a)) == pytest.approx(level * abs(b - a), rel=1e-12)
@@ -232,8 +252,13 @@ def test_smoothed_friction_creeps_where_exact_friction_stands():
 def test_an_impact_on_a_stop_loses_what_the_law_says():
     """Hunt and Crossley: v / d - ln(1 + d v) / d² has the same value before and after, for v into the stop and out of it."""
     speed, d = 2.0, 0.2
-    body = gimbal(("stops",), start_inner_angle=1.29, start_inner_rate=speed, substep=1e-5,
-                  **{"stops.dissipation": d, "stops.stiffness": 1000.0})
+    body = gimbal(
+        ("stops",),
+        start_inner_angle=1.29,
+        start_inner_rate=speed,
+        substep=1e-5,
+        **{"stops.dissipation": d, "stops.stiffness": 1000.0},
+    )
     body.step(0.0, 0.1)
     assert body["inner_angle"] < 1.3
 

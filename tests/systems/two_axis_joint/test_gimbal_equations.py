@@ -54,13 +54,20 @@ def test_accelerations_are_those_of_lagrange(orientation, seed):
     s, c, weight = math.sin(beta), math.cos(beta), MASS * G * DISTANCE
     if orientation == "vertical":
         inertia = Jo + B * s * s + C * c * c
-        right = [first - (B - C) * math.sin(2.0 * beta) * outer * inner + SPIN * s * inner - OUTER_DAMPING * outer,
-                 second + (B - C) * outer**2 * s * c - weight * s - SPIN * outer * s - INNER_DAMPING * inner]
+        right = [
+            first - (B - C) * math.sin(2.0 * beta) * outer * inner + SPIN * s * inner - OUTER_DAMPING * outer,
+            second + (B - C) * outer**2 * s * c - weight * s - SPIN * outer * s - INNER_DAMPING * inner,
+        ]
     else:
         inertia = Jo + B * c * c + C * s * s
-        right = [first + (B - C) * math.sin(2.0 * beta) * outer * inner - weight * math.sin(alpha) * c - SPIN * c * inner
-                 - OUTER_DAMPING * outer,
-                 second - (B - C) * outer**2 * s * c - weight * math.cos(alpha) * s + SPIN * outer * c - INNER_DAMPING * inner]
+        right = [
+            first
+            + (B - C) * math.sin(2.0 * beta) * outer * inner
+            - weight * math.sin(alpha) * c
+            - SPIN * c * inner
+            - OUTER_DAMPING * outer,
+            second - (B - C) * outer**2 * s * c - weight * math.cos(alpha) * s + SPIN * outer * c - INNER_DAMPING * inner,
+        ]
     np.testing.assert_allclose(rates_of(body)[2:4], [right[0] / inertia, right[1] / A], rtol=1e-12, atol=1e-10)
 
 
@@ -72,8 +79,10 @@ FIRST = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 
 def cloud() -> tuple[np.ndarray, np.ndarray]:
     """Masses and places in body axes of points with the body's mass, centre and moments about the crossing; some negative."""
-    second = 0.5 * (sum(INERTIAS[n] for n in ("cross_inertia", "inner_inertia", "axial_inertia"))
-                    - 2.0 * np.array([INERTIAS[n] for n in ("cross_inertia", "inner_inertia", "axial_inertia")]))
+    second = 0.5 * (
+        sum(INERTIAS[n] for n in ("cross_inertia", "inner_inertia", "axial_inertia"))
+        - 2.0 * np.array([INERTIAS[n] for n in ("cross_inertia", "inner_inertia", "axial_inertia")])
+    )
     masses, places = [MASS - second.sum()], [np.zeros(3)]
     for axis, moment in enumerate(second):
         for side in (1.0, -1.0):
@@ -204,8 +213,10 @@ def test_a_base_that_turns_steadily_about_a_vertical_outer_axis_is_a_change_of_f
 
 def test_an_accelerating_base_is_another_direction_of_gravity():
     """Steady acceleration a along y tilts the rest position of a pendulum about a horizontal axis x by atan(a / g)."""
-    body = GimbalBody(("gravity", "base_motion", "viscous"), {
-        "axis_orientation": "horizontal", "start_inner_angle": 0.0, "viscous.outer_coefficient": 0.5})
+    body = GimbalBody(
+        ("gravity", "base_motion", "viscous"),
+        {"axis_orientation": "horizontal", "start_inner_angle": 0.0, "viscous.outer_coefficient": 0.5},
+    )
     body.set("base_motion.acceleration_y", 3.0)
     body.initialize(0.0)
     body.step(0.0, 20.0)

@@ -12,8 +12,14 @@ from cosimo.components.two_axis_joint.gimbal import GimbalBody
 pytestmark = pytest.mark.full
 
 SLENDER = {"cross_inertia": 0.05, "inner_inertia": 0.05, "axial_inertia": 0.0}
-GYRO = {"frame_inertia": 0.005, "cross_inertia": 0.015, "inner_inertia": 0.015, "axial_inertia": 0.015,
-        "axis_orientation": "horizontal", "start_inner_angle": 0.0}
+GYRO = {
+    "frame_inertia": 0.005,
+    "cross_inertia": 0.015,
+    "inner_inertia": 0.015,
+    "axial_inertia": 0.015,
+    "axis_orientation": "horizontal",
+    "start_inner_angle": 0.0,
+}
 
 
 def gimbal(effects=(), inputs=None, **parameters) -> GimbalBody:
@@ -41,8 +47,9 @@ def test_the_frame_or_the_body_may_be_without_inertia():
 @pytest.mark.parametrize("frame", [1e-5, 1e-6, 1e-7])
 def test_a_slender_body_turns_back_from_its_own_axis(frame):
     """Momentum p about the outer axis and little inertia there: p² / 2 J is a wall, 280 rad/s for some ms; nothing is lost."""
-    body = gimbal(**SLENDER, frame_inertia=frame, start_inner_angle=1.0, start_inner_rate=-2.0, start_outer_rate=0.02,
-                  substep=1e-4)
+    body = gimbal(
+        **SLENDER, frame_inertia=frame, start_inner_angle=1.0, start_inner_rate=-2.0, start_outer_rate=0.02, substep=1e-4
+    )
     momentum, energy = body["outer_momentum"], body["mechanical_energy"]
     body.step(0.0, 2.0)
     # measured: 3e-10 at most; the barrier's width over the speed is 25 substeps, and RK4's order does the rest
@@ -109,8 +116,9 @@ def test_many_turning_points_under_friction(ratio):
     """Two axes shaken around the level of their friction: rests and slips without end, the same ones at coarse substeps."""
     counts, ends, balances = [], [], []
     for substep in (1e-2, 1e-3):
-        body = gimbal(("gravity", "stick_friction"), start_inner_angle=0.4, substep=substep,
-                      **{"stick_friction.static_ratio": ratio})
+        body = gimbal(
+            ("gravity", "stick_friction"), start_inner_angle=0.4, substep=substep, **{"stick_friction.static_ratio": ratio}
+        )
         energy = body["mechanical_energy"]
         work = shaken(body, np.array([0.12, 0.1]), np.array([7.0, 17.0]), 20.0, 1e-2)
         counts.append(body.work["events"])
@@ -140,8 +148,13 @@ def test_a_torque_that_reaches_the_static_level_exactly():
 @pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
 def test_an_axis_that_bears_just_its_level_does_not_disturb_the_other(orientation):
     """Outer torque of 0.1 N.m, the level to the last bit; the inner axis comes to rest after rate * I / level."""
-    body = gimbal(("stick_friction",), {"outer_torque": 0.1}, axis_orientation=orientation, start_inner_rate=-0.5,
-                  **{"stick_friction.outer_level": 0.1, "stick_friction.inner_level": 0.05})
+    body = gimbal(
+        ("stick_friction",),
+        {"outer_torque": 0.1},
+        axis_orientation=orientation,
+        start_inner_rate=-0.5,
+        **{"stick_friction.outer_level": 0.1, "stick_friction.inner_level": 0.05},
+    )
     for k in range(8):
         body.step(0.125 * k, 0.125)
     assert body["outer_rate"] == body["inner_rate"] == body["outer_angle"] == 0.0
@@ -154,10 +167,14 @@ def test_torques_at_the_very_levels_at_random():
     rng = np.random.default_rng(5)
     torques = [0.0, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2]
     for _ in range(20):
-        body = gimbal(("stick_friction",), axis_orientation=rng.choice(["vertical", "horizontal"]),
-                      start_outer_rate=rng.choice([0.0, 2.0]), start_inner_rate=rng.choice([0.0, -1.0]),
-                      **{f"stick_friction.{axis}_level": rng.choice([0.05, 0.1]) for axis in ("outer", "inner")},
-                      **{"stick_friction.static_ratio": rng.choice([1.0, 2.0])})
+        body = gimbal(
+            ("stick_friction",),
+            axis_orientation=rng.choice(["vertical", "horizontal"]),
+            start_outer_rate=rng.choice([0.0, 2.0]),
+            start_inner_rate=rng.choice([0.0, -1.0]),
+            **{f"stick_friction.{axis}_level": rng.choice([0.05, 0.1]) for axis in ("outer", "inner")},
+            **{"stick_friction.static_ratio": rng.choice([1.0, 2.0])},
+        )
         for k in range(60):
             begin, end = rng.choice(torques, (2, 2))
             body.u[0], body.u[1] = begin, rng.choice([0.0, 1.0]) * (end - begin) / 0.05
@@ -176,8 +193,12 @@ def test_friction_of_one_axis_alone_leaves_the_other_free():
 def test_friction_holds_an_axis_against_the_gyroscopic_torque_of_the_other_up_to_its_level():
     """A turning inner axis and a rotor: h beta' cos beta on the outer axis, 0.1 N.m at the start, below 0.2 and above 0.05."""
     for level, holds in ((0.2, True), (0.05, False)):
-        body = gimbal(("rotor", "stick_friction"), **GYRO, start_inner_rate=0.2,
-                      **{"stick_friction.outer_level": level, "stick_friction.inner_level": 0.0})
+        body = gimbal(
+            ("rotor", "stick_friction"),
+            **GYRO,
+            start_inner_rate=0.2,
+            **{"stick_friction.outer_level": level, "stick_friction.inner_level": 0.0},
+        )
         body.step(0.0, 1.0)
         assert (body["outer_angle"] == 0.0) is holds
         if holds:

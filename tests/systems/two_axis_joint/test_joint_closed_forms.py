@@ -29,8 +29,15 @@ from scipy.linalg import expm
 from scipy.special import ellipk
 
 G = 9.81
-GENERAL = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
-           "second_centre": 0.4, "second_inertia": 0.03}
+GENERAL = {
+    "first_mass": 1.3,
+    "first_length": 0.8,
+    "first_centre": 0.5,
+    "first_inertia": 0.04,
+    "second_mass": 0.6,
+    "second_centre": 0.4,
+    "second_inertia": 0.03,
+}
 
 
 def differentiated(f, t: np.ndarray, h: float = 0.02) -> np.ndarray:
@@ -63,15 +70,25 @@ def test_quartic_of_the_damped_chain():
 @pytest.mark.parametrize("effects", [("gravity", "viscous"), ("viscous",), ("gravity",)])
 def test_quartic_has_the_eigenvalues_of_the_first_order_form(effects):
     motion = small_motion(chain(effects, **GENERAL))
-    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(motion.mass, motion.stiffness),
-                                                  -np.linalg.solve(motion.mass, motion.damping)]])
+    A = np.block(
+        [
+            [np.zeros((2, 2)), np.eye(2)],
+            [-np.linalg.solve(motion.mass, motion.stiffness), -np.linalg.solve(motion.mass, motion.damping)],
+        ]
+    )
     assert np.poly(A) == pytest.approx(quartic(motion) / quartic(motion)[0], rel=1e-10, abs=1e-12)
 
 
 PROPORTIONAL = {"viscous.first": 0.3, "viscous.second": 0.3}
 HEAVY = {**PROPORTIONAL, "viscous.first": 60.0, "viscous.second": 60.0}  # both modes overdamped
-SOLVED = [(("gravity", "viscous"), PROPORTIONAL), (("gravity", "viscous"), HEAVY), (("viscous",), GENERAL),
-          (("viscous",), {**GENERAL, "viscous.first": 0.0}), (("gravity",), GENERAL), ((), GENERAL)]
+SOLVED = [
+    (("gravity", "viscous"), PROPORTIONAL),
+    (("gravity", "viscous"), HEAVY),
+    (("viscous",), GENERAL),
+    (("viscous",), {**GENERAL, "viscous.first": 0.0}),
+    (("gravity",), GENERAL),
+    ((), GENERAL),
+]
 
 
 @pytest.mark.parametrize(("effects", "parameters"), SOLVED)

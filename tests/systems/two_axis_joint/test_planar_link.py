@@ -26,13 +26,16 @@ def started(effects=(), **parameters) -> PlanarLink:
 
 
 def test_a_thrown_link_flies_along_a_parabola_and_turns_evenly():
-    link = started(("gravity",), **ROD, start_x=0.1, start_y=2.0, start_angle=0.4, start_velocity_x=1.0, start_velocity_y=3.0,
-                   start_rate=6.0)
+    link = started(
+        ("gravity",), **ROD, start_x=0.1, start_y=2.0, start_angle=0.4, start_velocity_x=1.0, start_velocity_y=3.0, start_rate=6.0
+    )
     assert (link["base_x"], link["base_y"]) == pytest.approx((0.1, 2.0), rel=1e-15)
     assert (link["base_velocity_x"], link["base_velocity_y"]) == pytest.approx((1.0, 3.0), rel=1e-14)
     link.step(0.0, 0.9)
-    centre = [0.1 + 0.5 * math.sin(0.4) + (1.0 + 0.5 * math.cos(0.4) * 6.0) * 0.9,
-              2.0 - 0.5 * math.cos(0.4) + (3.0 + 0.5 * math.sin(0.4) * 6.0) * 0.9 - 0.5 * G * 0.81]
+    centre = [
+        0.1 + 0.5 * math.sin(0.4) + (1.0 + 0.5 * math.cos(0.4) * 6.0) * 0.9,
+        2.0 - 0.5 * math.cos(0.4) + (3.0 + 0.5 * math.sin(0.4) * 6.0) * 0.9 - 0.5 * G * 0.81,
+    ]
     angle = 0.4 + 6.0 * 0.9
     along = np.array([math.sin(angle), -math.cos(angle)])
     assert link["angle"] == pytest.approx(angle, rel=1e-12)
@@ -85,8 +88,9 @@ def test_the_pin_s_reaction_moves_a_free_link_as_the_pin_does():
         link_derivatives(0.0, pinned.x, pinned.u[0], dx, *pinned.arguments)
         link_derivatives(0.0, free.x, free.u[0], free_dx, *free.arguments)
         assert free_dx[1] == pytest.approx(dx[1], abs=1e-11)
-        centre = 0.5 * (dx[1] * np.array([math.cos(angle), math.sin(angle)])
-                        + rate**2 * np.array([-math.sin(angle), math.cos(angle)]))
+        centre = 0.5 * (
+            dx[1] * np.array([math.cos(angle), math.sin(angle)]) + rate**2 * np.array([-math.sin(angle), math.cos(angle)])
+        )
         np.testing.assert_allclose(free_dx[4:], centre, atol=1e-11)
 
 
@@ -183,9 +187,21 @@ def split_chain(stiffness: float, end: float) -> np.ndarray:
 
 def test_two_links_on_a_stiff_joint_tend_to_the_rigid_chain():
     """The difference falls as 1 / stiffness: what the joint gives, is force over stiffness."""
-    chain = TwoLinkChain(("gravity",), {
-        "first_mass": 0.8, "first_length": 1.2, "first_centre": 0.5, "first_inertia": 0.09, "second_mass": 0.8,
-        "second_length": 1.2, "second_centre": 0.5, "second_inertia": 0.09, "start_first_angle": 0.8, "start_second_angle": -0.3})
+    chain = TwoLinkChain(
+        ("gravity",),
+        {
+            "first_mass": 0.8,
+            "first_length": 1.2,
+            "first_centre": 0.5,
+            "first_inertia": 0.09,
+            "second_mass": 0.8,
+            "second_length": 1.2,
+            "second_centre": 0.5,
+            "second_inertia": 0.09,
+            "start_first_angle": 0.8,
+            "start_second_angle": -0.3,
+        },
+    )
     chain.initialize(0.0)
     chain.step(0.0, 0.7)
     errors = [np.abs(split_chain(k, 0.7) - chain.y[:4]).max() for k in (2e4, 2e5)]

@@ -15,8 +15,16 @@ from scipy.optimize import brentq
 pytestmark = pytest.mark.interpreted
 
 G = 9.81
-GENERAL = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
-           "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}
+GENERAL = {
+    "first_mass": 1.3,
+    "first_length": 0.8,
+    "first_centre": 0.5,
+    "first_inertia": 0.04,
+    "second_mass": 0.6,
+    "second_length": 0.7,
+    "second_centre": 0.4,
+    "second_inertia": 0.03,
+}
 # one pendulum: the second link has no mass, its inertia turns by itself
 SINGLE = {"second_mass": 0.0, "second_inertia": 1.0}
 SMOOTH = ("gravity", "viscous", "smoothed_friction", "stops", "reactions")
@@ -29,8 +37,12 @@ def started(effects=(), preset: str = "", **parameters) -> TwoLinkChain:
 
 
 def starting(angles, rates=(0.0, 0.0)) -> dict[str, float]:
-    return {"start_first_angle": angles[0], "start_second_angle": angles[1],
-            "start_first_rate": rates[0], "start_second_rate": rates[1]}
+    return {
+        "start_first_angle": angles[0],
+        "start_second_angle": angles[1],
+        "start_first_rate": rates[0],
+        "start_second_rate": rates[1],
+    }
 
 
 def absolute(chain: TwoLinkChain) -> np.ndarray:
@@ -77,8 +89,9 @@ def test_damped_chain_of_the_quartic():
     columns = []
     for k in range(4):
         x = 1e-5 * np.eye(4)[k]
-        chain = started(("gravity", "viscous"), **{"viscous.first": 0.1, "viscous.second": 0.05, "substep": 1e-4},
-                        **starting(x[:2], x[2:]))
+        chain = started(
+            ("gravity", "viscous"), **{"viscous.first": 0.1, "viscous.second": 0.05, "substep": 1e-4}, **starting(x[:2], x[2:])
+        )
         chain.step(0.0, t)
         columns.append(absolute(chain) / 1e-5)
     found = np.sort_complex(np.log(np.linalg.eigvals(np.array(columns).T).astype(complex)) / t)
@@ -223,8 +236,12 @@ def test_dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it():
     """Turning points of the arc-decay in closed form; at the last the pendulum rests, for good and to the last bit."""
     turns = friction_turning_points(1.0, 0.8, G)
     assert len(turns) > 4
-    chain = started(("gravity", "stick_friction"), **SINGLE, **starting((1.0, 0.0)),
-                    **{"stick_friction.first_level": 0.8, "stick_friction.second_level": 0.0})
+    chain = started(
+        ("gravity", "stick_friction"),
+        **SINGLE,
+        **starting((1.0, 0.0)),
+        **{"stick_friction.first_level": 0.8, "stick_friction.second_level": 0.0},
+    )
     chain.step(0.0, 12.0)
     assert chain["first_rate"] == 0.0
     assert chain["first_angle"] == pytest.approx(turns[-1], abs=1e-9)
@@ -239,9 +256,19 @@ def test_bristles_decay_as_exact_standstill_does():
     """Stiff bristles without the static excess: at rest within twice the bristles' bending of the exact place."""
     turns = friction_turning_points(1.0, 0.8, G)
     stiffness = 2e4
-    chain = started(("gravity", "lugre_friction"), **SINGLE, **starting((1.0, 0.0)), substep=2e-4,
-                    **{"lugre_friction.first_level": 0.8, "lugre_friction.second_level": 0.0, "lugre_friction.static_ratio": 1.0,
-                       "lugre_friction.stiffness": stiffness, "lugre_friction.damping": 100.0})
+    chain = started(
+        ("gravity", "lugre_friction"),
+        **SINGLE,
+        **starting((1.0, 0.0)),
+        substep=2e-4,
+        **{
+            "lugre_friction.first_level": 0.8,
+            "lugre_friction.second_level": 0.0,
+            "lugre_friction.static_ratio": 1.0,
+            "lugre_friction.stiffness": stiffness,
+            "lugre_friction.damping": 100.0,
+        },
+    )
     chain.step(0.0, 20.0)
     assert abs(chain["first_rate"]) < 1e-6
     assert chain["first_angle"] == pytest.approx(turns[-1], abs=2.0 * len(turns) * 0.8 / stiffness)
@@ -249,8 +276,11 @@ def test_bristles_decay_as_exact_standstill_does():
 
 def test_a_joint_breaks_loose_at_its_static_level_and_gains_what_the_levels_differ():
     """Torque r t on a single inertia J: rest until static / r, then J w = r s² / 2 + (static - kinetic) s."""
-    chain = started(("stick_friction",), **SINGLE,
-                    **{"stick_friction.first_level": 0.5, "stick_friction.static_ratio": 1.4, "stick_friction.second_level": 5.0})
+    chain = started(
+        ("stick_friction",),
+        **SINGLE,
+        **{"stick_friction.first_level": 0.5, "stick_friction.static_ratio": 1.4, "stick_friction.second_level": 5.0},
+    )
     chain.u[1, 0] = 0.35
     chain.step(0.0, 1.9996)  # 0.7 N.m at 2 s
     assert chain["first_rate"] == 0.0
@@ -284,11 +314,19 @@ def inertia_by_hand(relative: float) -> float:
 @pytest.mark.parametrize("dissipation", [0.0, 0.05, 0.5])
 def test_restitution_of_the_stops(dissipation):
     """One inertia against spring and losses kd(1 + c d'): v / (1 + c v) dv = -k/J d dd, in closed form c v - ln(1 + c v)."""
-    chain = started(("stops",), first_inertia=1e9, second_centre=0.0, second_inertia=1.0, substep=1e-4,
-                    **{"stops.upper": 0.5, "stops.dissipation": dissipation}, **starting((0.0, 0.4), (0.0, 2.0)))
+    chain = started(
+        ("stops",),
+        first_inertia=1e9,
+        second_centre=0.0,
+        second_inertia=1.0,
+        substep=1e-4,
+        **{"stops.upper": 0.5, "stops.dissipation": dissipation},
+        **starting((0.0, 0.4), (0.0, 2.0)),
+    )
     chain.step(0.0, 0.05 + 1.2 * math.pi / math.sqrt(1000.0) + 0.05)
     exact = 2.0
     if dissipation:
+
         def potential(v):
             return dissipation * v - math.log1p(dissipation * v)
 
@@ -313,8 +351,13 @@ def test_order_in_time_through_a_stop():
 @pytest.mark.parametrize("stiffness", [1e3, 1e5])
 def test_lossless_stops_reverse_the_relative_rate(stiffness):
     """Energy and momentum stay, and the inertia at the stop's angle is the same before and after: only the sign is left."""
-    chain = started(("stops",), **GENERAL, substep=1e-5, **starting((0.0, 0.9 - 1e-12), (-1.0, 1.0)),
-                    **{"stops.stiffness": stiffness, "stops.dissipation": 0.0, "stops.upper": 0.9})
+    chain = started(
+        ("stops",),
+        **GENERAL,
+        substep=1e-5,
+        **starting((0.0, 0.9 - 1e-12), (-1.0, 1.0)),
+        **{"stops.stiffness": stiffness, "stops.dissipation": 0.0, "stops.upper": 0.9},
+    )
     energy, momentum = chain.energy(), chain["angular_momentum"]
     while chain.work["events"] < 2:
         chain.step(chain.t, 1e-5)
@@ -340,8 +383,13 @@ def test_start_and_outputs_agree():
 
 def test_a_spring_throws_a_link_out_with_the_energy_of_its_preload():
     """One inertia on a spring, relaxed at pi: pi (1 - cos w t); and with dry friction the rate of the energies' difference."""
-    fixed = {"first_inertia": 1e12, "second_inertia": 0.5, "second_centre": 0.0, "springs.second_stiffness": 0.8,
-             "springs.second_rest": math.pi}
+    fixed = {
+        "first_inertia": 1e12,
+        "second_inertia": 0.5,
+        "second_centre": 0.0,
+        "springs.second_stiffness": 0.8,
+        "springs.second_rest": math.pi,
+    }
     chain = started(("springs",), **fixed)
     chain.step(0.0, 1.0)
     w = math.sqrt(0.8 / 0.5)
@@ -352,8 +400,14 @@ def test_a_spring_throws_a_link_out_with_the_energy_of_its_preload():
     angle = rubbed["relative_angle"]
     gained = 0.8 * (math.pi * angle - 0.5 * angle**2) - 0.3 * angle
     assert rubbed["relative_rate"] == pytest.approx(math.sqrt(2.0 * gained / 0.5), rel=1e-9)
-    first = started(("springs",), first_inertia=2.0, first_mass=0.0, second_mass=0.0, second_inertia=1e-3,
-                    **{"springs.first_stiffness": 3.0, "springs.first_rest": 0.2, "springs.second_stiffness": 0.0})
+    first = started(
+        ("springs",),
+        first_inertia=2.0,
+        first_mass=0.0,
+        second_mass=0.0,
+        second_inertia=1e-3,
+        **{"springs.first_stiffness": 3.0, "springs.first_rest": 0.2, "springs.second_stiffness": 0.0},
+    )
     first.step(0.0, 1.0)
     assert first["first_angle"] == pytest.approx(0.2 * (1.0 - math.cos(math.sqrt(3.0 / 2.0))), rel=1e-9)
 

@@ -66,8 +66,11 @@ def test_a_chain_at_rest_on_top_stays_there_with_dry_friction_only():
 @pytest.mark.parametrize("ratio", [1.0, 1.5])
 def test_every_swing_with_friction_ends_and_energy_never_grows(levels, ratio):
     """Both joints stop and start again many times; where both rub, the chain is at rest in the end, to the last bit."""
-    friction = {"stick_friction.first_level": levels[0], "stick_friction.second_level": levels[1],
-                "stick_friction.static_ratio": ratio}
+    friction = {
+        "stick_friction.first_level": levels[0],
+        "stick_friction.second_level": levels[1],
+        "stick_friction.static_ratio": ratio,
+    }
     chain = started(("gravity", "stick_friction"), **friction, **HIGH, substep=2e-4)  # RK4 gains 1e-12 of the energy a second
     energy = chain.energy()
     for k in range(160):
@@ -99,8 +102,12 @@ def test_two_joints_on_the_verge_of_standing():
 
 def test_torque_that_turns_many_times_while_friction_holds_some_of_it():
     """A torque across the static level again and again: stick-slip with the motion of the closed form, one turn after another."""
-    chain = started(("stick_friction",), second_mass=0.0, second_inertia=1.0,
-                    **{"stick_friction.first_level": 1.0, "stick_friction.second_level": 0.0})
+    chain = started(
+        ("stick_friction",),
+        second_mass=0.0,
+        second_inertia=1.0,
+        **{"stick_friction.first_level": 1.0, "stick_friction.second_level": 0.0},
+    )
     for k in range(50):  # 0.9, held, and 1.1, which moves it for 0.1 s: rate 0.01, and standing after another 0.01 / 1.9 s or so
         chain.set("first_torque", 1.1)
         chain.step(0.3 * k, 0.1)
@@ -112,8 +119,9 @@ def test_torque_that_turns_many_times_while_friction_holds_some_of_it():
     assert chain["first_angle"] == pytest.approx(50 * once, rel=1e-6)
 
 
-@pytest.mark.parametrize("parameters", [{"first_mass": 0.0}, {"first_centre": 0.0}, {"second_mass": 0.0},
-                                        {"first_mass": 0.0, "second_mass": 0.0}])
+@pytest.mark.parametrize(
+    "parameters", [{"first_mass": 0.0}, {"first_centre": 0.0}, {"second_mass": 0.0}, {"first_mass": 0.0, "second_mass": 0.0}]
+)
 def test_links_without_inertia_are_refused(parameters):
     """Two point masses, one of them nothing: stretched, the elbow has no equation of motion."""
     with pytest.raises(BadInput, match="singular"):
@@ -153,9 +161,17 @@ def test_what_is_too_stiff_for_the_step_is_refused_and_runs_with_a_smaller_one(e
 
 def test_stops_hold_the_weight_of_the_second_link():
     """Folded upwards onto its stop and pressed into it by a motor: at rest, the spring bears the torque."""
-    chain = started(("gravity", "viscous", "smoothed_friction", "stops", "reactions"),
-                    **{"gravity.acceleration": 0.0, "smoothed_friction.first_level": 0.0, "smoothed_friction.second_level": 0.0,
-                       "stops.upper": 1.0, "viscous.first": 5.0, "viscous.second": 1.0})
+    chain = started(
+        ("gravity", "viscous", "smoothed_friction", "stops", "reactions"),
+        **{
+            "gravity.acceleration": 0.0,
+            "smoothed_friction.first_level": 0.0,
+            "smoothed_friction.second_level": 0.0,
+            "stops.upper": 1.0,
+            "viscous.first": 5.0,
+            "viscous.second": 1.0,
+        },
+    )
     chain.set("second_torque", 3.0)
     chain.step(0.0, 120.0)
     assert chain["relative_angle"] - 1.0 == pytest.approx(3.0 / 1000.0, rel=1e-6)
@@ -175,8 +191,12 @@ def test_stops_that_cannot_be_are_refused(parameters, message):
 
 def test_narrow_stops_and_a_lossless_bounce_between_them():
     """0.002 rad of play, 200 bounces and more a second: energy stays, and every bounce is located."""
-    chain = started(("stops",), **{"stops.lower": -1e-3, "stops.upper": 1e-3, "stops.dissipation": 0.0, "stops.stiffness": 1e5},
-                    substep=1e-4, start_second_rate=1.0)
+    chain = started(
+        ("stops",),
+        **{"stops.lower": -1e-3, "stops.upper": 1e-3, "stops.dissipation": 0.0, "stops.stiffness": 1e5},
+        substep=1e-4,
+        start_second_rate=1.0,
+    )
     energy = chain.energy()
     chain.step(0.0, 1.0)
     assert chain.energy() == pytest.approx(energy, rel=1e-5)

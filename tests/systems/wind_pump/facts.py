@@ -9,8 +9,11 @@ FACTS: dict[str, Facts] = {
         moving=frozenset({"angle"}),
         small={"curve": "heier"},  # which knows pitch
         plain=(("pitch", "furling", "bearing_friction"), {"curve": "heier", "start_speed": 20.0}, 20),
-        other_ways=(({"curve": "farm"}, ("furling", "bearing_friction")), ({"curve": "simple", "start_speed": 20.0}, ()),
-                    ({"curve": "variant", "start_speed": 20.0}, ("pitch",))),
+        other_ways=(
+            ({"curve": "farm"}, ("furling", "bearing_friction")),
+            ({"curve": "simple", "start_speed": 20.0}, ()),
+            ({"curve": "variant", "start_speed": 20.0}, ("pitch",)),
+        ),
         disturbance={"wind": 5.0, "torque": 3.0},
         strengths={"bearing_friction.kinetic": ({"bearing_friction.static": 0.1}, 1e-3)},
         structural=frozenset({"pitch", "furling"}),
@@ -25,9 +28,21 @@ FACTS: dict[str, Facts] = {
             "turbulence.intensity": ({}, 1e-3),
             "gusts.amplitude": ({"gusts.start_time": 0.0}, 1e-3),
         },
-        form=frozenset({"ramp.end_speed", "ramp.start_time", "ramp.return_time", "daily.strongest", "turbulence.length",
-                        "turbulence.interval", "turbulence.seed", "gusts.start_time", "gusts.rise", "gusts.stay",
-                        "gusts.period"}),
+        form=frozenset(
+            {
+                "ramp.end_speed",
+                "ramp.start_time",
+                "ramp.return_time",
+                "daily.strongest",
+                "turbulence.length",
+                "turbulence.interval",
+                "turbulence.seed",
+                "gusts.start_time",
+                "gusts.rise",
+                "gusts.stay",
+                "gusts.period",
+            }
+        ),
     ),
     "FixedTransmission": Facts(
         plain=(("mesh_friction",), {"start_speed": 2.0}, 20),
@@ -61,8 +76,22 @@ FACTS: dict[str, Facts] = {
         disturbance={"turbine_speed": 4.0, "load_torque": 5.0},
         strengths={"mesh_friction.coefficient": ({}, 1e-3)},
         structural=frozenset({"compliant_clutches"}),
-        form=frozenset({"mesh_friction.width", *(f"stresses.{n}" for n in ("shaft_diameter", "driven_shaft_diameter", "lever_arm",
-                                                                         "lever_width", "lever_height", "pin_diameter"))}),
+        form=frozenset(
+            {
+                "mesh_friction.width",
+                *(
+                    f"stresses.{n}"
+                    for n in (
+                        "shaft_diameter",
+                        "driven_shaft_diameter",
+                        "lever_arm",
+                        "lever_width",
+                        "lever_height",
+                        "pin_diameter",
+                    )
+                ),
+            }
+        ),
     ),
     "PistonPump": Facts(
         moving=frozenset({"angle"}),

@@ -12,8 +12,14 @@ from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING
 
 pytestmark = pytest.mark.interpreted
 # the example of the cycle averages: m = 4 kg, m_y = 0.05 kg, a = 2, b = 1, r = 30 mm, rho = 50 mm
-EXAMPLE = {"gear_ratio": 1.0, "lever_mass": 4.0, "slider_mass": 0.05, "crank_radius": 0.03, "lever_ratio": 1.0,
-           "clutch_arm": 0.05}
+EXAMPLE = {
+    "gear_ratio": 1.0,
+    "lever_mass": 4.0,
+    "slider_mass": 0.05,
+    "crank_radius": 0.03,
+    "lever_ratio": 1.0,
+    "clutch_arm": 0.05,
+}
 SHAKE = 4.0 * 2.0 * 0.03  # m a b r
 K1 = 2.0 / math.pi * 0.05 * SHAKE
 K2 = 2.0 / math.pi * 0.05**2 * 4.05

@@ -41,8 +41,11 @@ def test_another_lever_fails(parameter, value):
     scene = case.held(20.0, {"half": 0.5 * case.LARGEST * 20.0}, {**case.EXAMPLE, parameter: value})
     driving, braking = case.mean_torques(run(scene, in_process=True), "half")
     measured = {"torque.20.0.5": driving / (case.STALL * 400.0), "power.20.0.5": braking / (driving * 0.5 * case.LARGEST)}
-    rows = {row.reference.measure: row.inside for row in compare(load_table("inertial-converter").rows, measured)
-            if row.reference.measure in measured}
+    rows = {
+        row.reference.measure: row.inside
+        for row in compare(load_table("inertial-converter").rows, measured)
+        if row.reference.measure in measured
+    }
     assert rows == {"torque.20.0.5": False, "power.20.0.5": True}
 
 

@@ -20,8 +20,15 @@ from cosimo.components.wind_pump.driven_shaft import STANDING
 
 pytestmark = pytest.mark.full
 
-LEVER = {"crank_inertia": 0.8, "crank_radius": 0.06, "lever_ratio": 1.7, "lever_mass": 15.0, "slider_mass": 0.9,
-         "clutch_arm": 0.07, "driven_inertia": 0.6}
+LEVER = {
+    "crank_inertia": 0.8,
+    "crank_radius": 0.06,
+    "lever_ratio": 1.7,
+    "lever_mass": 15.0,
+    "slider_mass": 0.9,
+    "clutch_arm": 0.07,
+    "driven_inertia": 0.6,
+}
 B, A, R, RHO = 1.7, 2.7, 0.06, 0.07
 PINS = ("stresses.crank_pin_force", "stresses.mass_pin_force", "stresses.slider_pin_force")
 MODES = (STANDING, FREE, 1.0, -1.0)

@@ -19,8 +19,9 @@ def power_coefficient(curve, ratio, pitch=0.0):
 
 def maximum(curve, pitch, low, high):
     """(ratio, C_p) at the maximum."""
-    found = minimize_scalar(lambda r: -power_coefficient(curve, r, pitch), bounds=(low, high), method="bounded",
-                            options={"xatol": 1e-10})
+    found = minimize_scalar(
+        lambda r: -power_coefficient(curve, r, pitch), bounds=(low, high), method="bounded", options={"xatol": 1e-10}
+    )
     return found.x, -found.fun
 
 

@@ -27,6 +27,7 @@ def pair(wind, turbine_speed, speed):
 @pytest.mark.parametrize(("wind", "turbine_speed", "coefficient", "inverse_ratio"), TABLE)
 def test_torques_balance_at_the_printed_speeds(wind, turbine_speed, coefficient, inverse_ratio):
     """Numbers solved elsewhere, to their four digits; the ratio changes forty times, the power coefficient stays high."""
+
     def surplus(speeds):
         turbine, converter = pair(wind, *speeds)
         return turbine["aerodynamic_torque"] - converter["turbine_torque"], converter["driving_torque"] - LOAD

@@ -196,8 +196,14 @@ def test_random_converters_under_random_jumps():
     """Masses, arms and inertias over decades: no state that is not finite, no modes that chase each other."""
     rng = np.random.default_rng(3)
     for _ in range(40):
-        ranges = {"lever_mass": (-3, 2), "crank_radius": (-2, -1), "lever_ratio": (-0.7, 0.7), "clutch_arm": (-2, -0.5),
-                  "driven_inertia": (-2, 1), "crank_inertia": (-0.5, 1)}
+        ranges = {
+            "lever_mass": (-3, 2),
+            "crank_radius": (-2, -1),
+            "lever_ratio": (-0.7, 0.7),
+            "clutch_arm": (-2, -0.5),
+            "driven_inertia": (-2, 1),
+            "crank_inertia": (-0.5, 1),
+        }
         parameters = {n: 10.0 ** rng.uniform(*r) for n, r in ranges.items()}
         converter = started(turbine=rng.uniform(-5.0, 5.0), slider_mass=rng.choice([0.0, 0.1]),
                             start_speed=rng.choice([0.0, 4.0]), **parameters)  # fmt: skip

@@ -102,7 +102,8 @@ def test_the_driven_shaft_swings_as_a_torsional_vibration():
     b = (-ahead - decay * theta) / damped
     z = math.exp(-decay * t) * (-theta * math.cos(angle) + b * math.sin(angle))
     z_rate = math.exp(-decay * t) * (
-        decay * theta * math.cos(angle) - decay * b * math.sin(angle) + damped * (theta * math.sin(angle) + b * math.cos(angle)))
+        decay * theta * math.cos(angle) - decay * b * math.sin(angle) + damped * (theta * math.sin(angle) + b * math.cos(angle))
+    )
     assert transmission["speed"] == pytest.approx(6.0 - z_rate, abs=1e-6)
     assert transmission["turbine_torque"] == pytest.approx(2.0 * (k * (theta + z) + c * z_rate), abs=1e-4)
 
@@ -110,6 +111,7 @@ def test_the_driven_shaft_swings_as_a_torsional_vibration():
 @pytest.mark.parametrize(("cls", "parameters"), [(FixedTransmission, {}), (PlanetaryTransmission, {"third_damping": 0.5})])
 def test_order_of_the_integrator_is_four(cls, parameters):
     """The driven shaft keeps turning, so that there is no event."""
+
     def state(substep):
         transmission = made(cls, (), parameters | {"start_speed": 4.0, "substep": substep}, turbine_speed=4.5)
         transmission.step(0.0, 0.08)
@@ -249,8 +251,12 @@ def test_what_cannot_be_is_refused(effects, parameters, message):
 
 @pytest.mark.full
 def test_a_third_shaft_too_fast_for_the_stable_step_fails_the_step():
-    gear = made(PlanetaryTransmission, ["centrifugal_brake"],
-                {"centrifugal_brake.largest_speed": 5.0, "centrifugal_brake.coefficient": 1e-3, "third_damping": 0.1},
-                turbine_speed=4.0, load_torque=1e3)
+    gear = made(
+        PlanetaryTransmission,
+        ["centrifugal_brake"],
+        {"centrifugal_brake.largest_speed": 5.0, "centrifugal_brake.coefficient": 1e-3, "third_damping": 0.1},
+        turbine_speed=4.0,
+        load_torque=1e3,
+    )
     with pytest.raises(StepFailed, match="range"):
         gear.step(0.0, 5.0)

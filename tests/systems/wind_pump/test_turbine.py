@@ -41,6 +41,7 @@ def test_a_farm_windmill_starts_exponentially(load, damping):
 
 def test_order_of_the_integrator_is_four():
     """A rotor as light as a feather: at the default inertia the error is rounding at every step."""
+
     def speed(n):
         turbine = running((), {"curve": "heier", "inertia": 1.0, "start_speed": 20.0, "substep": 1.0 / n}, wind=6.0)
         turbine.step(0.0, 1.0)

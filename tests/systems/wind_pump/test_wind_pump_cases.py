@@ -7,15 +7,9 @@ import pytest
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
-from cosimo.orchestrator.systems.wind_pump.cases import (
-    closed_forms as wind_pump_closed_forms,
-)
-from cosimo.orchestrator.systems.wind_pump.cases import (
-    equilibrium as wind_pump_equilibrium,
-)
-from cosimo.orchestrator.systems.wind_pump.cases import (
-    start as wind_pump_start,
-)
+from cosimo.orchestrator.systems.wind_pump.cases import closed_forms as wind_pump_closed_forms
+from cosimo.orchestrator.systems.wind_pump.cases import equilibrium as wind_pump_equilibrium
+from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start
 
 NAMES = ["wind-pump-equilibrium", "wind-pump-start", "wind-pump-closed-forms"]
 

@@ -36,13 +36,21 @@ def test_in_a_gust_the_ratio_changes_and_the_power_coefficient_stays():
     assert cp[strong].mean() > 0.24
     for energy in result.info["energy"].values():  # what the coupling makes of nothing, J
         assert abs(energy["created"]) < 1e-3 * energy["exchanged"]
-    mean = finished(full.with_changes({
-        "units.converter.component": "AveragedConverter", "units.converter.effects": [],
-        "units.converter.parameters": {n: v for n, v in full.units["converter"].parameters.items() if n in BOTH_CONVERTERS},
-        # crank and lever turn with the turbine: n² (J1 + m a² r² / 2)
-        "units.turbine.parameters": {"inertia": 15.0 + 100.0 * (0.1 + 47.0 * 4.0 * 0.02**2 / 2.0)},
-        "master": {"step": 0.01}, "record.signals": ["turbine.speed", "converter.speed", "pipe.delivered"],
-    }))
+    mean = finished(
+        full.with_changes(
+            {
+                "units.converter.component": "AveragedConverter",
+                "units.converter.effects": [],
+                "units.converter.parameters": {
+                    n: v for n, v in full.units["converter"].parameters.items() if n in BOTH_CONVERTERS
+                },
+                # crank and lever turn with the turbine: n² (J1 + m a² r² / 2)
+                "units.turbine.parameters": {"inertia": 15.0 + 100.0 * (0.1 + 47.0 * 4.0 * 0.02**2 / 2.0)},
+                "master": {"step": 0.01},
+                "record.signals": ["turbine.speed", "converter.speed", "pipe.delivered"],
+            }
+        )
+    )
     late = mean.time > 6.0
     for name in ("turbine.speed", "converter.speed"):
         assert mean[name][late].mean() == pytest.approx(result[name][t > 6.0].mean(), rel=0.03)

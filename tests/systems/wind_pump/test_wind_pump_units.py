@@ -112,8 +112,12 @@ def test_what_runs_keeps_running_in_a_wind_that_does_not_start_it():
     """3 m/s, below the start wind of 3.58 and above the stop wind, with a flywheel: both states last. That is the hysteresis."""
     shaft = {"driven_inertia": 60.0, "stiffness": 2e4, "shaft_damping": 50.0}
     middle = {"start_angle": 0.5 * math.pi}
-    running = Chain(FixedTransmission(parameters=shaft | {"start_speed": 2.0}), steady(3.0), PistonPump(),
-                    WindTurbine(parameters={"start_speed": 2.0}))
+    running = Chain(
+        FixedTransmission(parameters=shaft | {"start_speed": 2.0}),
+        steady(3.0),
+        PistonPump(),
+        WindTurbine(parameters={"start_speed": 2.0}),
+    )
     standing = Chain(FixedTransmission(parameters=shaft), steady(1.0), PistonPump(parameters=middle))
     standing.wind = Wind(["ramp"], {"mean_speed": 1.0, "ramp.rate": 0.1, "ramp.end_speed": 3.0})
     standing.wind.initialize(0.0)
@@ -162,8 +166,10 @@ def test_a_pump_without_head_is_no_load(transmission):
 
 
 def test_a_seized_pump_stalls_a_fixed_ratio_and_lets_the_converters_turbine_run():
-    stalled, idling = (Chain(cls(), steady(5.0), PistonPump(parameters={"start_angle": 0.5 * math.pi}))
-                       for cls in (FixedTransmission, AveragedConverter))
+    stalled, idling = (
+        Chain(cls(), steady(5.0), PistonPump(parameters={"start_angle": 0.5 * math.pi}))
+        for cls in (FixedTransmission, AveragedConverter)
+    )
     for chain in (stalled, idling):
         chain.pump.set("head", 1e6)
         chain.run(60.0)
@@ -231,22 +237,35 @@ def test_a_rest_in_which_drive_and_load_are_equal_is_left_as_the_drive_grows(tra
 @pytest.mark.full
 def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
     """Head and flow in a loop: solved to H0 n² - n d Q - c Q² = H_static + K Q² at every instant after the valve opens."""
-    scene = read_scene({
-        "title": "centrifugal pump", "stop_time": 6.0,
-        "connections": ["turbine.speed -> gear.turbine_speed", "gear.turbine_torque -> turbine.torque",
-                        "gear.speed -> pump.speed", "pump.torque -> gear.load_torque", "pump.flow -> pipe.flow",
-                        "pipe.head -> pump.head"],
-        "units": {
-            "turbine": {"component": "WindTurbine", "parameters": {"wind": 6.0}},
-            "gear": {"component": "FixedTransmission", "parameters": {"gear_ratio": 30.0, "driven_inertia": 0.02,
-                                                                      "stiffness": 200.0, "shaft_damping": 0.1}},
-            "pump": {"component": "CentrifugalPump"},
-            "pipe": {"component": "WaterPipe", "effects": ["friction"],
-                     "parameters": {"static_head": 10.0, "friction": {"coefficient": 1e6}}},
-        },
-        "master": {"step": 5e-3},
-        "record": {"signals": ["gear.speed", "pump.flow", "pipe.head"]},
-    })
+    scene = read_scene(
+        {
+            "title": "centrifugal pump",
+            "stop_time": 6.0,
+            "connections": [
+                "turbine.speed -> gear.turbine_speed",
+                "gear.turbine_torque -> turbine.torque",
+                "gear.speed -> pump.speed",
+                "pump.torque -> gear.load_torque",
+                "pump.flow -> pipe.flow",
+                "pipe.head -> pump.head",
+            ],
+            "units": {
+                "turbine": {"component": "WindTurbine", "parameters": {"wind": 6.0}},
+                "gear": {
+                    "component": "FixedTransmission",
+                    "parameters": {"gear_ratio": 30.0, "driven_inertia": 0.02, "stiffness": 200.0, "shaft_damping": 0.1},
+                },
+                "pump": {"component": "CentrifugalPump"},
+                "pipe": {
+                    "component": "WaterPipe",
+                    "effects": ["friction"],
+                    "parameters": {"static_head": 10.0, "friction": {"coefficient": 1e6}},
+                },
+            },
+            "master": {"step": 5e-3},
+            "record": {"signals": ["gear.speed", "pump.flow", "pipe.head"]},
+        }
+    )
     result = run(scene, in_process=True)
     assert result.outcome == "done", result.message
     n, flow = result["gear.speed"] / 150.0, result["pump.flow"]
@@ -257,9 +276,15 @@ def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
 
 @pytest.mark.parametrize("value", [math.inf, math.nan])
 def test_inputs_that_are_no_numbers_fail_the_step(value):
-    for cls, name in ((WindTurbine, "torque"), (FixedTransmission, "turbine_speed"), (AveragedConverter, "turbine_speed"),
-                      (PlanetaryTransmission, "turbine_speed"), (PistonPump, "speed"), (CentrifugalPump, "head"),
-                      (WaterPipe, "flow")):
+    for cls, name in (
+        (WindTurbine, "torque"),
+        (FixedTransmission, "turbine_speed"),
+        (AveragedConverter, "turbine_speed"),
+        (PlanetaryTransmission, "turbine_speed"),
+        (PistonPump, "speed"),
+        (CentrifugalPump, "head"),
+        (WaterPipe, "flow"),
+    ):
         unit = cls()
         unit.initialize(0.0)
         unit.set(name, value)

@@ -9,8 +9,15 @@ STARTS, STOPS, TOP = 3.6, 2.4, 5.0  # m/s
 CP, TRANSMITTED, PUMPED = 0.3, 0.8, 0.9  # of the wind; of the turbine's power; of the pump shaft's
 RADIUS, DENSITY = 1.5, 1.225
 HEAD_TORQUE = 10.0  # N.m, of the pump
-CHAIN = ["wind.speed -> turbine.wind", "turbine.speed -> gear.turbine_speed", "gear.turbine_torque -> turbine.torque",
-         "gear.speed -> pump.speed", "pump.torque -> gear.load_torque", "pump.flow -> pipe.flow", "pipe.head -> pump.head"]
+CHAIN = [
+    "wind.speed -> turbine.wind",
+    "turbine.speed -> gear.turbine_speed",
+    "gear.turbine_torque -> turbine.torque",
+    "gear.speed -> pump.speed",
+    "pump.torque -> gear.load_torque",
+    "pump.flow -> pipe.flow",
+    "pipe.head -> pump.head",
+]
 
 
 def triangle(duration=400.0, step=0.1):

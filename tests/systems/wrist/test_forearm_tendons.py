@@ -102,6 +102,7 @@ def test_passive_fibres_have_a_potential():
 
 def test_fibres_pull_by_their_length():
     """Active: exp(-strain² / 0.45), either way. Passive: the largest force at 60 %, at 30 % (e² - 1) / (e⁴ - 1) of it."""
+
     def force(strain, excitation):
         return tendons(("fibres",), {FCR: excitation}, flexion=-strain * 0.0628 / 0.0177)["force[1]"] / 59.7
 
@@ -122,6 +123,7 @@ def test_stretched_muscles_pull_back():
 
 def test_hills_hyperbola():
     """(1 - v) / (1 + 4 v), none at the greatest rate; more than isometric when lengthened, up to 1.4."""
+
     def force(rate):
         return tendons(("force_velocity",), {FCR: 1.0}, flexion_rate=rate / 0.0177)["force[1]"] / 59.7
 
@@ -169,12 +171,15 @@ def test_a_jump_in_the_programme_holds_from_its_time_on():
 
 
 def test_times_that_go_back_are_refused():
-    for wrong in ({"programme.time[1]": 0.3, "programme.time[2]": 0.1, "programme.time[3]": 0.2},
-                  {"programme.time[1]": 0.3, "programme.fcu[2]": 0.1}):
+    for wrong in (
+        {"programme.time[1]": 0.3, "programme.time[2]": 0.1, "programme.time[3]": 0.2},
+        {"programme.time[1]": 0.3, "programme.fcu[2]": 0.1},
+    ):
         with pytest.raises(BadInput, match=r"programme\.time"):
             tendons(("programme",), parameters=wrong)
 
 
 def test_names_of_the_muscles_are_those_of_the_programme():
     assert [n for n in ForearmTendons.variables if n.startswith("programme.") and n.endswith("[1]")] == [
-        f"programme.{n}[1]" for n in ("time", *MUSCLES)]
+        f"programme.{n}[1]" for n in ("time", *MUSCLES)
+    ]

@@ -112,7 +112,6 @@ def test_a_parallelogram_keeps_its_sides_parallel_and_an_antiparallelogram_does_
         assert quotient == pytest.approx((0.02 + 0.05) / (0.02 - 0.05), rel=1e-9)
 
 
-
 def test_folded_it_stays_in_its_assembly_with_a_kink():
     """Past the change point a parallelogram goes on as the antiparallelogram: the other sign of the ratio's jump."""
     before, after = (four_bar(PARALLELOGRAM, math.pi + s, change_point="fold") for s in (-1e-9, 1e-9))

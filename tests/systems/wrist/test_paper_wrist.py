@@ -32,8 +32,21 @@ def potential(load: float, q: np.ndarray) -> float:
 def test_the_wrists_load_is_where_its_energy_is_no_longer_least_at_rest(share, stable):
     load = share * wrist_load(1.0)
     h = 1e-3
-    hessian = np.array([[(potential(load, h * (a + b)) - potential(load, h * (a - b)) - potential(load, h * (b - a))
-                          + potential(load, -h * (a + b))) / (4.0 * h * h) for b in np.eye(2)] for a in np.eye(2)])
+    hessian = np.array(
+        [
+            [
+                (
+                    potential(load, h * (a + b))
+                    - potential(load, h * (a - b))
+                    - potential(load, h * (b - a))
+                    + potential(load, -h * (a + b))
+                )
+                / (4.0 * h * h)
+                for b in np.eye(2)
+            ]
+            for a in np.eye(2)
+        ]
+    )
     assert (np.linalg.eigvalsh(hessian).min() > 0.0) == stable
 
 

@@ -73,11 +73,10 @@ def test_turning_of_row_and_hand_is_the_rate_of_their_rotation(axes, q1, q2):
 
 
 # -- the rules of the rows -------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(("target", "proximal", "distal", "roll"), [
-    ((40.0, 0.0), 33.435, 11.076, -2.932),
-    ((0.0, 15.0), 12.540, -16.779, 1.595),
-    ((0.0, -25.0), -21.844, 28.123, 4.681),
-])
+@pytest.mark.parametrize(
+    ("target", "proximal", "distal", "roll"),
+    [((40.0, 0.0), 33.435, 11.076, -2.932), ((0.0, 15.0), 12.540, -16.779, 1.595), ((0.0, -25.0), -21.844, 28.123, 4.681)],
+)
 def test_inverse_table(target, proximal, distal, roll):
     """Numbers to 0.001 degrees from a computation of its own, by Newton's method on the two rotations."""
     found = np.degrees(inverse(*np.radians(target)))

@@ -75,8 +75,10 @@ def test_ends_and_lengths_have_their_derivatives(axes):
     for i, step in enumerate(d * np.eye(2)):
         after, before = (lengths(*(q + sign * step), axes, there)[:, 0] for sign in (1.0, -1.0))
         assert lengths(*q, axes, there)[:, 1 + i] == pytest.approx((after - before) / (2.0 * d), abs=1e-11)
-        for end in (lambda q: end_of_bone(q[0], q[1], 0.7, axes, (0.01, -0.02, 0.03)),
-                    lambda q: end_of_hand(q[0], q[1], axes, (0.01, 0.02, 0.03))):
+        for end in (
+            lambda q: end_of_bone(q[0], q[1], 0.7, axes, (0.01, -0.02, 0.03)),
+            lambda q: end_of_hand(q[0], q[1], axes, (0.01, 0.02, 0.03)),
+        ):
             difference = (np.array(end(q + step)[0]) - end(q - step)[0]) / (2.0 * d)
             assert end(q)[1 + i] == pytest.approx(difference, abs=1e-10)
 
@@ -202,8 +204,9 @@ def test_rigid_isometric_ligaments_change_nothing():
 def test_a_held_row_leaves_an_oscillator_of_one_degree_of_freedom(free, inertia):
     """Period 2 pi sqrt(I / k): a stiffness equal in all directions is k about every axis across the hand."""
     isometric = {k: v for k, v in ISOMETRIC.items() if ("[2]" in k) != (free == "proximal")}
-    made = wrist({**isometric, "constraint.kind": "rigid", "proximal_damping": 0.0, "distal_damping": 0.0,
-                  f"start_{free}_rate": 1e-4})
+    made = wrist(
+        {**isometric, "constraint.kind": "rigid", "proximal_damping": 0.0, "distal_damping": 0.0, f"start_{free}_rate": 1e-4}
+    )
     quarter = 0.5 * math.pi * math.sqrt(inertia / 1.0)
     made.step(0.0, quarter)
     assert made[f"{free}_rate"] == pytest.approx(0.0, abs=1e-10)

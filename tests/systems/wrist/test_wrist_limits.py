@@ -28,17 +28,26 @@ def wrist(effects=("morphology",), inputs=None, **parameters) -> Wrist:
 
 
 # -- axes that lose a motion -----------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("component", [lambda **tilts: wrist(**{f"morphology__{k}": v for k, v in tilts.items()}),
-                                       lambda **tilts: LigamentBundle((), tilts).initialize(0.0)])
+@pytest.mark.parametrize(
+    "component",
+    [
+        lambda **tilts: wrist(**{f"morphology__{k}": v for k, v in tilts.items()}),
+        lambda **tilts: LigamentBundle((), tilts).initialize(0.0),
+    ],
+)
 @pytest.mark.parametrize("tilts", [(0.0, 0.0), (0.4, -0.4), (0.005, 0.005), (0.5 * math.pi, 0.5 * math.pi)])
 def test_parallel_axes_are_refused(component, tilts):
     with pytest.raises(BadInput, match=r"axes that cross at a sine of .* one motion instead of two"):
         component(proximal_tilt=tilts[0], distal_tilt=tilts[1])
 
 
-@pytest.mark.parametrize("component", [lambda: wrist(coupling_model="opensim_half", morphology__proximal_tilt=0.3),
-                                       lambda: LigamentBundle((), {"coupling_model": "opensim_half",
-                                                                           "proximal_tilt": 0.3}).initialize(0.0)])
+@pytest.mark.parametrize(
+    "component",
+    [
+        lambda: wrist(coupling_model="opensim_half", morphology__proximal_tilt=0.3),
+        lambda: LigamentBundle((), {"coupling_model": "opensim_half", "proximal_tilt": 0.3}).initialize(0.0),
+    ],
+)
 def test_tilts_of_a_coupling_model_without_tilted_axes_are_refused(component):
     with pytest.raises(BadInput, match="tilts with the coupling model 'rules' only"):
         component()
@@ -49,8 +58,14 @@ def test_tilts_of_a_coupling_model_without_tilted_axes_are_refused(component):
 def test_a_hard_limit_stops_the_hand_within_what_its_energy_allows(stiffness):
     """Thrown at the limit of deviation: depth at most sqrt(2 E / k), less energy behind than before, then rest."""
     substep = 1e-4 * math.sqrt(200.0 / stiffness) * 5.0
-    made = wrist(ALL, interaction__stiffness=stiffness, substep=substep, start_proximal_rate=30.0,
-                 start_distal_rate=-35.0, interaction__contact_lower=-2.0)
+    made = wrist(
+        ALL,
+        interaction__stiffness=stiffness,
+        substep=substep,
+        start_proximal_rate=30.0,
+        start_distal_rate=-35.0,
+        interaction__contact_lower=-2.0,
+    )
     before, deepest = made.energy(), 0.0
     for k in range(60):
         made.step(1e-3 * k, 1e-3)
@@ -66,8 +81,15 @@ def test_a_limit_that_the_substep_cannot_follow_is_refused():
 
 def test_rest_against_a_limit():
     """Far beyond the range: tau = k_limit depth + k e, held for 3 s."""
-    made = wrist(ALL, {"tau_deviation": 4.0}, proximal_damping=0.1, distal_damping=0.1, interaction__contact_lower=-2.0,
-                 load__gravity_x=0.0, **{f"constraint__stiffness[{j}]": 0.0 for j in range(1, 6)})
+    made = wrist(
+        ALL,
+        {"tau_deviation": 4.0},
+        proximal_damping=0.1,
+        distal_damping=0.1,
+        interaction__contact_lower=-2.0,
+        load__gravity_x=0.0,
+        **{f"constraint__stiffness[{j}]": 0.0 for j in range(1, 6)},
+    )
     made.step(0.0, 3.0)
     expected = (4.0 + 200.0 * 0.610865) / 201.0
     assert made["deviation"] == pytest.approx(expected, abs=1e-9)
@@ -104,14 +126,17 @@ def test_five_rigid_ligaments_that_contradict_each_other_are_refused():
     assert made["distal_angle"] != 0.0
 
 
-@pytest.mark.parametrize(("wrong", "expected"), [
-    ({"constraint__prestrain": 0.01}, "apart at the start"),
-    ({"start_proximal_angle": 0.1, "constraint__off_axis[1]": 1e-3}, "apart at the start"),
-    ({"start_proximal_rate": 0.1, "constraint__off_axis[1]": 1e-3}, "of a row that rigid ligaments hold"),
-    ({"coupling_model": "opensim_half"}, "every length depends on both angles"),
-    ({"constraint__toe": 0.01}, "rigid ligaments have none"),
-    ({"constraint__stiffness[3]": 1e6}, "rigid ligaments have none"),
-])
+@pytest.mark.parametrize(
+    ("wrong", "expected"),
+    [
+        ({"constraint__prestrain": 0.01}, "apart at the start"),
+        ({"start_proximal_angle": 0.1, "constraint__off_axis[1]": 1e-3}, "apart at the start"),
+        ({"start_proximal_rate": 0.1, "constraint__off_axis[1]": 1e-3}, "of a row that rigid ligaments hold"),
+        ({"coupling_model": "opensim_half"}, "every length depends on both angles"),
+        ({"constraint__toe": 0.01}, "rigid ligaments have none"),
+        ({"constraint__stiffness[3]": 1e6}, "rigid ligaments have none"),
+    ],
+)
 def test_rigid_ligaments_that_do_not_fit_are_refused(wrong, expected):
     with pytest.raises(BadInput, match=expected):
         wrist(("morphology", "constraint"), constraint__kind="rigid", **(ISOMETRIC | wrong))
@@ -119,12 +144,20 @@ def test_rigid_ligaments_that_do_not_fit_are_refused(wrong, expected):
 
 def test_constraints_do_not_drift():
     """Ten seconds of large swings under all five rigid isometric ligaments, and one with a row held: strains are rounding."""
-    made = wrist(("morphology", "constraint"), **FREE, **ISOMETRIC,
-                 constraint__kind="rigid", start_proximal_angle=0.6, start_distal_angle=0.3, substep=1e-2)
+    made = wrist(
+        ("morphology", "constraint"),
+        **FREE,
+        **ISOMETRIC,
+        constraint__kind="rigid",
+        start_proximal_angle=0.6,
+        start_distal_angle=0.3,
+        substep=1e-2,
+    )
     made.step(0.0, 10.0)
     assert max(abs(made[f"constraint.strain[{j}]"]) for j in range(1, 6)) < 1e-14
-    held = wrist(("morphology", "constraint"), **FREE, constraint__kind="rigid", constraint__cut=2, start_distal_rate=3.0,
-                 substep=1e-2)
+    held = wrist(
+        ("morphology", "constraint"), **FREE, constraint__kind="rigid", constraint__cut=2, start_distal_rate=3.0, substep=1e-2
+    )
     held.step(0.0, 10.0)
     assert [held["proximal_angle"], held["proximal_rate"]] == [0.0, 0.0]
 
@@ -133,9 +166,17 @@ def test_constraints_do_not_drift():
 def test_five_stiff_springs_hold_both_rows_by_their_tension(stiffness):
     """A small torque; a ligament under tension T that is shortest at rest is a stiffness T far beside share² / length."""
     strain = 0.1
-    made = wrist(("morphology", "constraint"), {"tau_flexion": 1e-3}, proximal_damping=0.1, distal_damping=0.1, substep=5e-4,
-                 constraint__prestrain=strain, constraint__toe=0.0, row_inertia=0.0,
-                 **{f"constraint__stiffness[{j}]": stiffness for j in range(1, 6)})
+    made = wrist(
+        ("morphology", "constraint"),
+        {"tau_flexion": 1e-3},
+        proximal_damping=0.1,
+        distal_damping=0.1,
+        substep=5e-4,
+        constraint__prestrain=strain,
+        constraint__toe=0.0,
+        row_inertia=0.0,
+        **{f"constraint__stiffness[{j}]": stiffness for j in range(1, 6)},
+    )
     made.step(0.0, 0.9)
 
     def held(far: float, share: float) -> float:
@@ -192,14 +233,18 @@ def test_one_long_step_is_many_short_ones():
     assert long.work == short.work
 
 
-@pytest.mark.parametrize(("angles", "fine"), [((0.0, 1.5), True), ((0.0, 1.53), False), ((2.9, 0.0), True),
-                                              ((3.05, 0.0), False)])
+@pytest.mark.parametrize(("angles", "fine"), [((0.0, 1.5), True), ((0.0, 1.53), False), ((2.9, 0.0), True), ((3.05, 0.0), False)])
 def test_angles_of_the_hand_are_told_up_to_the_pole_of_deviation_and_nearly_a_half_turn(angles, fine):
     """Cosine of the deviation 0.05, flexion 3 rad, about axes that reach so far; nothing moves, nothing else ends the run."""
     axes = Axes(RULES, math.pi / 6.0, math.pi / 3.0, 0.0)
     there = dict(zip(("start_proximal_angle", "start_distal_angle"), inverse(*angles, axes)[:2], strict=True))
-    made = wrist(flexion_stiffness=0.0, deviation_stiffness=0.0, morphology__proximal_tilt=math.pi / 6.0,
-                 morphology__distal_tilt=math.pi / 3.0, **there)
+    made = wrist(
+        flexion_stiffness=0.0,
+        deviation_stiffness=0.0,
+        morphology__proximal_tilt=math.pi / 6.0,
+        morphology__distal_tilt=math.pi / 3.0,
+        **there,
+    )
     if fine:
         made.step(0.0, 1e-3)
         assert [made["flexion"], made["deviation"]] == pytest.approx(angles, abs=1e-9)
@@ -231,8 +276,16 @@ def test_the_stable_step_holds_wherever_the_wrist_is(q, of_ligaments):
     given = {f"interaction__{name}_{end}": there - off for end, off in (("upper", 1e-4), ("lower", 9.0))
              for name, there in (("flexion", flexion), ("deviation", deviation), ("contact", q[1]))}  # fmt: skip
     given |= {f"constraint__stiffness[{j}]": 1e6 * of_ligaments for j in range(1, 6)}
-    made = wrist(ALL, **given, interaction__stiffness=stiffness, interaction__contact_stiffness=0.1 * stiffness, substep=1e-6,
-                 interaction__dissipation=0.0, constraint__toe=0.0, constraint__prestrain=0.1 * of_ligaments)
+    made = wrist(
+        ALL,
+        **given,
+        interaction__stiffness=stiffness,
+        interaction__contact_stiffness=0.1 * stiffness,
+        substep=1e-6,
+        interaction__dissipation=0.0,
+        constraint__toe=0.0,
+        constraint__prestrain=0.1 * of_ligaments,
+    )
     x, d, columns = np.r_[q, 0.0, 0.0], 1e-7, []
     for step in d * np.eye(4):
         ends = np.zeros((2, 4))

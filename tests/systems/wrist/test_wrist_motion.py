@@ -18,9 +18,16 @@ FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 QUIET = {"proximal_damping": 0.2, "distal_damping": 0.2, "substep": 4e-3}
 NO_LIGAMENTS = {f"constraint.stiffness[{j}]": 0.0 for j in range(1, 6)}
 ALL = ("morphology", "constraint", "interaction", "load")
-TIGHT = {"interaction.flexion_upper": 0.2, "interaction.deviation_upper": 0.1, "interaction.contact_lower": -0.1,
-         "interaction.contact_stiffness": 120.0,
-         "constraint.damping": 0.05, "constraint.prestrain": 0.03, "load.gravity_y": 3.0, "load.gravity_z": -2.0}
+TIGHT = {
+    "interaction.flexion_upper": 0.2,
+    "interaction.deviation_upper": 0.1,
+    "interaction.contact_lower": -0.1,
+    "interaction.contact_stiffness": 120.0,
+    "constraint.damping": 0.05,
+    "constraint.prestrain": 0.03,
+    "load.gravity_y": 3.0,
+    "load.gravity_z": -2.0,
+}
 MASS, DISTANCE, TRANSVERSE, AXIAL, ROW = 0.45, 0.07, 1e-3, 4e-4, 1e-5
 
 
@@ -90,9 +97,20 @@ def test_inertia_is_lagranges(model, q):
 def test_without_effects_it_is_the_matrix_exponential(model):
     """M q'' + D q' + A^T K A q = A^T tau + torques, started with angles and rates, under constant torques."""
     K = np.array([[2.0, 0.7], [0.7, 3.0]])
-    made = wrist((), {"coupling_model": model, "flexion_stiffness": 2.0, "deviation_stiffness": 3.0, "coupling_stiffness": 0.7,
-                      "proximal_damping": 0.03, "distal_damping": 0.01, "start_proximal_angle": 0.2, "start_distal_rate": -1.0},
-                 {"tau_flexion": 0.4, "tau_deviation": -0.2, "proximal_torque": 0.1, "distal_torque": 0.3})
+    made = wrist(
+        (),
+        {
+            "coupling_model": model,
+            "flexion_stiffness": 2.0,
+            "deviation_stiffness": 3.0,
+            "coupling_stiffness": 0.7,
+            "proximal_damping": 0.03,
+            "distal_damping": 0.01,
+            "start_proximal_angle": 0.2,
+            "start_distal_rate": -1.0,
+        },
+        {"tau_flexion": 0.4, "tau_deviation": -0.2, "proximal_torque": 0.1, "distal_torque": 0.3},
+    )
     A = small_angle_matrix(made.axes())
     across = MASS * DISTANCE**2 + TRANSVERSE  # about any axis across the hand; A's columns are the rows' axes in (z, x)
     M = across * A.T @ A + ROW * (np.diag([1.0, 0.0]) if model == "rules" else 0.25 * np.eye(2))
@@ -120,12 +138,19 @@ def test_error_falls_with_the_fourth_power_of_the_substep():
 
 
 # -- energy and work ---------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize(("effects", "parameters"), [
-    ((), {}),
-    (("morphology",), {"coupling_model": "opensim_half"}),
-    (("morphology", "constraint"), {"coupling_model": "opensim_half", "constraint.damping": 0.05, "constraint.prestrain": 0.03}),
-    (ALL, TIGHT),
-], ids=["linear", "half", "half with ligaments", "all"])
+@pytest.mark.parametrize(
+    ("effects", "parameters"),
+    [
+        ((), {}),
+        (("morphology",), {"coupling_model": "opensim_half"}),
+        (
+            ("morphology", "constraint"),
+            {"coupling_model": "opensim_half", "constraint.damping": 0.05, "constraint.prestrain": 0.03},
+        ),
+        (ALL, TIGHT),
+    ],
+    ids=["linear", "half", "half with ligaments", "all"],
+)
 def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
     """dE/dt along the equations, by differences, at random states: in contact, with taut ligaments, under all loads."""
     random = np.random.default_rng(7)
@@ -144,8 +169,12 @@ def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
         rate = (energy(x + d * dx) - energy(x - d * dx)) / (2.0 * d)
         made.x[:] = x
         made.refresh()
-        ports = {"tau_flexion": "flexion_rate", "tau_deviation": "deviation_rate", "proximal_torque": "proximal_rate",
-                 "distal_torque": "distal_rate"}
+        ports = {
+            "tau_flexion": "flexion_rate",
+            "tau_deviation": "deviation_rate",
+            "proximal_torque": "proximal_rate",
+            "distal_torque": "distal_rate",
+        }
         for name in made.inputs:
             if "load." in name:
                 ports[name] = name.replace("tip_force", "tip_velocity") if "tip" in name else name + "_rate"
@@ -184,8 +213,9 @@ def test_with_damping_energy_only_falls():
 
 
 def test_places_and_excursions_have_their_rates():
-    made = wrist(ALL, {"start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_proximal_rate": 2.0,
-                       "start_distal_rate": -1.5})
+    made = wrist(
+        ALL, {"start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_proximal_rate": 2.0, "start_distal_rate": -1.5}
+    )
     x, d = made.x.copy(), 1e-6
 
     def there(sign, names):
@@ -193,8 +223,10 @@ def test_places_and_excursions_have_their_rates():
         made.refresh()
         return np.array([made[n] for n in names])
 
-    for places, rates in ((("load.tip_x", "load.tip_y", "load.tip_z"), [f"load.tip_velocity_{axis}" for axis in "xyz"]),
-                          (("flexion", "deviation"), ("flexion_rate", "deviation_rate"))):
+    for places, rates in (
+        (("load.tip_x", "load.tip_y", "load.tip_z"), [f"load.tip_velocity_{axis}" for axis in "xyz"]),
+        (("flexion", "deviation"), ("flexion_rate", "deviation_rate")),
+    ):
         difference = (there(1.0, places) - there(-1.0, places)) / (2.0 * d)
         assert there(0.0, rates) == pytest.approx(difference, abs=1e-9)
     arms = made["load.flexion_arm[3]"], made["load.deviation_arm[3]"]
@@ -233,8 +265,12 @@ def test_a_hanging_hand_rests_where_its_energy_is_least():
 
 def test_rows_move_as_the_rule_says_under_torques():
     """The signs in the dynamic model: the motions of the inverse kinematics are those that torques on the hand produce."""
-    for name, value, signs in (("tau_deviation", 0.3, (1, -1)), ("tau_deviation", -0.3, (-1, 1)), ("tau_flexion", 0.5, (1, 1)),
-                               ("tau_flexion", -0.5, (-1, -1))):
+    for name, value, signs in (
+        ("tau_deviation", 0.3, (1, -1)),
+        ("tau_deviation", -0.3, (-1, 1)),
+        ("tau_flexion", 0.5, (1, 1)),
+        ("tau_flexion", -0.5, (-1, -1)),
+    ):
         made = wrist(("morphology",), QUIET, {name: value})
         made.step(0.0, 2.0)
         assert [np.sign(made["proximal_flexion"]), np.sign(made["distal_flexion"])] == list(signs)

@@ -77,13 +77,26 @@ def test_what_differs_from_the_first_stands_in_a_table_of_its_own(shown):
 def test_without_instants_the_ends_of_the_motion_are_the_postures():
     (record,) = wrists(wrist_run())
     found = postures(record)
-    assert [(p.name, p.time) for p in found] == [("flexion", pytest.approx(1.0)), ("radial deviation", pytest.approx(2.0)),
-                                                 ("extension", pytest.approx(3.0)), ("ulnar deviation", pytest.approx(4.0))]
+    assert [(p.name, p.time) for p in found] == [
+        ("flexion", pytest.approx(1.0)),
+        ("radial deviation", pytest.approx(2.0)),
+        ("extension", pytest.approx(3.0)),
+        ("ulnar deviation", pytest.approx(4.0)),
+    ]
     assert len(postures(record, (), 350)) == 2  # after the transient only what comes then: on the way back, and ulnar
 
 
-@pytest.mark.parametrize(("angles", "name"), [((30, 2), "flexion"), ((-30, 30), "radial extension"), ((20, -18), "ulnar flexion"),
-                                              ((1, 0), "rest"), ((-1, 14), "radial deviation"), ((-5, -20), "ulnar deviation")])
+@pytest.mark.parametrize(
+    ("angles", "name"),
+    [
+        ((30, 2), "flexion"),
+        ((-30, 30), "radial extension"),
+        ((20, -18), "ulnar flexion"),
+        ((1, 0), "rest"),
+        ((-1, 14), "radial deviation"),
+        ((-5, -20), "ulnar deviation"),
+    ],
+)
 def test_directions_have_names(angles, name):
     assert direction(*np.radians(angles)) == name
 
@@ -135,8 +148,11 @@ def test_without_recorded_angles_there_is_nothing_to_show():
 def test_keys_that_nothing_reads_are_refused():
     for key, value in (("posture", [1.0]), ("postures", [-1.0]), ("postures", 2.0)):
         with pytest.raises(BadInput):
-            read_scene(wrist_run(analysis={"postures": []}).scene.model_dump(exclude_unset=True) | {
-                "analysis": {"system": "wrist", key: value}}, "made-up")
+            read_scene(
+                wrist_run(analysis={"postures": []}).scene.model_dump(exclude_unset=True)
+                | {"analysis": {"system": "wrist", key: value}},
+                "made-up",
+            )
 
 
 def test_the_page_is_written(tmp_path):

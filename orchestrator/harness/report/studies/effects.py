@@ -28,32 +28,63 @@ def for_effects(study: Effects, directory: str | Path) -> Path:
     blocks: list[Block] = [Text(_advice(study))]
     blocks += [Text(list(study.remarks), "note")] if study.remarks else []
     blocks += [_sizes(study, shown), _costs(study, shown)] if shown else []
-    sections = [Section("Which effects matter", blocks), Section("Effects", [_table(study), *_others(study)]),
-                Section("Study", [Facts("What was compared", [
-                    ("tolerance", percent(study.tolerance)), ("quantities", "; ".join(study.quantities)),
-                    ("models that were run", str(study.runs))])])]
+    sections = [
+        Section("Which effects matter", blocks),
+        Section("Effects", [_table(study), *_others(study)]),
+        Section(
+            "Study",
+            [
+                Facts(
+                    "What was compared",
+                    [
+                        ("tolerance", percent(study.tolerance)),
+                        ("quantities", "; ".join(study.quantities)),
+                        ("models that were run", str(study.runs)),
+                    ],
+                )
+            ],
+        ),
+    ]
     return write_page(Page(study.scene.title or study.scene.name, _lead(study), sections), Path(directory) / "report.html")
 
 
 def _lead(study: Effects) -> str:
     chosen = sum(f.chosen for f in study.findings)
     every = sum(f.standing in ("measured", "required") for f in study.findings)
-    return (f"{chosen} of {every} effects keep the error within {percent(study.tolerance)} of the scene with all {every}. None "
-            "of them can be left out without exceeding this.")
+    return (
+        f"{chosen} of {every} effects keep the error within {percent(study.tolerance)} of the scene with all {every}. None "
+        "of them can be left out without exceeding this."
+    )
 
 
 def _advice(study: Effects) -> list[str]:
     rows = (("All effects", study.full), ("The scene's own effects", study.given), ("Smallest set", study.least))
     costs = [f"{name}: error {percent(c.error)}, {c.calls} calls, {c.seconds:.3g} s." for name, c in rows]
-    return [" ".join(costs), *(["The smallest set: " + ", ".join(f.name for f in study.findings if f.chosen) + "."]
-                              if any(f.chosen for f in study.findings) else ["The smallest set has no effects."])]
+    return [
+        " ".join(costs),
+        *(
+            ["The smallest set: " + ", ".join(f.name for f in study.findings if f.chosen) + "."]
+            if any(f.chosen for f in study.findings)
+            else ["The smallest set has no effects."]
+        ),
+    ]
 
 
-def _bars(values: Sequence[float], rows: Sequence[int], name: str, colour: str, shift: float, texts: Sequence[str],
-          **more: Any) -> dict[str, Any]:
-    return {"type": "bar", "orientation": "h", "x": drawn(values, 4), "y": [r + shift for r in rows], "width": 0.34, "name": name,
-            "marker": {"color": colour}, "text": list(texts), "textposition": "none",
-            "hovertemplate": "%{text}<extra></extra>"} | more
+def _bars(
+    values: Sequence[float], rows: Sequence[int], name: str, colour: str, shift: float, texts: Sequence[str], **more: Any
+) -> dict[str, Any]:
+    return {
+        "type": "bar",
+        "orientation": "h",
+        "x": drawn(values, 4),
+        "y": [r + shift for r in rows],
+        "width": 0.34,
+        "name": name,
+        "marker": {"color": colour},
+        "text": list(texts),
+        "textposition": "none",
+        "hovertemplate": "%{text}<extra></extra>",
+    } | more
 
 
 def _sizes(study: Effects, shown: Sequence[Finding]) -> Figure:
@@ -63,22 +94,45 @@ def _sizes(study: Effects, shown: Sequence[Finding]) -> Figure:
         return LARGEST if error == float("inf") else max(error, least) if error == error else error
 
     data = [
-        *(_bars([length(f.actual) for f in some], [r for r, f in enumerate(shown) if f.chosen == chosen], name, colour, 0.19,
-                [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some])
-          for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY))
-          if (some := [f for f in shown if f.chosen == chosen])),
-        _bars([length(f.predicted) for f in shown], rows, "predicted", VERMILION, -0.19,
-              [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown]),
+        *(
+            _bars(
+                [length(f.actual) for f in some],
+                [r for r, f in enumerate(shown) if f.chosen == chosen],
+                name,
+                colour,
+                0.19,
+                [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some],
+            )
+            for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY))
+            if (some := [f for f in shown if f.chosen == chosen])
+        ),
+        _bars(
+            [length(f.predicted) for f in shown],
+            rows,
+            "predicted",
+            VERMILION,
+            -0.19,
+            [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown],
+        ),
     ]
     figure_layout = _layout(
-        "error without it", shown, barmode="overlay", shapes=[vertical(study.tolerance, colour=INK, dash="dash")],
-        annotations=[label(percent(study.tolerance), log10(study.tolerance), 1.0, xref="x", yanchor="bottom")])
+        "error without it",
+        shown,
+        barmode="overlay",
+        shapes=[vertical(study.tolerance, colour=INK, dash="dash")],
+        annotations=[label(percent(study.tolerance), log10(study.tolerance), 1.0, xref="x", yanchor="bottom")],
+    )
     figure_layout["xaxis"] |= {"type": "log", "range": [log10(least), log10(LARGEST)], "dtick": 1}
-    return Figure("Size of each effect", {"data": data, "layout": figure_layout}, (
-        "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
-        "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
-        "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
-        "at the right end are runs that fail."))
+    return Figure(
+        "Size of each effect",
+        {"data": data, "layout": figure_layout},
+        (
+            "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
+            "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
+            "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
+            "at the right end are runs that fail."
+        ),
+    )
 
 
 def _costs(study: Effects, shown: Sequence[Finding]) -> Figure:
@@ -87,14 +141,27 @@ def _costs(study: Effects, shown: Sequence[Finding]) -> Figure:
     texts = [f"{f.name}<br>{f.calls} calls, {_seconds(f)}, {f.states} states" for f in shown]
     data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, 0.19, texts)]
     if places:
-        data.append(_bars([100.0 * shown[r].seconds / full.seconds for r in places], places, "CPU time", RAW, -0.19,
-                          [texts[r] for r in places]))
+        data.append(
+            _bars(
+                [100.0 * shown[r].seconds / full.seconds for r in places],
+                places,
+                "CPU time",
+                RAW,
+                -0.19,
+                [texts[r] for r in places],
+            )
+        )
     zero = vertical(0.0, colour=INK)
     figure_layout = _layout("cost of the effect, % of a run with all effects", shown, barmode="overlay", shapes=[zero])
-    return Figure("What each effect adds", {"data": data, "layout": figure_layout}, (
-        "Counted work is the same on every machine: evaluations of equations and exchanges of signals; an effect that only adds "
-        "terms to an equation adds none. CPU time: smallest of several runs, drawn only where the difference exceeds the "
-        "scatter of the runs. Bars to the left: the effect makes a run cheaper."))
+    return Figure(
+        "What each effect adds",
+        {"data": data, "layout": figure_layout},
+        (
+            "Counted work is the same on every machine: evaluations of equations and exchanges of signals; an effect that only adds "
+            "terms to an equation adds none. CPU time: smallest of several runs, drawn only where the difference exceeds the "
+            "scatter of the runs. Bars to the left: the effect makes a run cheaper."
+        ),
+    )
 
 
 def _layout(title: str, shown: Sequence[Finding], **more: Any) -> dict[str, Any]:
@@ -113,13 +180,41 @@ def _size(error: float) -> str:
 
 def _table(study: Effects) -> Cells:
     order = sorted((f for f in study.findings if f.standing in ("measured", "required")), key=lambda f: (not f.chosen, -f.actual))
-    rows = [(f.name, "yes" if f.given else "no", "yes" if f.chosen else "no", percent(f.predicted), _size(f.actual), f.worst,
-             percent(f.breaking), str(f.states), str(f.calls), _seconds(f),
-             reason(f, study.tolerance)) for f in order]
-    return Cells("Effects of the full model", (
-        "effect", "in the scene", "chosen", "predicted", "actual", "largest in", "error of the set without it", "states", "calls",
-        "CPU time", "why"), rows,
-        "States, calls and CPU time: what the effect adds. –: less than the times scatter.", frozenset({3, 4, 6, 7, 8, 9}))
+    rows = [
+        (
+            f.name,
+            "yes" if f.given else "no",
+            "yes" if f.chosen else "no",
+            percent(f.predicted),
+            _size(f.actual),
+            f.worst,
+            percent(f.breaking),
+            str(f.states),
+            str(f.calls),
+            _seconds(f),
+            reason(f, study.tolerance),
+        )
+        for f in order
+    ]
+    return Cells(
+        "Effects of the full model",
+        (
+            "effect",
+            "in the scene",
+            "chosen",
+            "predicted",
+            "actual",
+            "largest in",
+            "error of the set without it",
+            "states",
+            "calls",
+            "CPU time",
+            "why",
+        ),
+        rows,
+        "States, calls and CPU time: what the effect adds. –: less than the times scatter.",
+        frozenset({3, 4, 6, 7, 8, 9}),
+    )
 
 
 def _others(study: Effects) -> list[Block]:

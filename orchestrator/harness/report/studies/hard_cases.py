@@ -50,27 +50,41 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
     every = [v for verdicts in by_component.values() for v in verdicts]
     claims = [v for v in every if v.holds and not isinstance(v.case.holds, Refused)]
     refusals = [v for v in every if v.holds and isinstance(v.case.holds, Refused)]
-    data = [_marks("holds", claims, rows, BLUE, "circle"),
-            _marks("refused, with a word of what helps", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
-            _marks("does not hold", [v for v in every if not v.holds], rows, VERMILION, "x")]
+    data = [
+        _marks("holds", claims, rows, BLUE, "circle"),
+        _marks("refused, with a word of what helps", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
+        _marks("does not hold", [v for v in every if not v.holds], rows, VERMILION, "x"),
+    ]
     figure_layout = layout(
-        ROW * len(names) + 120, xaxis=axis("margin: limit over what was reached", grid=True, type="log"),
+        ROW * len(names) + 120,
+        xaxis=axis("margin: limit over what was reached", grid=True, type="log"),
         yaxis=axis("", tickvals=list(rows.values()), ticktext=names, range=[-0.7, len(names) - 0.3]),
-        margin={"l": 180, "r": 20, "t": 50, "b": 50})
+        margin={"l": 180, "r": 20, "t": 50, "b": 50},
+    )
     figure_layout["shapes"] = [vertical(1.0, colour=INK)]
     figure_layout["annotations"] = [label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})]
-    return Figure("How far each claim is from its limit", {"data": data, "layout": figure_layout}, (
-        "At 1 a claim would just hold; a magnitude cut off at its limit stands there by right. Exact: nothing of the limit was "
-        "used, to the last bit. Of a refusal the factor between a number that is refused and one that is accepted: the limit "
-        f"lies between them. Margins above {FARTHEST:.0e} are drawn there.").replace("e+0", "e"))
+    return Figure(
+        "How far each claim is from its limit",
+        {"data": data, "layout": figure_layout},
+        (
+            "At 1 a claim would just hold; a magnitude cut off at its limit stands there by right. Exact: nothing of the limit was "
+            "used, to the last bit. Of a refusal the factor between a number that is refused and one that is accepted: the limit "
+            f"lies between them. Margins above {FARTHEST:.0e} are drawn there."
+        ).replace("e+0", "e"),
+    )
 
 
 def _marks(name: str, verdicts: Sequence[Verdict], rows: dict[str, int], colour: str, symbol: str) -> dict[str, Any]:
-    return {"type": "scatter", "mode": "markers", "name": name, "x": drawn([_place(v) for v in verdicts], 4),
-            "y": [rows[v.component] for v in verdicts],
-            "text": [f"{v.case.name}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts],
-            "hovertemplate": "%{text}<extra>%{fullData.name}</extra>",
-            "marker": {"color": colour, "symbol": symbol, "size": 9, "opacity": 0.75}}
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": drawn([_place(v) for v in verdicts], 4),
+        "y": [rows[v.component] for v in verdicts],
+        "text": [f"{v.case.name}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts],
+        "hovertemplate": "%{text}<extra>%{fullData.name}</extra>",
+        "marker": {"color": colour, "symbol": symbol, "size": 9, "opacity": 0.75},
+    }
 
 
 def _place(verdict: Verdict) -> float:
@@ -90,8 +104,20 @@ def _table(name: str, verdicts: Iterable[Verdict]) -> Cells:
     for v in verdicts:
         first = v.case.name != before
         before = v.case.name
-        rows.append((v.case.name if first else "", v.case.text if first else "", v.claim,
-                     "" if isnan(v.reached) else f"{v.reached:.3g}", "" if isnan(v.limit) else f"{v.limit:.3g}", margin_text(v),
-                     "" if v.holds else "does not hold"))
-    return Cells(component_class(name).title, ("case", "what is hard", "what holds", "reached", "limit", "margin", ""), rows,
-                 right=frozenset((3, 4, 5)))
+        rows.append(
+            (
+                v.case.name if first else "",
+                v.case.text if first else "",
+                v.claim,
+                "" if isnan(v.reached) else f"{v.reached:.3g}",
+                "" if isnan(v.limit) else f"{v.limit:.3g}",
+                margin_text(v),
+                "" if v.holds else "does not hold",
+            )
+        )
+    return Cells(
+        component_class(name).title,
+        ("case", "what is hard", "what holds", "reached", "limit", "margin", ""),
+        rows,
+        right=frozenset((3, 4, 5)),
+    )

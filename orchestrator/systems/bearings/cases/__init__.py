@@ -17,7 +17,20 @@ from . import (
     varying_compliance,
 )
 
-CASES = tuple(module.CASE for module in (
-    varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
-    recurrence, thermal_scaling, paper_ball_bearing, paper_deep_groove, paper_thermal_resistance,
-))
+CASES = tuple(
+    module.CASE
+    for module in (
+        varying_compliance,
+        lyapunov_sum,
+        defect_frequencies,
+        hertz_textbook,
+        iso16281,
+        stribeck,
+        clearance,
+        recurrence,
+        thermal_scaling,
+        paper_ball_bearing,
+        paper_deep_groove,
+        paper_thermal_resistance,
+    )
+)

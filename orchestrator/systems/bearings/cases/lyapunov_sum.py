@@ -33,8 +33,9 @@ def bearing(clearance: float, damping: float = 200.0) -> BallBearing:
 
 def exponents(clearance: float, damping: float = 200.0) -> Lyapunov:
     """The spectrum over 6 s after 3 s."""
-    return lyapunov_spectrum(bearing(clearance, damping), STATES, SCALES, interval=INTERVAL, intervals=INTERVALS,
-                             transient=TRANSIENT)
+    return lyapunov_spectrum(
+        bearing(clearance, damping), STATES, SCALES, interval=INTERVAL, intervals=INTERVALS, transient=TRANSIENT
+    )
 
 
 def passages(clearance: float) -> np.ndarray:
@@ -63,11 +64,16 @@ def findings(options: Options) -> Findings:
 
 
 def _chart(by_gap: dict[float, Lyapunov]) -> Chart:
-    series = tuple(Series(f"exponent {i + 1}", tuple(by_gap), [e.exponents[i] for e in by_gap.values()], "line+points")
-                   for i in range(4))
+    series = tuple(
+        Series(f"exponent {i + 1}", tuple(by_gap), [e.exponents[i] for e in by_gap.values()], "line+points") for i in range(4)
+    )
     quarter = Band("a quarter of the sum, -c/(2m)", -5.05, -4.95)
-    return Chart("Lyapunov exponents over the clearance", "radial clearance, µm", (Panel("1/s", series, (quarter,)),),
-                 "1000 rpm, c = 200 N s/m, m = 20 kg. Above zero: chaos.")
+    return Chart(
+        "Lyapunov exponents over the clearance",
+        "radial clearance, µm",
+        (Panel("1/s", series, (quarter,)),),
+        "1000 rpm, c = 200 N s/m, m = 20 kg. Above zero: chaos.",
+    )
 
 
 def _diagram(by_gap: dict[float, Lyapunov]) -> Chart:

@@ -26,7 +26,7 @@ PERIODS = {1000.0: 200, 3000.0: 500}  # rpm -> passages of a ball in which a dis
 TRANSIENT, SEEN, SAMPLE = 2.0, 1.0, 1e-4  # s; disturbances decay with exp(-5 t)
 END = 0.1  # s
 ABSOLUTE = 1e-6  # default absolute tolerance of SciPy's solvers
-TOLERANCES = tuple(10.0 ** -k for k in range(3, 11))
+TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 
 
 def bearing(clearance: float, rpm: float, start_cage_angle: float = 0.0) -> BallBearing:
@@ -109,16 +109,16 @@ def _resonances(swept: dict[int, np.ndarray]) -> Chart:
 
 def diagram(rpm: float) -> Bifurcation:
     """Motion across the load, seen once for every ball that passes, over the clearance."""
-    return bifurcation(lambda gap: bearing(gap, rpm), GAPS, ball_passage, ("displacement_y",), points=60,
-                       transient=PERIODS[rpm])
+    return bifurcation(lambda gap: bearing(gap, rpm), GAPS, ball_passage, ("displacement_y",), points=60, transient=PERIODS[rpm])
 
 
 def _clearances(diagrams: dict[float, Bifurcation]) -> Chart:
     panels = []
     for rpm, sweep in diagrams.items():
         x = np.repeat(sweep.values / MICRO, sweep.points.shape[1])
-        panels.append(Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, sweep.points.ravel() / MICRO, "dots"),),
-                            title=f"{rpm:g} rpm"))
+        panels.append(
+            Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, sweep.points.ravel() / MICRO, "dots"),), title=f"{rpm:g} rpm")
+        )
     return Chart(
         "Bifurcation over the clearance", "radial clearance, µm", tuple(panels),
         "Position across the load each time a ball has moved to the place of the next: one dot for a motion that repeats with "
@@ -137,8 +137,10 @@ def _trap() -> Chart:
         return [float(np.abs(_solved(model, end, method="LSODA", rtol=r) / unit - exact).max() / swing) for r in TOLERANCES]
 
     asked = np.log10(TOLERANCES)
-    series = (Series("in metres", asked, errors(metres, END, by.length), "line+points"),
-              Series("dimensionless", asked, errors(other, END / by.time, 1.0), "line+points"))
+    series = (
+        Series("in metres", asked, errors(metres, END, by.length), "line+points"),
+        Series("dimensionless", asked, errors(other, END / by.time, 1.0), "line+points"),
+    )
     return Chart(
         "What an absolute tolerance of 1e-6 does to lengths in metres", "log10 of the relative tolerance",
         (Panel("largest error over the swing", series, logarithmic=True),),

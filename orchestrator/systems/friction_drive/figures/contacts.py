@@ -22,8 +22,15 @@ def contacts_chart(drive: Drive, who: str = "") -> Chart | None:
         used = tuple(Series(f"{w.name} wheel", drive.time, np.hypot(*w.traction) / drive.level) for w in loaded)  # type: ignore[misc]
         panels.append(Panel("traction over friction, 1", used))
     elif loaded:
-        panels.append(Panel("traction, N", tuple(Series(f"{w.name} wheel", drive.time, np.hypot(*w.traction))  # type: ignore[misc]
-                                                 for w in loaded)))
+        panels.append(
+            Panel(
+                "traction, N",
+                tuple(
+                    Series(f"{w.name} wheel", drive.time, np.hypot(*w.traction))  # type: ignore[misc]
+                    for w in loaded
+                ),
+            )
+        )
     slips = tuple(Series(f"{w.name} wheel", drive.time, 1e3 * np.hypot(*w.slip)) for w in drive.wheels if w.slip is not None)
     if slips:
         panels.append(Panel("slip, mm/s", slips))

@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from . import balance, mean_speed, paper_pipe_robots, resonance
 
-CASES = tuple(module.CASE for module in (
-    mean_speed, balance, resonance, paper_pipe_robots,
-))
+CASES = tuple(module.CASE for module in (mean_speed, balance, resonance, paper_pipe_robots))

@@ -82,10 +82,7 @@ def _balances(result: Result, name: str) -> dict[str, float]:
     given, lifted = (float(accumulated(t, own[n])[-1]) for n in ("exciter_power", "route.weight_power"))
     pulled = CASES[name][1] * float(own["position"][-1] - own["position"][0])
     kept = float(own["mechanical_energy"][-1] - own["mechanical_energy"][0])
-    return {
-        f"friction.{name}": impulse / float(t[-1] - t[0]),
-        f"work.{name}": (rubbed + damped - lifted - pulled + kept) / given,
-    }
+    return {f"friction.{name}": impulse / float(t[-1] - t[0]), f"work.{name}": (rubbed + damped - lifted - pulled + kept) / given}
 
 
 def _until_zero(before: np.ndarray) -> float:
@@ -102,8 +99,13 @@ def _phase_chart(result: Result) -> Chart:
         stretch = result[f"{name}.inner_position"][last] - result[f"{name}.position"][last]
         series.append(Series(name, 1e3 * stretch, result[f"{name}.velocity"][last]))
     panel = Panel("velocity of the body, m/s", tuple(series))
-    return Chart("One period", "way of the inner mass from the body, mm", (panel,),
-                 "Closed lines: the motion repeats. Their corners are where the body turns and friction changes.", height=320)
+    return Chart(
+        "One period",
+        "way of the inner mass from the body, mm",
+        (panel,),
+        "Closed lines: the motion repeats. Their corners are where the body turns and friction changes.",
+        height=320,
+    )
 
 
 CASE = Case(

@@ -157,10 +157,22 @@ def _limit_chart(measured: Mapping[str, float], distances: list[float]) -> Chart
     closed = [limit - _exact(s) for s in fine]
     ripple = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in FROM_REST]
     panels = (
-        Panel("b cos(pi/4) - V, m/s", (Series("exact", epsilon[0] * fine, closed), Series("runs", epsilon, errors, "points")),
-              logarithmic=True, y_range=(1e-6, 1e-3), x_label="ε = μ+ g / (a ω²), 1", title="periodic motion: second order"),
-        Panel("distance from the averaged motion over b, 1", (Series("runs", ripple, distances, "line+points"),),
-              logarithmic=True, y_range=(1e-3, 1.0), x_label="ε, 1", title="from rest: first order"),
+        Panel(
+            "b cos(pi/4) - V, m/s",
+            (Series("exact", epsilon[0] * fine, closed), Series("runs", epsilon, errors, "points")),
+            logarithmic=True,
+            y_range=(1e-6, 1e-3),
+            x_label="ε = μ+ g / (a ω²), 1",
+            title="periodic motion: second order",
+        ),
+        Panel(
+            "distance from the averaged motion over b, 1",
+            (Series("runs", ripple, distances, "line+points"),),
+            logarithmic=True,
+            y_range=(1e-3, 1.0),
+            x_label="ε, 1",
+            title="from rest: first order",
+        ),
     )
     return Chart("Approach to the limit of weak friction", "", panels, "Prescribed motion, friction 1 : 3.", columns=2)
 

@@ -139,8 +139,12 @@ def _motor_chart(measured: Mapping[str, float]) -> Chart:
     w = np.linspace(50.0, 160.0, 600)
     runs = Series("runs from rest", [measured[f"motor.{v:g}"] for v in VOLTAGES], VOLTAGES, "points")
     panel = Panel("voltage, V", (Series("steady speeds", w, _voltage(w)), runs))
-    return Chart("Steady speeds of the motor", "unbalance, rad/s", (panel,),
-                 "Where the curve falls, a speed is not stable: from rest the motor stays at the first point on its voltage.")
+    return Chart(
+        "Steady speeds of the motor",
+        "unbalance, rad/s",
+        (panel,),
+        "Where the curve falls, a speed is not stable: from rest the motor stays at the first point on its voltage.",
+    )
 
 
 CASE = Case(

@@ -30,8 +30,13 @@ def course_chart(records: Sequence[RobotRecord], begin: float) -> Chart:
             series.append(Series(f"resonance, body {name}", t[[0, -1]], [value, value], faint=True))
         panels.append(Panel("exciter, rad/s", tuple(series), x_marks=mark))
     if any(np.ptp(r.signals["tow.force"]) > 0.0 for r in records if "tow.force" in r.signals):
-        panels.append(Panel("force in tow, N", tuple(
-            Series(r.unit, t, r.signals["tow.force"]) for r in records if "tow.force" in r.signals), x_marks=mark))
+        panels.append(
+            Panel(
+                "force in tow, N",
+                tuple(Series(r.unit, t, r.signals["tow.force"]) for r in records if "tow.force" in r.signals),
+                x_marks=mark,
+            )
+        )
     text = "Mean speed: way within a period of the exciter over the period."
     text += " Thin vertical line: end of the transient." if mark else ""
     return Chart("Way and speed", "time, s", tuple(panels), text, height=220)

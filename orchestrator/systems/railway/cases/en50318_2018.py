@@ -55,16 +55,23 @@ def findings(model: Model, options: Options) -> Findings:
         notes.append(
             f"At {name} the static force was set to {static_force:.1f} N, from one trial run whose mean was {trial:.1f} N, to "
             f"bring the mean to {target:.1f} N (0.00097 v² + {model.mean_at_rest:g}); the run's own mean is "
-            f"{measured['mean']:.1f} N. That row is set, not found.")
+            f"{measured['mean']:.1f} N. That row is set, not found."
+        )
     if model.statics is not None:
         rows += compare(table.under(AT_REST), model.statics(resting_catenary(model.name, MESH, bending=False)))
-    outside = [f"{r.reference.quantity} at {r.reference.condition}" for r in rows
-               if r.reference.standing == "recalled" and not r.inside]
+    outside = [
+        f"{r.reference.quantity} at {r.reference.condition}" for r in rows if r.reference.standing == "recalled" and not r.inside
+    ]
     notes.append("Outside the recalled ranges: " + ("; ".join(outside) if outside else "none") + ".")
     unit = load_scene(model.name).units["catenary"]
     given = component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset)
-    return Findings(tuple(rows), runs, (data_grid(model.name, given),), tuple(notes) + model.notes,
-                    {n: statistics(r).settings for n, r in runs.items()})
+    return Findings(
+        tuple(rows),
+        runs,
+        (data_grid(model.name, given),),
+        tuple(notes) + model.notes,
+        {n: statistics(r).settings for n, r in runs.items()},
+    )
 
 
 def stitched_statics(catenary: Any) -> dict[str, float]:
@@ -75,8 +82,11 @@ def stitched_statics(catenary: Any) -> dict[str, float]:
     e = 1e3 * elasticity(catenary.mesh, start + np.array(list(places.values())), 100.0)
     first = int(np.searchsorted(form.layout.droppers.position, start))
     return dict(zip(places, e.tolist(), strict=True)) | {
-        "preload_stitch": form.preload[first], "preload": form.preload[first + 1], "reaction": form.reaction[4],
-        **{f"length_{k + 1}": form.length[first + k] for k in range(4)}}
+        "preload_stitch": form.preload[first],
+        "preload": form.preload[first + 1],
+        "reaction": form.reaction[4],
+        **{f"length_{k + 1}": form.length[first + k] for k in range(4)},
+    }
 
 
 def two_wire_statics(catenary: Any) -> dict[str, float]:
@@ -92,7 +102,9 @@ def two_wire_statics(catenary: Any) -> dict[str, float]:
         "e_4_at_200": 1e3 * float(elasticity(catenary.mesh, [start + 4.0], 200.0)[0]),
         **{f"share_{x:g}": first_share(catenary.mesh, start + x, 100.0) for x in places[1:4]},
         **{f"preload_{k + 1}": form.preload[i] for k, i in enumerate(mine[:3])},
-        **{f"length_{k + 1}": form.length[i] for k, i in enumerate(mine)}, "reaction": form.reaction[4]}
+        **{f"length_{k + 1}": form.length[i] for k, i in enumerate(mine)},
+        "reaction": form.reaction[4],
+    }
 
 
 def first_share(mesh: Any, position: float, force: float) -> float:
@@ -104,7 +116,8 @@ def first_share(mesh: Any, position: float, force: float) -> float:
         """Height of the head under the first wire less that under the second, m."""
         q, _, _ = statics.under([(position, first, 0), (position, force - first, 1)], True)
         return (wire_height(position, q, 0, mesh) + soft[0] * first) - (
-            wire_height(position, q, 1, mesh) + soft[1] * (force - first))
+            wire_height(position, q, 1, mesh) + soft[1] * (force - first)
+        )
 
     if wire_height(position, rest, 1, mesh) - wire_height(position, rest, 0, mesh) > 1.0:
         return 1.0
@@ -123,23 +136,41 @@ NO_RANGES = (
 )
 MODELS = (
     Model(
-        "en50318-2018-ac-simple", "EN 50318:2018, AC simple catenary", (275.0, 320.0), 70.0, None,
-        ("At 320 km/h the ranges of the contact point's height and of the uplift are left out: what is recalled contradicts "
-         "itself.",),
+        "en50318-2018-ac-simple",
+        "EN 50318:2018, AC simple catenary",
+        (275.0, 320.0),
+        70.0,
+        None,
+        (
+            "At 320 km/h the ranges of the contact point's height and of the uplift are left out: what is recalled contradicts "
+            "itself.",
+        ),
         "Runs the AC simple catenary with the three-mass pantograph at 275 and 320 km/h. The model data are read in public "
         "sources but for the steady arm and the order of the dampers; the ranges are recalled. So this shows where the model "
-        "stands beside what is remembered of the table, and is no evidence of conformance to the standard."),
+        "stands beside what is remembered of the table, and is no evidence of conformance to the standard.",
+    ),
     Model(
-        "en50318-2018-ac-stitched", "EN 50318:2018, AC stitched catenary", (275.0, 320.0), 70.0, stitched_statics, NO_RANGES,
+        "en50318-2018-ac-stitched",
+        "EN 50318:2018, AC stitched catenary",
+        (275.0, 320.0),
+        70.0,
+        stitched_statics,
+        NO_RANGES,
         "Runs a stitched catenary of the standard's form at 275 and 320 km/h, and compares it at rest with an independent "
         "solver. Tensions and wires are recalled for a class of lines, the droppers' places measured in a drawing; the "
         "standard's ranges are not known here. So it says nothing of conformance; the rows at rest judge "
-        "the stitch wires."),
+        "the stitch wires.",
+    ),
     Model(
-        "en50318-2018-dc-simple", "EN 50318:2018, DC simple catenary", (200.0, 250.0), 110.0, two_wire_statics,
+        "en50318-2018-dc-simple",
+        "EN 50318:2018, DC simple catenary",
+        (200.0, 250.0),
+        110.0,
+        two_wire_statics,
         (*NO_RANGES, "The speeds are a choice. The force is the sum over both wires."),
         "Runs a catenary with two contact wires, as the standard's DC simple model, at 200 and 250 km/h, and compares it at rest "
         "with an independent solver: how both wires share a force, too. Tensions and wires are recalled for a class of lines, "
-        "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here."),
+        "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here.",
+    ),
 )
 AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (Case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)

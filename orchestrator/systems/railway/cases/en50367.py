@@ -59,12 +59,16 @@ def measures(result: Result) -> dict[str, float]:
     wire = result.info["units"][passage.catenary]["parameters"]
     given = {"contact_wire_tension", "contact_wire_mass"} <= wire.keys()
     ratio = {"speed_ratio": passage.speed / math.sqrt(wire["contact_wire_tension"] / wire["contact_wire_mass"])} if given else {}
-    return measured(s) | ratio | {
-        "mean_less_target": s.mean - target_mean(speed),
-        "mean_less_lower": s.mean - (0.00047 * speed**2 + 60.0),
-        "std_over_mean": s.std / s.mean,
-        "loss_gaps": s.arcing,
-    }
+    return (
+        measured(s)
+        | ratio
+        | {
+            "mean_less_target": s.mean - target_mean(speed),
+            "mean_less_lower": s.mean - (0.00047 * speed**2 + 60.0),
+            "std_over_mean": s.std / s.mean,
+            "loss_gaps": s.arcing,
+        }
+    )
 
 
 CASE = Case(

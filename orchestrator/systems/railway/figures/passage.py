@@ -25,8 +25,10 @@ PICTURE, LINE_SHARE = 560, 0.5  # px of the figure, share of it that the line ha
 
 def passage_figure(result: Result, passage: Passage, low_pass: Filter) -> Figure | None:
     """Both wires, droppers and the force at chosen times, to be played; None without the profiles of both wires in the window."""
-    names = [f"{passage.catenary}.{n}" for n in
-             ("wire_profile.height", "line_profile.messenger_uplift", "line_profile.dropper_tension")]
+    names = [
+        f"{passage.catenary}.{n}"
+        for n in ("wire_profile.height", "line_profile.messenger_uplift", "line_profile.dropper_tension")
+    ]
     if not all(n in result.snapshots for n in names):
         return None
     contact, messenger, tension = (result.snapshots[n].values for n in names)
@@ -69,36 +71,81 @@ def passage_figure(result: Result, passage: Passage, low_pass: Filter) -> Figure
             ys += [foot, head, np.nan]
         touch = float(np.interp(at[k], place, contact[k]))
         return [
-            line([at[k]], [float(np.interp(at[k], x, filtered))], "force now", VERMILION, mode="markers", yaxis="y",
-                 marker={"color": VERMILION, "size": 11}, showlegend=False),
+            line(
+                [at[k]],
+                [float(np.interp(at[k], x, filtered))],
+                "force now",
+                VERMILION,
+                mode="markers",
+                yaxis="y",
+                marker={"color": VERMILION, "size": 11},
+                showlegend=False,
+            ),
             line(place, contact[k], "contact wire", BLUE, 2.2, yaxis="y2"),
             line(place, upper, "messenger", INK, 1.6, yaxis="y2"),
-            *(line(*segments[slack], name, colour, width, yaxis="y2", hoverinfo="skip", hovertemplate=None)
-              for slack, name, colour, width in ((False, "dropper", MUTED, 1.2), (True, "slack dropper", VERMILION, 3.0))),
-            line([at[k] - 1.2, at[k] + 1.2, np.nan, at[k], at[k]], [touch, touch, np.nan, touch, touch - BELOW], "pantograph",
-                 VERMILION, 4.0, yaxis="y2", hoverinfo="skip", hovertemplate=None),
+            *(
+                line(*segments[slack], name, colour, width, yaxis="y2", hoverinfo="skip", hovertemplate=None)
+                for slack, name, colour, width in ((False, "dropper", MUTED, 1.2), (True, "slack dropper", VERMILION, 3.0))
+            ),
+            line(
+                [at[k] - 1.2, at[k] + 1.2, np.nan, at[k], at[k]],
+                [touch, touch, np.nan, touch, touch - BELOW],
+                "pantograph",
+                VERMILION,
+                4.0,
+                yaxis="y2",
+                hoverinfo="skip",
+                hovertemplate=None,
+            ),
         ]
 
     inside = (x >= low) & (x <= high)
-    still = [line(x[inside], filtered[inside], f"contact force, filtered, {low_pass.cutoff:g} Hz", RAW, 2.0, yaxis="y"),
-             *(line(*rest(lane), "at rest", tint(MUTED, 0.5), 1.0, yaxis="y2", showlegend=lane == 0, hoverinfo="skip",
-                    hovertemplate=None) for lane in range(form.layout.lanes))]
+    still = [
+        line(x[inside], filtered[inside], f"contact force, filtered, {low_pass.cutoff:g} Hz", RAW, 2.0, yaxis="y"),
+        *(
+            line(
+                *rest(lane),
+                "at rest",
+                tint(MUTED, 0.5),
+                1.0,
+                yaxis="y2",
+                showlegend=lane == 0,
+                hoverinfo="skip",
+                hovertemplate=None,
+            )
+            for lane in range(form.layout.lanes)
+        ),
+    ]
     first = chosen[0]
     indices = list(range(len(still), len(still) + len(moving(first))))
-    frames = [{"name": str(i), "traces": indices, "data": [{n: t[n] for n in ("type", "x", "y")} for t in moving(k)]}
-              for i, k in enumerate(chosen)]
+    frames = [
+        {"name": str(i), "traces": indices, "data": [{n: t[n] for n in ("type", "x", "y")} for t in moving(k)]}
+        for i, k in enumerate(chosen)
+    ]
     heights = np.concatenate([rest(lane)[1] for lane in range(form.layout.lanes)] + [contact[chosen].ravel()])
     bottom, top = float(np.nanmin(heights)) - BELOW, float(np.nanmax(heights)) + 0.1
     exaggeration = (high - low) / WIDE * PICTURE * LINE_SHARE / (top - bottom)
     shapes, notes = track_marks(track_of(result), low, high)
-    figure = {"data": [*still, *moving(first)], "frames": frames, "layout": layout(
-        PICTURE, shapes=shapes, annotations=notes, showlegend=True, margin={"l": 66, "r": 20, "t": 60, "b": 120},
-        legend={"orientation": "h", "x": 0, "y": 1.03, "yanchor": "bottom"},
-        xaxis=axis("position along the track, m", range=[low, high], anchor="y2"),
-        yaxis=axis("contact force, N", grid=True, domain=[LINE_SHARE + 0.1, 1.0]),
-        yaxis2=axis("height, m", range=[bottom, top], domain=[0.0, LINE_SHARE]), **_controls([times[k] for k in chosen]))}
-    text = (f"{chosen.size} of {times.size} recorded instants; press play or move the slider. Heights are drawn "
-            f"{exaggeration:.0f} times as large as lengths. A dropper in red is slack: the wire has been lifted off it.")
+    figure = {
+        "data": [*still, *moving(first)],
+        "frames": frames,
+        "layout": layout(
+            PICTURE,
+            shapes=shapes,
+            annotations=notes,
+            showlegend=True,
+            margin={"l": 66, "r": 20, "t": 60, "b": 120},
+            legend={"orientation": "h", "x": 0, "y": 1.03, "yanchor": "bottom"},
+            xaxis=axis("position along the track, m", range=[low, high], anchor="y2"),
+            yaxis=axis("contact force, N", grid=True, domain=[LINE_SHARE + 0.1, 1.0]),
+            yaxis2=axis("height, m", range=[bottom, top], domain=[0.0, LINE_SHARE]),
+            **_controls([times[k] for k in chosen]),
+        ),
+    }
+    text = (
+        f"{chosen.size} of {times.size} recorded instants; press play or move the slider. Heights are drawn "
+        f"{exaggeration:.0f} times as large as lengths. A dropper in red is slack: the wire has been lifted off it."
+    )
     if offset:
         text += f" Messenger's supports drawn {SYSTEM_HEIGHT:g} m over the contact wire's clamps, which the model does not need."
     return Figure("The passage", figure, text)
@@ -109,10 +156,29 @@ def _controls(times: list[float]) -> dict[str, Any]:
     now = {"mode": "immediate", "frame": {"duration": 0, "redraw": False}, "transition": {"duration": 0}}
     play = {"frame": {"duration": 90, "redraw": False}, "fromcurrent": True, "transition": {"duration": 0}}
     steps = [{"label": f"{t:.2f}", "method": "animate", "args": [[str(i)], now]} for i, t in enumerate(times)]
-    slider = {"steps": steps, "active": 0, "x": 0.14, "len": 0.86, "y": -0.16, "pad": {"t": 8}, "ticklen": 3,
-              "font": {"size": 10, "color": MUTED}, "bordercolor": RULE,
-              "currentvalue": {"prefix": "time ", "suffix": " s", "font": {"size": 13, "color": INK}}}
-    buttons = {"type": "buttons", "direction": "left", "x": 0.0, "y": -0.2, "xanchor": "left", "yanchor": "top",
-               "showactive": False, "buttons": [{"label": "play", "method": "animate", "args": [None, play]},
-                           {"label": "pause", "method": "animate", "args": [[None], now]}]}
+    slider = {
+        "steps": steps,
+        "active": 0,
+        "x": 0.14,
+        "len": 0.86,
+        "y": -0.16,
+        "pad": {"t": 8},
+        "ticklen": 3,
+        "font": {"size": 10, "color": MUTED},
+        "bordercolor": RULE,
+        "currentvalue": {"prefix": "time ", "suffix": " s", "font": {"size": 13, "color": INK}},
+    }
+    buttons = {
+        "type": "buttons",
+        "direction": "left",
+        "x": 0.0,
+        "y": -0.2,
+        "xanchor": "left",
+        "yanchor": "top",
+        "showactive": False,
+        "buttons": [
+            {"label": "play", "method": "animate", "args": [None, play]},
+            {"label": "pause", "method": "animate", "args": [[None], now]},
+        ],
+    }
     return {"sliders": [slider], "updatemenus": [buttons]}

@@ -46,8 +46,16 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
     record = passages[0].record
     for k, (x, uplift) in enumerate(zip(passages[0].supports, record.uplifts, strict=True)):
         colour, inside = CYCLE[k % len(CYCLE)], start - 1e-6 <= x <= end + 1e-6
-        trace, _ = dense_line(record.time, 1e3 * uplift, f"support at {x:g} m", colour, 2.0 if inside else 1.2, points=4000,
-                              dash="solid" if inside else "dot", hover="%{x:.3f} s: %{y:.1f} mm")
+        trace, _ = dense_line(
+            record.time,
+            1e3 * uplift,
+            f"support at {x:g} m",
+            colour,
+            2.0 if inside else 1.2,
+            points=4000,
+            dash="solid" if inside else "dot",
+            hover="%{x:.3f} s: %{y:.1f} mm",
+        )
         data.append(trace)
         for p in passages:
             if p.record.position[0] < x < p.record.position[-1]:

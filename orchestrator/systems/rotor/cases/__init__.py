@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from . import friswell, jeffcott
 
-CASES = tuple(module.CASE for module in (
-    friswell, jeffcott,
-))
+CASES = tuple(module.CASE for module in (friswell, jeffcott))

@@ -55,10 +55,19 @@ def findings(options: Options) -> Findings:
 
 def scene(speed: float) -> Scene:
     """The example at constant speed with an unbalance at the first disk; it starts straight and whirls freely, undamped."""
-    rotor = {"component": "BeamRotor", "preset": "Friswell 5.9.1", "effects": ["unbalance"],
-             "parameters": {"start_speed": speed, "substep": 2e-5, "unbalance": {"moment": [1e-4]}}}
-    data = {"title": f"Friswell, example 5.9.1, at {speed / RPM:.0f} rpm", "stop_time": DURATION, "units": {"rotor": rotor},
-            "master": {"step": STEP}, "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]}}
+    rotor = {
+        "component": "BeamRotor",
+        "preset": "Friswell 5.9.1",
+        "effects": ["unbalance"],
+        "parameters": {"start_speed": speed, "substep": 2e-5, "unbalance": {"moment": [1e-4]}},
+    }
+    data = {
+        "title": f"Friswell, example 5.9.1, at {speed / RPM:.0f} rpm",
+        "stop_time": DURATION,
+        "units": {"rotor": rotor},
+        "master": {"step": STEP},
+        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]},
+    }
     return read_scene(data, "friswell-5.9.1")
 
 

@@ -51,10 +51,18 @@ def scene(speed: float, duration: float, effects: list[str], **parameters: Any) 
     """A rotor of the default mass, stiffness and damping at constant speed; whole turns of 32 steps."""
     step = 2.0 * math.pi / (SAMPLES * speed)
     turns = math.ceil(duration / (SAMPLES * step))
-    rotor = {"component": "JeffcottRotor", "effects": effects,
-             "parameters": {"start_speed": speed, "substep": 1e-4, **parameters}}
-    data = {"title": f"Jeffcott rotor at {speed:g} rad/s", "stop_time": turns * SAMPLES * step, "units": {"rotor": rotor},
-            "master": {"step": step}, "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.angle"]}}
+    rotor = {
+        "component": "JeffcottRotor",
+        "effects": effects,
+        "parameters": {"start_speed": speed, "substep": 1e-4, **parameters},
+    }
+    data = {
+        "title": f"Jeffcott rotor at {speed:g} rad/s",
+        "stop_time": turns * SAMPLES * step,
+        "units": {"rotor": rotor},
+        "master": {"step": step},
+        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.angle"]},
+    }
     return read_scene(data, "jeffcott")
 
 

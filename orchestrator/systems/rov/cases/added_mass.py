@@ -17,10 +17,17 @@ FORCE, MASS, ADDED = 10.0, 11.5, 14.57  # N, kg, kg: heave of Wu's vehicle
 TRUE = FORCE / (MASS + ADDED)
 EXCHANGES, RELAXATION = 30, 0.3
 SPLIT, WHOLE = "hull.external.acceleration_z", "whole.external.acceleration_z"
-LAGGED = {"master.algorithm": "gauss-seidel", "master.feedthrough": "delayed", "master.extrapolation": 0,
-          "master.iteration": None}
-KINDS = {"exchanged once per step": LAGGED, "loop solved": {},
-         "exchanged once per step, half the step": {**LAGGED, "master.step": 0.0025}}
+LAGGED = {
+    "master.algorithm": "gauss-seidel",
+    "master.feedthrough": "delayed",
+    "master.extrapolation": 0,
+    "master.iteration": None,
+}
+KINDS = {
+    "exchanged once per step": LAGGED,
+    "loop solved": {},
+    "exchanged once per step, half the step": {**LAGGED, "master.step": 0.0025},
+}
 
 
 def findings(options: Options) -> Findings:
@@ -32,19 +39,31 @@ def findings(options: Options) -> Findings:
         result = runs[name] = run(load_scene("rov-added-mass").with_changes(changes), in_process=options.in_process)
         if changes:
             key = "lagged" if changes is LAGGED else "half"
-            measured |= {f"{key}.growth": growth(result), f"{key}.failed": float(result.outcome != "done"),
-                         f"{key}.kept": float(result.time.size)}
+            measured |= {
+                f"{key}.growth": growth(result),
+                f"{key}.failed": float(result.outcome != "done"),
+                f"{key}.kept": float(result.time.size),
+            }
         elif result.outcome != "done":
             return Findings((), runs, notes=(result.message,), complete=False)
     solved = runs["loop solved"]
-    measured |= {"start.split": solved[SPLIT][0], "start.whole": solved[WHOLE][0],
-                 "heave": float(np.abs(solved["hull.heave"] - solved["whole.heave"]).max()),
-                 "depth": float(np.abs(solved["hull.depth"] - solved["whole.depth"]).max())}
+    measured |= {
+        "start.split": solved[SPLIT][0],
+        "start.whole": solved[WHOLE][0],
+        "heave": float(np.abs(solved["hull.heave"] - solved["whole.heave"]).max()),
+        "depth": float(np.abs(solved["hull.depth"] - solved["whole.depth"]).max()),
+    }
     lost = runs["exchanged once per step"]
-    notes = (f"Exchanged once per step the run ends after {lost.time[-1]:.3g} s with: {lost.message}.",
-             "The factor per exchange is the ratio of added mass to mass. A shorter step makes it fail earlier, not later.")
-    return Findings(compare(load_table("rov-added-mass").rows, measured), {"loop solved": solved},
-                    (_runs_chart(runs), _exchange_chart(plain, relaxed)), notes)
+    notes = (
+        f"Exchanged once per step the run ends after {lost.time[-1]:.3g} s with: {lost.message}.",
+        "The factor per exchange is the ratio of added mass to mass. A shorter step makes it fail earlier, not later.",
+    )
+    return Findings(
+        compare(load_table("rov-added-mass").rows, measured),
+        {"loop solved": solved},
+        (_runs_chart(runs), _exchange_chart(plain, relaxed)),
+        notes,
+    )
 
 
 def exchanged(relaxation: float) -> np.ndarray:
@@ -81,8 +100,10 @@ def _runs_chart(runs: dict[str, Result]) -> Chart:
 
 def _exchange_chart(plain: np.ndarray, relaxed: np.ndarray) -> Chart:
     k = np.arange(EXCHANGES + 1)
-    series = tuple(Series(n, k, np.maximum(np.abs(a - TRUE), 1e-16))
-                   for n, a in (("as exchanged", plain), (f"relaxed by {RELAXATION:g}", relaxed)))
+    series = tuple(
+        Series(n, k, np.maximum(np.abs(a - TRUE), 1e-16))
+        for n, a in (("as exchanged", plain), (f"relaxed by {RELAXATION:g}", relaxed))
+    )
     panel = Panel("distance from the true one, m/s²", series, logarithmic=True)
     return Chart("One instant, exchange by exchange", "exchanges", (panel,))
 

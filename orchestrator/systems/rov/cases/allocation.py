@@ -33,11 +33,16 @@ def findings(options: Options) -> Findings:
     for j, axis in enumerate(AXES):
         for sign, word in ((1.0, "plus"), (-1.0, "minus")):
             reach[axis, word] = measured[f"{axis}.{word}"] = largest(matrix, j, sign)
-    grid = Grid("Largest force or moment along one axis alone", ("axis", "unit", "ahead", "back"),
-                tuple((a, u, round(reach[a, "plus"], 3), round(reach[a, "minus"], 3)) for a, u in zip(AXES, UNITS, strict=True)),
-                "The other five components stay zero; the first thruster at its limit ends it.")
-    notes = ("The columns as the article prints them, with the magnitudes of its table, are no arrangement of 120 degrees: their "
-             "condition is three times worse. The matrix is built from positions and directions instead.",)
+    grid = Grid(
+        "Largest force or moment along one axis alone",
+        ("axis", "unit", "ahead", "back"),
+        tuple((a, u, round(reach[a, "plus"], 3), round(reach[a, "minus"], 3)) for a, u in zip(AXES, UNITS, strict=True)),
+        "The other five components stay zero; the first thruster at its limit ends it.",
+    )
+    notes = (
+        "The columns as the article prints them, with the magnitudes of its table, are no arrangement of 120 degrees: their "
+        "condition is three times worse. The matrix is built from positions and directions instead.",
+    )
     return Findings(compare(load_table("rov-allocation").rows, measured), charts=(grid,), notes=notes)
 
 
@@ -54,11 +59,16 @@ def printed() -> np.ndarray:
     c, s = math.cos(math.pi / 6.0), 0.5
     far, near = (HORIZONTAL_RADIUS, VERTICAL_RADIUS), (0.5 * HORIZONTAL_RADIUS, 0.5 * VERTICAL_RADIUS)
     aside, z = (c * HORIZONTAL_RADIUS, c * VERTICAL_RADIUS), HORIZONTAL_HEIGHT
-    return np.array([
-        [0.0, 1.0, 0.0, z, 0.0, far[0]], [c, s, 0.0, s * z, c * z, s * near[0] + c * aside[0]],
-        [c, -s, 0.0, -s * z, c * z, -s * near[0] - c * aside[0]], [0.0, 0.0, 1.0, 0.0, far[1], 0.0],
-        [0.0, 0.0, 1.0, -aside[1], -near[1], 0.0], [0.0, 0.0, 1.0, aside[1], -near[1], 0.0],
-    ]).T
+    return np.array(
+        [
+            [0.0, 1.0, 0.0, z, 0.0, far[0]],
+            [c, s, 0.0, s * z, c * z, s * near[0] + c * aside[0]],
+            [c, -s, 0.0, -s * z, c * z, -s * near[0] - c * aside[0]],
+            [0.0, 0.0, 1.0, 0.0, far[1], 0.0],
+            [0.0, 0.0, 1.0, -aside[1], -near[1], 0.0],
+            [0.0, 0.0, 1.0, aside[1], -near[1], 0.0],
+        ]
+    ).T
 
 
 CASE = Case(

@@ -36,8 +36,10 @@ def findings(options: Options) -> Findings:
     measured: dict[str, float] = {}
     for force in FORCES:
         result = runs[f"{force:g} N ahead"]
-        measured |= {f"speed.{force:g}": result["hull.surge"][-1],
-                     f"start.{force:g}": float(np.abs(result["hull.surge"] - start_up(result.time, force)).max())}
+        measured |= {
+            f"speed.{force:g}": result["hull.surge"][-1],
+            f"start.{force:g}": float(np.abs(result["hull.surge"] - start_up(result.time, force)).max()),
+        }
     measured |= {n: swing_frequency(runs[n].time, runs[n][f"hull.{n}"]) for n in ("roll", "pitch")}
     small, large = (swing_frequency(r.time, r["hull.roll"]) for r in (runs[f"roll from {d} degrees"] for d in ("10^-4", "90")))
     measured["period"] = small / large
@@ -65,21 +67,36 @@ def scenes() -> dict[str, Scene]:
     for degrees, label in ((90.0, "90"), (1e-4, "10^-4")):
         start = {**hanging, "start_roll": math.radians(degrees)}
         cases[f"roll from {label} degrees"] = _scene(
-            30.0, 0.01, ["added_mass", "coriolis", "restoring"], start,
-            ["roll", "pitch", "yaw", "roll_rate", *QUATERNION, "position_north", "position_east", "depth"])
+            30.0,
+            0.01,
+            ["added_mass", "coriolis", "restoring"],
+            start,
+            ["roll", "pitch", "yaw", "roll_rate", *QUATERNION, "position_north", "position_east", "depth"],
+        )
     cases["tumbling"] = load_scene("rov-tumbling")
     rate, small = _munk_rate(), 1e-7
     cases["ahead, slightly disturbed"] = _scene(
-        2.0, 0.01, ["added_mass", "coriolis"], {**LEVEL, "start_surge": 1.0, "start_pitch_rate": small, "substep": 2e-3,
-                                               "start_heave": small * 17.0 / (26.07 * rate)}, ["pitch_rate"])
+        2.0,
+        0.01,
+        ["added_mass", "coriolis"],
+        {**LEVEL, "start_surge": 1.0, "start_pitch_rate": small, "substep": 2e-3, "start_heave": small * 17.0 / (26.07 * rate)},
+        ["pitch_rate"],
+    )
     pose = {"start_roll": 0.0, "start_pitch": 0.0, "start_yaw": 0.0, "start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
     signals = ["position_north", "position_east", "depth", "roll", "pitch"]
     still = _unit(list(WATER), pose)
     drift = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
     moved = _unit([*WATER, "current"], {**pose, **drift, **{f"current.velocity_{n}": v for n, v in FLOW.items()}})
     cases["in still and in moving water"] = read_scene(
-        {"title": "The same thrusts in still and in moving water", "stop_time": 20.0, "units": {"still": still, "moved": moved},
-         "master": {"step": 0.02}, "record": {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]}}, "rov")
+        {
+            "title": "The same thrusts in still and in moving water",
+            "stop_time": 20.0,
+            "units": {"still": still, "moved": moved},
+            "master": {"step": 0.02},
+            "record": {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]},
+        },
+        "rov",
+    )
     return cases
 
 
@@ -88,8 +105,13 @@ def _unit(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, An
 
 
 def _scene(stop: float, step: float, effects: Sequence[str], parameters: Mapping[str, Any], signals: Sequence[str]) -> Scene:
-    data = {"title": "Hull of an underwater vehicle", "stop_time": stop, "units": {"hull": _unit(effects, parameters)},
-            "master": {"step": step}, "record": {"signals": [f"hull.{s}" for s in signals]}}
+    data = {
+        "title": "Hull of an underwater vehicle",
+        "stop_time": stop,
+        "units": {"hull": _unit(effects, parameters)},
+        "master": {"step": step},
+        "record": {"signals": [f"hull.{s}" for s in signals]},
+    }
     return read_scene(data, "rov")
 
 
@@ -104,8 +126,10 @@ def start_up(t: np.ndarray, force: float) -> np.ndarray:
 def apart(result: Result) -> float:
     """Largest distance of the two tracks once the water's way is taken off, and of the angles, m and rad."""
     t = np.asarray(result.time)
-    ways = [result[f"moved.{p}"] - result[f"still.{p}"] - t * v
-            for p, v in zip(("position_north", "position_east", "depth"), FLOW.values(), strict=True)]
+    ways = [
+        result[f"moved.{p}"] - result[f"still.{p}"] - t * v
+        for p, v in zip(("position_north", "position_east", "depth"), FLOW.values(), strict=True)
+    ]
     angles = [result[f"moved.{a}"] - result[f"still.{a}"] for a in ("roll", "pitch")]
     return float(np.abs([*ways, *angles]).max())
 
@@ -119,16 +143,22 @@ def _start_chart(runs: Mapping[str, Result]) -> Chart:
     for force in FORCES:
         result = runs[f"{force:g} N ahead"]
         kept = slice(0, np.searchsorted(result.time, 8.0), 8)
-        series += [Series(f"{force:g} N, closed form", result.time[: kept.stop], start_up(result.time[: kept.stop], force)),
-                   Series(f"{force:g} N, run", result.time[kept], result["hull.surge"][kept], "points")]
+        series += [
+            Series(f"{force:g} N, closed form", result.time[: kept.stop], start_up(result.time[: kept.stop], force)),
+            Series(f"{force:g} N, run", result.time[kept], result["hull.surge"][kept], "points"),
+        ]
     return Chart("Start from rest", "time, s", (Panel("surge, m/s", tuple(series)),), "Force ahead, linear and quadratic drag.")
 
 
 def _munk_chart(result: Result) -> Chart:
     t, q = result.time, result["hull.pitch_rate"]
     series = (Series("closed form", t, q[0] * np.exp(_munk_rate() * t)), Series("run", t[::10], q[::10], "points"))
-    return Chart("Ahead at 1 m/s, slightly disturbed", "time, s", (Panel("pitch rate, rad/s", series, logarithmic=True),),
-                 "Munk's moment turns a body broadside to its way.")
+    return Chart(
+        "Ahead at 1 m/s, slightly disturbed",
+        "time, s",
+        (Panel("pitch rate, rad/s", series, logarithmic=True),),
+        "Munk's moment turns a body broadside to its way.",
+    )
 
 
 CASE = Case(

@@ -23,8 +23,9 @@ def thrusts_chart(vehicle: Vehicle, who: str = "") -> Chart:
         panels.append(Panel("command, 1", commands))
     text = "As the hull receives them."
     if vehicle.scale is not None and vehicle.scale.min() < 1.0:
-        panels.append(Panel("share of wrench, 1", (Series("given of what is wanted", vehicle.time, vehicle.scale),),
-                            y_range=(-0.05, 1.1)))
+        panels.append(
+            Panel("share of wrench, 1", (Series("given of what is wanted", vehicle.time, vehicle.scale),), y_range=(-0.05, 1.1))
+        )
     elif vehicle.scale is not None:
         text += " The limits of the thrusters kept nothing back of what the controller wanted."
     return Chart(f"{who}Thrusts", "time, s", tuple(panels), text, height=190)
@@ -39,8 +40,12 @@ def thrusts_table(vehicle: Vehicle, who: str = "") -> Cells:
         mean = float(np.trapezoid(np.abs(F), vehicle.time)) / whole
         share = f"{100.0 * limited:.3g} %" if k in vehicle.commands else "not recorded"
         rows.append((f"thruster {k}", number(float(F.min())), number(float(F.max())), number(mean), share))
-    return Cells(f"{who}Thrusters", ("", "least, N", "greatest, N", "mean size, N", "time at its limit"), rows,
-                 right=frozenset({1, 2, 3, 4}))
+    return Cells(
+        f"{who}Thrusters",
+        ("", "least, N", "greatest, N", "mean size, N", "time at its limit"),
+        rows,
+        right=frozenset({1, 2, 3, 4}),
+    )
 
 
 def errors_chart(vehicle: Vehicle, who: str = "") -> Chart:
@@ -48,8 +53,9 @@ def errors_chart(vehicle: Vehicle, who: str = "") -> Chart:
     panels = []
     for label, names, factor in (("error of the position, m", ERRORS[:3], 1.0),
                                  ("error of the attitude, degrees", ERRORS[3:], DEGREES)):  # fmt: skip
-        series = tuple(Series(n.removeprefix("error_"), vehicle.time, factor * vehicle.errors[n])
-                       for n in names if n in vehicle.errors)
+        series = tuple(
+            Series(n.removeprefix("error_"), vehicle.time, factor * vehicle.errors[n]) for n in names if n in vehicle.errors
+        )
         panels += [Panel(label, series)] if series else []
     text = "Set point less pose: position in north, east, down, attitude as the rotation vector in body axes."
     return Chart(f"{who}Errors against the set point", "time, s", tuple(panels), text, height=200)
@@ -65,5 +71,10 @@ def errors_table(vehicle: Vehicle, start: int, who: str = "") -> Cells:
         rms = float(np.sqrt(np.mean(np.square(kept))))
         rows.append((name.removeprefix("error_"), unit, f"{rms:.3g}", f"{np.abs(kept).max():.3g}"))
     begin = float(vehicle.time[start])
-    return Cells(f"{who}Errors", ("", "unit", "root mean square", "largest"), rows,
-                 f"From {begin:.4g} s on." if begin > vehicle.time[0] else "", right=frozenset({2, 3}))
+    return Cells(
+        f"{who}Errors",
+        ("", "unit", "root mean square", "largest"),
+        rows,
+        f"From {begin:.4g} s on." if begin > vehicle.time[0] else "",
+        right=frozenset({2, 3}),
+    )

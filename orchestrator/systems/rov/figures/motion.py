@@ -33,8 +33,11 @@ def track_chart(vehicles: Sequence[Vehicle], interval: float) -> Chart | None:
                 series.append(Series(called(vehicles, v, "set point"), along * v.wanted[i], up * v.wanted[j]))
             if (strokes := _strokes(v, interval, LENGTH * extent)) is not None:
                 series.append(Series("heading", along * strokes[i], up * strokes[j]))
-            series += [Series(called(vehicles, v, "track"), x, y), Series("begin", x[:1], y[:1], "points"),
-                       Series("end", x[-1:], y[-1:], "points")]
+            series += [
+                Series(called(vehicles, v, "track"), x, y),
+                Series("begin", x[:1], y[:1], "points"),
+                Series("end", x[-1:], y[-1:], "points"),
+            ]
         panels.append(Panel(y_label, tuple(series), title=title, x_label=x_label, equal=True))
     if not panels:
         return None
@@ -86,8 +89,12 @@ def motion_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
     panels = []
     for label, names, factor in (("speed, m/s", SPEEDS, 1.0), ("rate, degrees/s", RATES, DEGREES),
                                  ("acceleration, m/s²", ACCELERATIONS, 1.0)):  # fmt: skip
-        series = tuple(Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
-                       for v in vehicles for n in names if n in v.signals)
+        series = tuple(
+            Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
+            for v in vehicles
+            for n in names
+            if n in v.signals
+        )
         panels += [Panel(label, series)] if series else []
     text = "Speeds and rates are over ground."
     return Chart("Motion in body axes", "time, s", tuple(panels), text, height=200) if panels else None

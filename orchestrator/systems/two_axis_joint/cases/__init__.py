@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from . import chain_closed_forms, gimbal_closed_forms, link_split, paper_two_links
 
-CASES = tuple(module.CASE for module in (
-    chain_closed_forms, gimbal_closed_forms, link_split, paper_two_links,
-))
+CASES = tuple(module.CASE for module in (chain_closed_forms, gimbal_closed_forms, link_split, paper_two_links))

@@ -24,8 +24,10 @@ MOTION = (*ANGLES, "first_rate", "second_rate")
 STARTS = tuple(f"start_{n}" for n in MOTION)
 SMALL = 1e-5  # rad and rad/s: what is left of the sines' curvature is below 1e-9 of it
 ROOT = math.sqrt(7.0)
-SHAPES = {"equal point masses": ((1.0, math.sqrt(2.0)), (1.0, -math.sqrt(2.0))),
-          "equal rods": ((1.0, (2.0 * ROOT - 1.0) / 3.0), (1.0, -(2.0 * ROOT + 1.0) / 3.0))}
+SHAPES = {
+    "equal point masses": ((1.0, math.sqrt(2.0)), (1.0, -math.sqrt(2.0))),
+    "equal rods": ((1.0, (2.0 * ROOT - 1.0) / 3.0), (1.0, -(2.0 * ROOT + 1.0) / 3.0)),
+}
 FREE = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
         "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}  # fmt: skip
 AMPLITUDES = {"small": 0.1, "quarter": math.pi / 2.0, "high": 3.0}  # rad
@@ -107,8 +109,13 @@ def _chain(effects: Sequence[str], parameters: Mapping[str, float], preset: str 
 
 
 def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
-    data = {"title": "Chain of two links", "stop_time": stop, "units": dict(units), "master": {"step": step},
-            "record": {"signals": [f"{u}.{s}" for u in units for s in signals]}}
+    data = {
+        "title": "Chain of two links",
+        "stop_time": stop,
+        "units": dict(units),
+        "master": {"step": step},
+        "record": {"signals": [f"{u}.{s}" for u in units for s in signals]},
+    }
     return read_scene(data, "chain")
 
 

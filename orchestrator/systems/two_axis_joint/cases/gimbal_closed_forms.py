@@ -102,8 +102,13 @@ def _gimbal(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, 
 
 
 def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
-    data = {"title": "Body on two axes", "stop_time": stop, "units": dict(units), "master": {"step": step},
-            "record": {"signals": [f"{u}.{s}" for u in units for s in signals]}}
+    data = {
+        "title": "Body on two axes",
+        "stop_time": stop,
+        "units": dict(units),
+        "master": {"step": step},
+        "record": {"signals": [f"{u}.{s}" for u in units for s in signals]},
+    }
     return read_scene(data, "gimbal")
 
 

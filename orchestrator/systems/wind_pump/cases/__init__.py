@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from . import closed_forms, equilibrium, inertial_converter, paper_wind_pump, start
 
-CASES = tuple(module.CASE for module in (
-    equilibrium, start, closed_forms, inertial_converter, paper_wind_pump,
-))
+CASES = tuple(module.CASE for module in (equilibrium, start, closed_forms, inertial_converter, paper_wind_pump))

@@ -38,8 +38,10 @@ def findings(options: Options) -> Findings:
         }
     rows = compare(load_table("wind-pump-equilibrium").rows, measured)
     span, least = measured["ratio.2"] / measured["ratio.6"], min(measured[f"cp.{v:g}"] for v in WINDS[1:])
-    note = (f"From 2 to 6 m/s the ratio of the speeds changes by a factor of {span:.1f}, by itself, while from 2.5 m/s on the "
-            f"power coefficient is {least:.3f} or more; the largest of this rotor is 0.3.")
+    note = (
+        f"From 2 to 6 m/s the ratio of the speeds changes by a factor of {span:.1f}, by itself, while from 2.5 m/s on the "
+        f"power coefficient is {least:.3f} or more; the largest of this rotor is 0.3."
+    )
     return Findings(rows, runs, (_chart(measured),), (note,))
 
 
@@ -48,8 +50,11 @@ def scene(wind: float) -> Scene:
     data = {
         "title": f"Wind pump with an averaged inertial converter at {wind:g} m/s",
         "stop_time": SETTLED,
-        "connections": ["wind.speed -> turbine.wind", "turbine.speed -> converter.turbine_speed",
-                        "converter.turbine_torque -> turbine.torque"],
+        "connections": [
+            "wind.speed -> turbine.wind",
+            "turbine.speed -> converter.turbine_speed",
+            "converter.turbine_torque -> turbine.torque",
+        ],
         "units": {
             "wind": {"component": "Wind", "parameters": {"mean_speed": wind}},
             "turbine": {"component": "WindTurbine", "preset": "farm windmill"},

@@ -98,8 +98,13 @@ def held(turbine: float, speeds: Mapping[str, float], parameters: Mapping[str, f
     ways = {**{n: {"start_speed": w} for n, w in speeds.items()}, "stalled": {"load_torque": 1e3}}
     units = {n: {"component": "InertialConverter", "parameters": {**always, **way}} for n, way in ways.items()}
     signals = [f"{unit}.{signal}" for unit in units for signal in ("speed", "crank_speed", "driving_torque")]
-    data = {"title": f"Converters held by flywheels, turbine at {turbine:g} rad/s", "stop_time": REVOLUTIONS * period,
-            "units": units, "master": {"step": period / SEEN}, "record": {"signals": signals}}
+    data = {
+        "title": f"Converters held by flywheels, turbine at {turbine:g} rad/s",
+        "stop_time": REVOLUTIONS * period,
+        "units": units,
+        "master": {"step": period / SEEN},
+        "record": {"signals": signals},
+    }
     return read_scene(data, "inertial-converter")
 
 
@@ -173,13 +178,17 @@ def _pair(value: complex) -> str:
 
 def _revolutions(result: Result) -> Chart:
     """The last two revolutions of a run: when the slider drives, and what it passes on."""
-    turned, slider, speed, torque = (np.asarray(result[f"converter.{name}"])
-                                     for name in ("crank_angle", "slider_velocity", "speed", "driving_torque"))
+    turned, slider, speed, torque = (
+        np.asarray(result[f"converter.{name}"]) for name in ("crank_angle", "slider_velocity", "speed", "driving_torque")
+    )
     begin = math.floor(turned[-1] / TURN) - 2.0
     last = (turned / TURN >= begin) & (turned / TURN <= begin + 2.0)
     revolution, slider, speed, torque = turned[last] / TURN - begin, slider[last], speed[last], torque[last]
-    velocity = (Series("lever's guided end", revolution, slider), Series("clutch forwards", revolution, ARM * speed, faint=True),
-                Series("clutch backwards", revolution, -ARM * speed, faint=True))
+    velocity = (
+        Series("lever's guided end", revolution, slider),
+        Series("clutch forwards", revolution, ARM * speed, faint=True),
+        Series("clutch backwards", revolution, -ARM * speed, faint=True),
+    )
     passed = (Series("clutches", revolution, torque), Series("load", revolution[[0, -1]], [LOAD, LOAD], faint=True))
     panels = (Panel("velocity, m/s", velocity), Panel("torque on the driven shaft, N.m", passed))
     return Chart("Two revolutions of the crank", "revolution", panels,
@@ -203,8 +212,12 @@ def _points(measured: Mapping[str, float]) -> Chart:
         panels.append(Panel(label, (Series("averaged", winds, line.states[:, k]), Series("full model", WINDS, points, "points"))))
     real = tuple(Series(f"eigenvalue {k + 1}", winds, line.eigenvalues[:, k].real) for k in range(2))
     panels.append(Panel("growth, 1/s", real))
-    return Chart("Operating points in the wind", "wind, m/s", tuple(panels),
-                 "Growth: real parts of the eigenvalues of the averaged set, which is stable where both are negative.")
+    return Chart(
+        "Operating points in the wind",
+        "wind, m/s",
+        tuple(panels),
+        "Growth: real parts of the eigenvalues of the averaged set, which is stable where both are negative.",
+    )
 
 
 CASE = Case(

@@ -38,6 +38,7 @@ def _panels(shown: Sequence[Shown], series_of, lines: tuple[Lines, ...] = ()) ->
 
 def branches_chart(shown: Sequence[Shown], followed: Sequence[tuple[str, slice]], start: int = 0) -> Chart:
     """Every quantity over the wind while it rises and while it falls; the winds at which pumps start and stop are lines."""
+
     def lines_of(s: Shown, values: np.ndarray) -> list[Series]:
         wind, values = s.wind[start:], values[start:]  # type: ignore[index]
         branches: dict[str, tuple[list[np.ndarray], list[np.ndarray]]] = {}

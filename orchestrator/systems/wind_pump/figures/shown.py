@@ -39,6 +39,7 @@ class Shown:
     @classmethod
     def of(cls, chain: Chain, average: float, standstill: float, pause: float, who: str) -> Shown:
         """The chain with means over `average` s."""
+
         def mean(values: np.ndarray) -> np.ndarray:
             return moving_mean(chain.time, values, average)
 
@@ -54,8 +55,18 @@ class Shown:
             turning = signals["turbine_speed"] > standstill
             ratio = np.where(turning, signals["pump_speed"] / np.where(turning, signals["turbine_speed"], 1.0), np.nan)
         wind = mean(chain.wind) if chain.wind is not None else None
-        return cls(chain, who, average, standstill, pause, wind, signals, {n: mean(v) for n, v in chain.powers.items()}, ratio,
-                   runnings(chain, standstill, pause))
+        return cls(
+            chain,
+            who,
+            average,
+            standstill,
+            pause,
+            wind,
+            signals,
+            {n: mean(v) for n, v in chain.powers.items()},
+            ratio,
+            runnings(chain, standstill, pause),
+        )
 
     @property
     def marks(self) -> list[tuple[str, float, float | None]]:

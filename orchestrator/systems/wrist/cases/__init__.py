@@ -4,6 +4,4 @@ from __future__ import annotations
 
 from . import four_bar, paper_wrist, rules, stiffness
 
-CASES = tuple(module.CASE for module in (
-    rules, four_bar, stiffness, paper_wrist,
-))
+CASES = tuple(module.CASE for module in (rules, four_bar, stiffness, paper_wrist))

@@ -60,8 +60,10 @@ def findings(options: Options) -> Findings:
         "antiparallelogram.low": float(quotient.min()),
         "antiparallelogram.high": float(quotient.max()),
     }
-    note = ("The run that is driven by its rocker fails on purpose: what is the crank of the other runs lies in line with the "
-            f"coupler there, and no torque turns it over. The message is: {stopped.message}")
+    note = (
+        "The run that is driven by its rocker fails on purpose: what is the crank of the other runs lies in line with the "
+        f"coupler there, and no torque turns it over. The message is: {stopped.message}"
+    )
     return Findings(compare(load_table("four-bar").rows, measured), runs, (_chart(turning, stopped),), (note,))
 
 

@@ -112,8 +112,10 @@ def _chart(held: Result) -> Chart:
     first, second = ([DEGREES * float(held[f"half_{unit}.{row}_flexion"][-1]) for unit in ("flexion", "radial")]
                      for row in ("proximal", "distal"))  # fmt: skip
     half = Series("half and half, flexion and radial deviation", first, second, "points", labels=["flexion", "radial"])
-    text = ("Lower right: radial deviation, the proximal row flexes and the distal one extends; upper left: ulnar deviation. "
-            "Both rows flex in flexion, to the right, and extend in extension.")
+    text = (
+        "Lower right: radial deviation, the proximal row flexes and the distal one extends; upper left: ulnar deviation. "
+        "Both rows flex in flexion, to the right, and extend in extension."
+    )
     panel = Panel("flexion of the distal row, degrees", (rules, half), x_label="flexion of the proximal row, degrees", equal=True)
     return Chart("What the rows do", "", (panel,), text, columns=2, height=340)
 
@@ -122,7 +124,8 @@ def _grid(measured: dict[str, float]) -> Grid:
     header = ("posture", "proximal row, degrees", "distal row, degrees", "roll, degrees")
     names = ("proximal_angle", "distal_angle", "roll")
     rows: tuple[tuple[str | float, ...], ...] = tuple(
-        (unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD)
+        (unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD
+    )
     return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")
 
 

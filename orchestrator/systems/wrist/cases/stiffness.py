@@ -21,8 +21,10 @@ SETTLED = 1.5  # s
 
 def findings(options: Options) -> Findings:
     """A wrist for each direction of the moment, held until it rests; a smooth one and one of two rows must agree."""
-    runs = {name: run(scene(effects), in_process=options.in_process) for name, effects in (("small angles", ()),
-                                                                                           ("two rows", ("morphology",)))}
+    runs = {
+        name: run(scene(effects), in_process=options.in_process)
+        for name, effects in (("small angles", ()), ("two rows", ("morphology",)))
+    }
     for name, result in runs.items():
         if result.outcome != "done":
             return Findings((), {name: result}, notes=(result.message,), complete=False)
@@ -96,8 +98,10 @@ def _chart(ranges: dict[str, np.ndarray]) -> Chart:
         end = 1.3 * reach * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
         axes.append(Series("measured orientation, mean and deviation", [-end[0], end[0]], [-end[1], end[1]], faint=True))
     panel = Panel("radial deviation, degrees", (*axes, *lines), x_label="flexion, degrees", equal=True)
-    text = ("Where the hand comes to rest under 2 N.m in each of 24 directions. Pale lines: orientation of the envelope "
-            "measured on six wrists, 26.6 ± 4.4 degrees from flexion and extension, towards ulnar flexion.")
+    text = (
+        "Where the hand comes to rest under 2 N.m in each of 24 directions. Pale lines: orientation of the envelope "
+        "measured on six wrists, 26.6 ± 4.4 degrees from flexion and extension, towards ulnar flexion."
+    )
     return Chart("Envelope of the passive wrist", "", (panel,), text, columns=2, height=380)
 
 

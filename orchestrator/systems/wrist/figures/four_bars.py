@@ -31,6 +31,8 @@ def linkage_chart(record: LinkageRecord) -> Chart:
     if "transmission_angle" in signals:
         ends = DEGREES * np.array([signals["transmission_angle"].min(), signals["transmission_angle"].max()])
         text += f" Here it goes from {ends[0]:.2f} to {ends[1]:.2f} degrees."
-    text += (" That a gear of the wrist is such a linkage is a reading of the abstract of Sandow (2020); lengths are a choice of "
-             "this project.")
+    text += (
+        " That a gear of the wrist is such a linkage is a reading of the abstract of Sandow (2020); lengths are a choice of "
+        "this project."
+    )
     return Chart(f"Four-bar linkage {record.unit}", "", tuple(panels), text, columns=2, height=260)

@@ -38,6 +38,7 @@ def motion_chart(records: Sequence[WristRecord], instants: Sequence[float] = ())
 
 def paths_chart(records: Sequence[WristRecord], instants: Sequence[float], start: int) -> Chart:
     """Where the hand goes in the plane of its two angles, and how the rows share it; of one wrist with the instants as points."""
+
     def path(x: str, y: str, label_x: str, label_y: str, title: str) -> Panel | None:
         lines = [Series(r.unit, DEGREES * r.signals[x][start:], DEGREES * r.signals[y][start:]) for r in records
                  if {x, y} <= r.signals.keys()]  # fmt: skip
@@ -48,11 +49,15 @@ def paths_chart(records: Sequence[WristRecord], instants: Sequence[float], start
             lines.append(Series("instants of the table of postures", at, above, "points"))
         return Panel(f"{label_y}, degrees", tuple(lines), title=title, x_label=f"{label_x}, degrees", equal=True)
 
-    panels = (path("flexion", "deviation", "flexion", "radial deviation", "hand"),
-              path("proximal_flexion", "distal_flexion", "flexion of the proximal row", "of the distal row", "rows"))
+    panels = (
+        path("flexion", "deviation", "flexion", "radial deviation", "hand"),
+        path("proximal_flexion", "distal_flexion", "flexion of the proximal row", "of the distal row", "rows"),
+    )
     text = "Where the hand goes."
     if panels[1] is not None:
-        text = ("Left, where the hand goes. Right, how the rows share it: by the rule of Sandow (2020, abstract) they go to the "
-                "upper right in flexion, to the lower left in extension, to the lower right in radial and to the upper left in "
-                "ulnar deviation. The directions of the rows' axes, and with them the slopes, are a choice of this project.")
+        text = (
+            "Left, where the hand goes. Right, how the rows share it: by the rule of Sandow (2020, abstract) they go to the "
+            "upper right in flexion, to the lower left in extension, to the lower right in radial and to the upper left in "
+            "ulnar deviation. The directions of the rows' axes, and with them the slopes, are a choice of this project."
+        )
     return Chart("Paths", "", tuple(p for p in panels if p is not None), text, columns=2, height=340)

@@ -21,8 +21,10 @@ def muscles_chart(record: Muscles, one_of_several: bool = False) -> Chart:
     if record.torques:
         words = {"flexion": "torque of flexion", "deviation": "torque of radial deviation"}
         panels.append(Panel("torque on the hand, N·m", tuple(Series(words[n], t, v) for n, v in record.torques.items())))
-    text = ("FCR, FCU: flexors on the side of radius and ulna; ECRL, ECRB, ECU: extensors. Moment arms and largest forces are "
-            "in part read, in part recalled; the component says which.")
+    text = (
+        "FCR, FCU: flexors on the side of radius and ulna; ECRL, ECRB, ECU: extensors. Moment arms and largest forces are "
+        "in part read, in part recalled; the component says which."
+    )
     text += f" Shown: those of {record.unit}." if one_of_several else ""
     return Chart("Muscles", "time, s", tuple(panels), text)
 
@@ -38,7 +40,9 @@ def ligaments_chart(records: Sequence[Bundle]) -> Chart:
             if lines:
                 panels.append(Panel(label, lines, title=title))
         never += [f"{title} {n}".strip() for n, v in record.tension.items() if not np.abs(v).max() > SLACK]
-    text = ("The five pairs are those that Sandow (2008, abstract) calls isometric; attachments and stiffness are a choice of "
-            "this project.")
+    text = (
+        "The five pairs are those that Sandow (2008, abstract) calls isometric; attachments and stiffness are a choice of "
+        "this project."
+    )
     text += f" Without tension throughout: {', '.join(never)}." if never else ""
     return Chart("Ligaments", "time, s", tuple(panels), text, columns=2)

@@ -24,12 +24,23 @@ def posture_table(records: Sequence[WristRecord], instants: Sequence[float], sta
         for p in postures(record, instants, start):
             angles = (_degrees(p.values.get(n)) for n in COLUMNS)
             rows.append((record.unit, f"{p.time:.4g}", p.name, *angles, KEPT[p.rule]))
-    text = ("Row rule, from the abstract of Sandow (2020): in flexion both rows flex, in radial deviation the proximal row "
-            "flexes and the distal one extends, and the reverse in extension and ulnar deviation; between these the rule says "
-            "nothing. Axes, stiffness and mass behind the numbers are a choice of this project, recalled or from cadaver data, "
-            "as the components say.")
-    header = ("wrist", "at, s", "posture", "flexion, deg", "radial deviation, deg", "roll, deg", "proximal row flexes, deg",
-              "distal row flexes, deg", "row rule kept")
+    text = (
+        "Row rule, from the abstract of Sandow (2020): in flexion both rows flex, in radial deviation the proximal row "
+        "flexes and the distal one extends, and the reverse in extension and ulnar deviation; between these the rule says "
+        "nothing. Axes, stiffness and mass behind the numbers are a choice of this project, recalled or from cadaver data, "
+        "as the components say."
+    )
+    header = (
+        "wrist",
+        "at, s",
+        "posture",
+        "flexion, deg",
+        "radial deviation, deg",
+        "roll, deg",
+        "proximal row flexes, deg",
+        "distal row flexes, deg",
+        "row rule kept",
+    )
     return Cells("Postures", header, rows, text, frozenset({1, *range(3, 8)}))
 
 
@@ -42,7 +53,20 @@ def difference_table(records: Sequence[WristRecord], instants: Sequence[float]) 
             both = [(here.values.get(n), there.values.get(n)) for n in COLUMNS]
             changes = (_degrees(None if a is None or b is None else a - b) for a, b in both)
             rows.append((record.unit, f"{here.time:.4g}", there.name, *changes))
-    header = ("wrist", "at, s", f"posture of {records[0].unit}", "flexion, deg", "radial deviation, deg", "roll, deg",
-              "proximal row flexes, deg", "distal row flexes, deg")
-    return Cells(f"Against {records[0].unit}", header, rows, "Angles less those of the first wrist, at the same instants.",
-                 frozenset({1, *range(3, 8)}))
+    header = (
+        "wrist",
+        "at, s",
+        f"posture of {records[0].unit}",
+        "flexion, deg",
+        "radial deviation, deg",
+        "roll, deg",
+        "proximal row flexes, deg",
+        "distal row flexes, deg",
+    )
+    return Cells(
+        f"Against {records[0].unit}",
+        header,
+        rows,
+        "Angles less those of the first wrist, at the same instants.",
+        frozenset({1, *range(3, 8)}),
+    )

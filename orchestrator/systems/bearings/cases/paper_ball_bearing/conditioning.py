@@ -122,8 +122,14 @@ def magnitudes(scaled: bool = False) -> dict[str, float]:
     model = bearing(GAP)
     by = scales(model)
     p: dict[str, Any] = model.parameters
-    numbers = {"deflection": by.length, "velocity": by.of("m/s"), "stiffness": p["contact_stiffness"],
-               "damping": p["damping"], "mass": p["mass"], "load": model["load"]}
+    numbers = {
+        "deflection": by.length,
+        "velocity": by.of("m/s"),
+        "stiffness": p["contact_stiffness"],
+        "damping": p["damping"],
+        "mass": p["mass"],
+        "load": model["load"],
+    }
     if not scaled:
         return numbers
     return {**dict.fromkeys(numbers, 1.0), "damping": p["damping"] / by.of("N.s/m")}
@@ -156,10 +162,15 @@ def by_solvers(clearance: float) -> dict[str, dict[str, tuple[float, int]]]:
     scaled = DEFAULT * np.repeat([by.length, by.of("m/s")], 2)
     table: dict[str, dict[str, tuple[float, int]]] = {}
     for method in SOLVERS:
-        runs = {"metres": solved(metres, SPAN, method=method), "dimensionless": solved(other, SPAN / by.time, method=method),
-                "metres, tolerance scaled": solved(metres, SPAN, method=method, atol=scaled)}
-        table[method] = {form: (float(np.abs(x / (1.0 if form == "dimensionless" else by.length) - exact).max() / swing), calls)
-                         for form, (x, calls) in runs.items()}
+        runs = {
+            "metres": solved(metres, SPAN, method=method),
+            "dimensionless": solved(other, SPAN / by.time, method=method),
+            "metres, tolerance scaled": solved(metres, SPAN, method=method, atol=scaled),
+        }
+        table[method] = {
+            form: (float(np.abs(x / (1.0 if form == "dimensionless" else by.length) - exact).max() / swing), calls)
+            for form, (x, calls) in runs.items()
+        }
     return table
 
 
@@ -208,16 +219,25 @@ def classical(kind: type, scaled: bool) -> np.ndarray:
 def _magnitudes(numbers: dict[str, float]) -> Grid:
     units = ("m", "m/s", "N/m^1.5", "N.s/m", "kg", "N")
     scaled = magnitudes(True)
-    rows = tuple((f"{name}, {unit}", float(f"{v:.3g}"), float(f"{scaled[name]:.3g}"))
-                 for (name, v), unit in zip(numbers.items(), units, strict=True))
-    return Grid("Magnitudes of the equations", ("quantity", "dimensional", "dimensionless"), rows,
-                "The stiffness and the motion are 15 decades apart in SI units, and two in the scales of the problem.")
+    rows = tuple(
+        (f"{name}, {unit}", float(f"{v:.3g}"), float(f"{scaled[name]:.3g}"))
+        for (name, v), unit in zip(numbers.items(), units, strict=True)
+    )
+    return Grid(
+        "Magnitudes of the equations",
+        ("quantity", "dimensional", "dimensionless"),
+        rows,
+        "The stiffness and the motion are 15 decades apart in SI units, and two in the scales of the problem.",
+    )
 
 
 def _solvers(table: dict[str, dict[str, tuple[float, int]]]) -> Chart:
     forms = next(iter(table.values()))
     series = tuple(Series(form, tuple(table), [100.0 * runs[form][0] for runs in table.values()], "points") for form in forms)
-    return Chart("Error of solvers with their default tolerances", "solver of SciPy",
-                 (Panel("largest error over the swing, %", series, logarithmic=True),),
-                 "Relative tolerance 1e-3, absolute 1e-6: a quarter of the deflection, if lengths are in metres. The same "
-                 "tolerance per state, in the scales of the motion, does what the dimensionless form does.")
+    return Chart(
+        "Error of solvers with their default tolerances",
+        "solver of SciPy",
+        (Panel("largest error over the swing, %", series, logarithmic=True),),
+        "Relative tolerance 1e-3, absolute 1e-6: a quarter of the deflection, if lengths are in metres. The same "
+        "tolerance per state, in the scales of the motion, does what the dimensionless form does.",
+    )

@@ -108,8 +108,9 @@ def shaft_line(eccentricity: float) -> float:
 
 def exponent_sum(zeta: float) -> float:
     """Sum of the Lyapunov exponents, per unit of tau."""
-    model = DimensionlessBallBearing(["clearance"], {**BASE, "damping_ratio": zeta, "speed": SPEED,
-                                                     "clearance.radial_clearance": GAP})
+    model = DimensionlessBallBearing(
+        ["clearance"], {**BASE, "damping_ratio": zeta, "speed": SPEED, "clearance.radial_clearance": GAP}
+    )
     model.initialize(0.0)
     return lyapunov_spectrum(model, (0, 1, 2, 3), (1.0, 1.0, 1.0, 1.0), interval=5.0, intervals=150, transient=10).sum
 
@@ -122,6 +123,10 @@ def _chart(groups: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]) -> Chart
             cut = 2.0 * math.pi * f <= 12.0 * SPEED
             series.append(Series(name, 2.0 * math.pi * f[cut] / SPEED, np.maximum(a[cut], 1e-8)))
         panels.append(Panel("amplitude across the load over x_s", tuple(series), title=title, logarithmic=True))
-    return Chart("What the number of balls and the clearance do to the response", "frequency over the speed of the shaft",
-                 tuple(panels), f"Dimensionless bearing at Om = {SPEED:g}, no fault. The balls set where the lines are, the "
-                 "clearance how high.", columns=2)
+    return Chart(
+        "What the number of balls and the clearance do to the response",
+        "frequency over the speed of the shaft",
+        tuple(panels),
+        f"Dimensionless bearing at Om = {SPEED:g}, no fault. The balls set where the lines are, the clearance how high.",
+        columns=2,
+    )

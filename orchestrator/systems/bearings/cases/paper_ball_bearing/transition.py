@@ -55,8 +55,9 @@ def study(options: Options) -> Evidence:
 
 def separation(largest: np.ndarray, plots: list[Quantification]) -> dict[str, float]:
     """What recurrence measures make of order and chaos, as the exponents (n,) tell them apart."""
-    determinism, divergence, laminarity = (np.array([getattr(q, n) for q in plots])
-                                           for n in ("determinism", "divergence", "laminarity"))
+    determinism, divergence, laminarity = (
+        np.array([getattr(q, n) for q in plots]) for n in ("determinism", "divergence", "laminarity")
+    )
     periodic, chaotic = largest < ORDER, largest > CHAOS
     return {
         "determinism": float(determinism[chaotic].mean() / determinism[periodic].mean()),
@@ -75,8 +76,9 @@ def first_beyond(values: np.ndarray, limit: float) -> float:
 
 def largest_exponent(clearance: float) -> float:
     """Largest Lyapunov exponent over 6 s after 3 s, 1/s; clearance: radial, um."""
-    return lyapunov_spectrum(bearing(clearance), STATES, SCALES, interval=INTERVAL, intervals=INTERVALS, transient=TRANSIENT,
-                             count=1).largest
+    return lyapunov_spectrum(
+        bearing(clearance), STATES, SCALES, interval=INTERVAL, intervals=INTERVALS, transient=TRANSIENT, count=1
+    ).largest
 
 
 def states(clearance: float, per_passage: float) -> np.ndarray:
@@ -101,12 +103,15 @@ def recurrence(rows: np.ndarray, window: int) -> np.ndarray:
 
 
 def _diagram(points: list[np.ndarray], largest: np.ndarray, plots: dict[str, list[Quantification]], transition: float) -> Chart:
-    section = Series("across the load", np.repeat(GAPS, [len(p) for p in points]),
-                     np.concatenate([1e6 * p[:, 1] for p in points]), "dots")
+    section = Series(
+        "across the load", np.repeat(GAPS, [len(p) for p in points]), np.concatenate([1e6 * p[:, 1] for p in points]), "dots"
+    )
     coarse, fine = plots["coarse"], plots["fine"]
-    shares = (Series("DET", GAPS, [q.determinism for q in coarse], "line+points"),
-              Series("LAM", GAPS, [q.laminarity for q in coarse], "line+points"),
-              Series("DET, finely sampled", GAPS, [q.determinism for q in fine], faint=True))
+    shares = (
+        Series("DET", GAPS, [q.determinism for q in coarse], "line+points"),
+        Series("LAM", GAPS, [q.laminarity for q in coarse], "line+points"),
+        Series("DET, finely sampled", GAPS, [q.determinism for q in fine], faint=True),
+    )
     lengths = (Series("DIV = 1 / Lmax", GAPS, [q.divergence for q in coarse], "line+points"),)
     mark = ((transition, "transition"),)
     return Chart(
@@ -125,6 +130,11 @@ def _plots(matrices: list[np.ndarray]) -> Chart:
     shown = {gap: matrices[int(np.flatnonzero(gap == GAPS)[0])][:DRAWN, :DRAWN] for gap in (5.0, 20.0, 30.0)}
     pictures = {f"{gap:g} um": Picture(at, at, m, palette="binary") for gap, m in shown.items()}
     panels = tuple(Panel("sample", (), picture=p, title=n, x_label="sample", equal=True) for n, p in pictures.items())
-    return Chart("Recurrence plots before, at and beyond the transition", "", panels,
-                 "Unbroken diagonals at multiples of the period; broken ones; short pieces and single points.",
-                 columns=3, height=300)
+    return Chart(
+        "Recurrence plots before, at and beyond the transition",
+        "",
+        panels,
+        "Unbroken diagonals at multiples of the period; broken ones; short pieces and single points.",
+        columns=3,
+        height=300,
+    )

@@ -54,6 +54,7 @@ def study(options: Options) -> Evidence:
 
 def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
     """By how much both frequencies fall, %, and the largest rise of the lower one from one clearance to the next."""
+
     def fall(first: float, last: float) -> np.ndarray:
         return 100.0 * (1.0 - static[last] / static[first])
 
@@ -100,21 +101,27 @@ def _frequencies(static: dict[float, np.ndarray]) -> Chart:
     curves = np.array([static[g] for g in values])
     series = tuple(Series(n, values, curves[:, i], "line+points") for i, n in enumerate(("along the load", "across the load")))
     closed = two_balls(BALLS)
-    limits = tuple(Series(f"two balls, {n}", WIDE, [v, v], "points")
-                   for n, v in zip(("along", "across"), closed, strict=True))
-    return Chart("Natural frequencies over the clearance", "radial clearance over x_s", (Panel("f / f_0", (*series, *limits)),),
-                 "Means over the cage angle. Preload holds the shaft from all sides; with clearance the load zone narrows, and "
-                 "sideways little is left.")
+    limits = tuple(Series(f"two balls, {n}", WIDE, [v, v], "points") for n, v in zip(("along", "across"), closed, strict=True))
+    return Chart(
+        "Natural frequencies over the clearance",
+        "radial clearance over x_s",
+        (Panel("f / f_0", (*series, *limits)),),
+        "Means over the cage angle. Preload holds the shaft from all sides; with clearance the load zone narrows, and "
+        "sideways little is left.",
+    )
 
 
 def _levels(levels: dict[float, float]) -> Chart:
     moving = {g: v for g, v in levels.items() if g >= 0.0}
     series = Series("both directions", tuple(moving), tuple(moving.values()), "line+points")
-    return Chart("Level of vibration over the clearance", "radial clearance over x_s",
-                 (Panel("rms acceleration, m/s²", (series,), logarithmic=True),),
-                 f"Balls pass {PASSES:g} times a second, far below the natural frequencies; no fault and no unbalance. With a "
-                 "preload of half an x_s or more all balls carry and nothing is left to show. The level does not rise at every "
-                 "step: where another ball joins, it dips.")
+    return Chart(
+        "Level of vibration over the clearance",
+        "radial clearance over x_s",
+        (Panel("rms acceleration, m/s²", (series,), logarithmic=True),),
+        f"Balls pass {PASSES:g} times a second, far below the natural frequencies; no fault and no unbalance. With a "
+        "preload of half an x_s or more all balls carry and nothing is left to show. The level does not rise at every "
+        "step: where another ball joins, it dips.",
+    )
 
 
 def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:

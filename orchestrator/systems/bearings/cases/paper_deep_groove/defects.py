@@ -39,8 +39,11 @@ def study(options: Options) -> Evidence:
         measured[f"{pit}.control"] = height(f, a, near) / height(*spectra[""], near)
         carrier = height(f, a, near)
         sides = [height(f, a, near + k * TURNS) / carrier for k in (-2, -1, 1, 2)]
-        measured |= {f"{pit}.first": 0.5 * (sides[1] + sides[2]), f"{pit}.first.least": min(sides[1:3]),
-                     f"{pit}.second.least": min(sides[0], sides[3])}
+        measured |= {
+            f"{pit}.first": 0.5 * (sides[1] + sides[2]),
+            f"{pit}.first.least": min(sides[1:3]),
+            f"{pit}.second.least": min(sides[0], sides[3]),
+        }
         measured[f"{pit}.largest.db"] = 20.0 * math.log10(max(max(sides), 1e-300))
     harmonics = [k * expected["outer"] for k in (2, 3)]
     measured["harmonics.control"] = max(height(*spectra[""], f) / height(*spectra["outer"], f) for f in harmonics)
@@ -82,5 +85,9 @@ def _chart(spectra: dict[str, Spectrum], expected: dict[str, float]) -> Chart:
             curves.append(Series(label, f[cut], a[cut], faint=label == "no pit"))
         marks = tuple((k * expected[pit], f"{k}×") for k in (1, 2, 3) if k * expected[pit] < SHOWN)
         panels.append(Panel("m/s²", tuple(curves), title=f"pit: {pit} race", lines=(Lines(name, marks),)))
-    return Chart("Envelope spectra of a rotor on a bearing with a pit", "frequency, Hz", tuple(panels),
-                 f"Acceleration along the load at {60.0 * TURNS:g} rpm. The marks stand where kinematics puts the lines.")
+    return Chart(
+        "Envelope spectra of a rotor on a bearing with a pit",
+        "frequency, Hz",
+        tuple(panels),
+        f"Acceleration along the load at {60.0 * TURNS:g} rpm. The marks stand where kinematics puts the lines.",
+    )

@@ -40,9 +40,11 @@ def study(options: Options) -> Evidence:
     swing = float(np.ptp(exact))
     errors = {key: float(np.abs(x - exact).max() / swing) for key, x in histories.items()}
     coarse, fine = STEPS
-    measured = {"error": max(100.0 * errors[n, fine] for n in (OURS, PLAIN, FMPY)),
-                "same": float(np.abs(histories[OURS, fine] - histories[PLAIN, fine]).max() / swing),
-                "package": float(100.0 * np.abs(histories[OURS, fine] - histories[FMPY, fine]).max() / swing)}
+    measured = {
+        "error": max(100.0 * errors[n, fine] for n in (OURS, PLAIN, FMPY)),
+        "same": float(np.abs(histories[OURS, fine] - histories[PLAIN, fine]).max() / swing),
+        "package": float(100.0 * np.abs(histories[OURS, fine] - histories[FMPY, fine]).max() / swing),
+    }
     ratios = [errors[n, coarse] / errors[n, fine] for n in (OURS, PLAIN, FMPY)]
     measured |= {"order.least": min(ratios), "order.greatest": max(ratios)}
     own = motion(scene(END, coarse, TURNS, damping=HEAVY))
@@ -99,8 +101,9 @@ def by_all(packed: Scene, step: float) -> dict[str, np.ndarray]:
 
 def _parameters(packed: Scene) -> ParameterSet:
     """The values of the scene's units, those of the effects among them, as FMPy's master takes them."""
-    return ParameterSet(parameters=[Parameter(name=f"{unit}.{n}", value=v) for unit in packed.units
-                                    for n, v in _values(packed, unit).items()])
+    return ParameterSet(
+        parameters=[Parameter(name=f"{unit}.{n}", value=v) for unit in packed.units for n, v in _values(packed, unit).items()]
+    )
 
 
 def _values(packed: Scene, unit: str) -> dict[str, Any]:
@@ -118,8 +121,12 @@ def in_turn(packed: Scene, package: Path, step: float) -> np.ndarray:
         for name, given in packed.units.items():
             description = read_model_description(str(folder / "resources" / f"{given.component}.fmu"))
             unpacked.append(extract(str(folder / "resources" / f"{given.component}.fmu")))
-            unit = FMU2Slave(guid=description.guid, unzipDirectory=unpacked[-1],
-                             modelIdentifier=description.coSimulation.modelIdentifier, instanceName=name)
+            unit = FMU2Slave(
+                guid=description.guid,
+                unzipDirectory=unpacked[-1],
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                instanceName=name,
+            )
             places[name] = {v.name: v.valueReference for v in description.modelVariables}
             types = {v.name: v.type for v in description.modelVariables}
             unit.instantiate()
@@ -163,6 +170,9 @@ def _chart(exact: np.ndarray, histories: dict[tuple[str, float], np.ndarray]) ->
     lines = [Series("in one piece", t, MICRO * exact, faint=True)]
     lines += [Series(n, t, MICRO * histories[n, fine]) for n in (OURS, PLAIN, FMPY)]
     away = [Series(n, t, 1e9 * (histories[n, fine] - exact)) for n in (OURS, PLAIN, FMPY)]
-    return Chart("A rotor on a bearing in three masters", "time, ms",
-                 (Panel("height of the shaft, um", tuple(lines)), Panel("difference from one piece, nm", tuple(away))),
-                 f"Macro step {1e6 * fine:g} us, held inputs. The shaft falls into the bearing and then follows the balls.")
+    return Chart(
+        "A rotor on a bearing in three masters",
+        "time, ms",
+        (Panel("height of the shaft, um", tuple(lines)), Panel("difference from one piece, nm", tuple(away))),
+        f"Macro step {1e6 * fine:g} us, held inputs. The shaft falls into the bearing and then follows the balls.",
+    )

@@ -73,9 +73,19 @@ def over_a_pitch(clearance: float, balls: int = BALLS, angles: int = 24) -> np.n
     return np.sqrt(K[:, (1, 0), (1, 0)] / MASS) / (2.0 * math.pi * FREQUENCY)
 
 
-def scene(stop_time: float, step: float, turns: float, effects: Sequence[str] = (), *, clearance: float = 0.0,
-          damping: float = DAMPING, gravity: float = GRAVITY, axial: float = 0.0, interval: float | None = None,
-          parameters: Mapping[str, Any] | None = None) -> Scene:
+def scene(
+    stop_time: float,
+    step: float,
+    turns: float,
+    effects: Sequence[str] = (),
+    *,
+    clearance: float = 0.0,
+    damping: float = DAMPING,
+    gravity: float = GRAVITY,
+    axial: float = 0.0,
+    interval: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Scene:
     """The shaft at `turns` per second in the bearing.
 
     clearance: radial, in x_s.  axial: preload in N, by the axial displacement that it has without other loads.

@@ -44,8 +44,9 @@ def study(options: Options) -> Evidence:
         alias = abs(k - BALL_PASS) * TURNS
         measured |= {f"alias.{k}.{axis}": line(x, alias) for axis, x in inner[k].items()}
     preloaded = difference(waves(tuple(range(2, BALLS - 1)), False), perfect[False])
-    measured["preloaded"] = max(100.0 * line(preloaded[axis], k * TURNS) / measured[f"line.{k}.{axis}"]
-                                for k in range(2, BALLS - 1) for axis in preloaded)
+    measured["preloaded"] = max(
+        100.0 * line(preloaded[axis], k * TURNS) / measured[f"line.{k}.{axis}"] for k in range(2, BALLS - 1) for axis in preloaded
+    )
     outer = difference(waves(ALL, True, "outer"), perfect[True])
     measured["outer.turn"] = max(line(x, k * TURNS) for k in ALL if _apart(k) for x in outer.values())
     measured["outer.pass"] = line(outer["across"], BALL_PASS * TURNS)
@@ -61,8 +62,14 @@ def study(options: Options) -> Evidence:
 def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Result:
     """The run with waves of some orders on one ring, under the weight or with an axial preload alone; `times` the amplitude."""
     left_out = PLACES - len(orders)
-    parameters = {f"{ring}_waviness.order": [*orders, *[1] * left_out],
-                  f"{ring}_waviness.amplitude": [*[times * AMPLITUDE] * len(orders), *[0.0] * left_out]} if orders else {}
+    parameters = (
+        {
+            f"{ring}_waviness.order": [*orders, *[1] * left_out],
+            f"{ring}_waviness.amplitude": [*[times * AMPLITUDE] * len(orders), *[0.0] * left_out],
+        }
+        if orders
+        else {}
+    )
     effects = [f"{ring}_waviness"] if orders else []
     weight = {} if loaded else {"gravity": 0.0, "axial": PRELOAD}
     return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, interval=INTERVAL, parameters=parameters, **weight))
@@ -76,8 +83,10 @@ def _apart(order: int) -> bool:
 def difference(result: Result, perfect: Result) -> dict[str, np.ndarray]:
     """Motion along and across the load less that of the same bearing with perfect rings, in amplitudes of the waves, (n,)."""
     kept = result.time > TRANSIENT + 0.5 * INTERVAL
-    return {name: (result[column] - perfect[column])[kept] / AMPLITUDE
-            for name, column in (("along", "rotor.displacement_y"), ("across", "rotor.displacement_x"))}
+    return {
+        name: (result[column] - perfect[column])[kept] / AMPLITUDE
+        for name, column in (("along", "rotor.displacement_y"), ("across", "rotor.displacement_x"))
+    }
 
 
 def line(x: np.ndarray, frequency: float) -> float:
@@ -104,12 +113,16 @@ def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
         series.append(Series(f"order {k}", f / TURNS, k + 0.9 * height, faint=True))
     series.append(Series("order times the speed", tuple(inner), tuple(inner), "points"))
     series.append(Series("order less balls times the cage", [abs(k - BALL_PASS) for k in inner], tuple(inner), "points"))
-    return Chart("Lines of each order of waviness", "frequency over the speed of the shaft",
-                 (Panel("order of waviness, and 60 dB to the next", tuple(series)),),
-                 f"Inner ring, radial load, {BALLS} balls, motion across the load. Each spectrum stands on its order; a line as "
-                 "high as the wave reaches nearly to the next. Low orders shake at order times speed; from half the number of "
-                 f"balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing "
-                 "at their own order.", height=480)
+    return Chart(
+        "Lines of each order of waviness",
+        "frequency over the speed of the shaft",
+        (Panel("order of waviness, and 60 dB to the next", tuple(series)),),
+        f"Inner ring, radial load, {BALLS} balls, motion across the load. Each spectrum stands on its order; a line as "
+        "high as the wave reaches nearly to the next. Low orders shake at order times speed; from half the number of "
+        f"balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing "
+        "at their own order.",
+        height=480,
+    )
 
 
 def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
@@ -119,6 +132,9 @@ def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
         heights = [line(x[axis], k * TURNS) for k, x in inner.items()]
         series += [Series(f"{axis}, at order times speed", tuple(inner), heights, "points"),
                    Series(f"{axis}, many balls", low, [limit[k] for k in low], faint=True)]  # fmt: skip
-    return Chart("What a wave leaves at order times speed", "order of waviness",
-                 (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
-                 "Lines: load zone of a bearing with many balls and no clearance, in closed form.")
+    return Chart(
+        "What a wave leaves at order times speed",
+        "order of waviness",
+        (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
+        "Lines: load zone of a bearing with many balls and no clearance, in closed form.",
+    )

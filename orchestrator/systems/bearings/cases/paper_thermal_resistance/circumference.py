@@ -57,5 +57,10 @@ def _chart(curves: dict[str, tuple[np.ndarray, ...]]) -> Chart:
             Series("conductance, finite volumes", angle[list(SOLVED[preset])], solid, "points"),
             Series("cube root of the load", angle, root, faint=True), Series("contact area", angle, area / area.max())),
             title=f"{preset}, largest area {1e6 * area.max():.3f} mm²"))  # fmt: skip
-    return Chart("Distribution around the circumference", "angle from the radial load, degrees", tuple(panels),
-                 "1 kN axial and 1 kN radial. Heat follows the cube root of a ball's load, contact areas its square.", columns=2)
+    return Chart(
+        "Distribution around the circumference",
+        "angle from the radial load, degrees",
+        tuple(panels),
+        "1 kN axial and 1 kN radial. Heat follows the cube root of a ball's load, contact areas its square.",
+        columns=2,
+    )

@@ -25,8 +25,12 @@ def study(options: Options) -> Evidence:
     for preset in ANGLES:
         whole = shares(preset, HEAVY)
         rest = shares(preset, HEAVY, beside=False, convection=False)
-        measured |= {f"{preset}.contacts": whole["contacts"], f"{preset}.radiation": whole["radiation"],
-                     f"{preset}.annulus.contacts": rest["contacts"], f"{preset}.annulus.radiation": rest["radiation"]}
+        measured |= {
+            f"{preset}.contacts": whole["contacts"],
+            f"{preset}.radiation": whole["radiation"],
+            f"{preset}.annulus.contacts": rest["contacts"],
+            f"{preset}.annulus.radiation": rest["radiation"],
+        }
         network = bearing(preset, (*BULK, *SIDE))
         measured |= {f"{preset}.exponent.{f:g}": exponent(network, f) for f in (HEAVY, *LIGHT)}
         series = bearing(preset, BULK)
@@ -52,5 +56,10 @@ def _chart() -> Chart:
         parts = [shares(preset, float(f)) for f in OVER]
         series = tuple(Series(name, np.log10(OVER), [p[name] for p in parts]) for name in parts[0])
         panels.append(Panel("share of the heat", series, title=preset, y_range=(0.0, 1.0)))
-    return Chart("Paths of the heat over the axial force", "log10 of the axial force in N", tuple(panels),
-                 "Air at 300 K, beside the contacts, too; 10 W/(m².K) inside the bearing, an exchange factor of 0.2.", columns=2)
+    return Chart(
+        "Paths of the heat over the axial force",
+        "log10 of the axial force in N",
+        tuple(panels),
+        "Air at 300 K, beside the contacts, too; 10 W/(m².K) inside the bearing, an exchange factor of 0.2.",
+        columns=2,
+    )

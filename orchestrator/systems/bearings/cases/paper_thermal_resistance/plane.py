@@ -56,18 +56,30 @@ def _plane(models) -> Chart:
     for preset, model in models.items():
         values = np.array([[resistance(model, axial, radial) for axial in PLANE] for radial in PLANE])
         picture = Picture(x, x, np.log10(values), "log10 of K/W")
-        panels.append(Panel("log10 of the radial force in N", (), title=preset, picture=picture,
-                            x_label="log10 of the axial force in N"))
-    return Chart("Resistance of the contacts over both loads", "", tuple(panels),
-                 "Along a diagonal, where the ratio of the loads is fixed, the resistance falls with the cube root of the load. "
-                 "The ridge of the 40 degree bearing is where its balls come off.", columns=2)
+        panels.append(
+            Panel("log10 of the radial force in N", (), title=preset, picture=picture, x_label="log10 of the axial force in N")
+        )
+    return Chart(
+        "Resistance of the contacts over both loads",
+        "",
+        tuple(panels),
+        "Along a diagonal, where the ratio of the loads is fixed, the resistance falls with the cube root of the load. "
+        "The ridge of the 40 degree bearing is where its balls come off.",
+        columns=2,
+    )
 
 
 def _lines(models) -> Chart:
     panels = []
     for preset, model in models.items():
-        series = [Series(f"{axial:g} N axial", FINE, [resistance(model, axial, r * axial) for r in FINE])
-                  for axial in AXIAL[preset]]
+        series = [
+            Series(f"{axial:g} N axial", FINE, [resistance(model, axial, r * axial) for r in FINE]) for axial in AXIAL[preset]
+        ]
         panels.append(Panel("K/W", tuple(series), title=f"{preset}, {ANGLES[preset]:g} degrees"))
-    return Chart("Resistance over the ratio of radial to axial load", "radial over axial force", tuple(panels),
-                 "The 40 degree bearing has a maximum, the 15 degree one has none up to three times the axial force.", columns=2)
+    return Chart(
+        "Resistance over the ratio of radial to axial load",
+        "radial over axial force",
+        tuple(panels),
+        "The 40 degree bearing has a maximum, the 15 degree one has none up to three times the axial force.",
+        columns=2,
+    )

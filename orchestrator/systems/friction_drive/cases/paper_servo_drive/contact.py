@@ -33,12 +33,23 @@ def study(options: Options) -> Evidence:
     units = {f"load_{i}": _wheels({**TURNING, **level, "external_force": -F}) for i, F in enumerate(LOADS)}
     raised = {**TURNING, "trocar_friction.level": TROCAR, "trocar_friction.static_ratio": 1.0, "gravity.inclination": UPWARDS}
     units |= {f"tip_{i}": _wheels({**raised, "external_force": -s * TIP}) for i, s in enumerate(SHARES)}
-    units |= {f"over_{n}": _wheels({**level, "exact_slip.static_ratio": 1.0, "external_force": s * BEARS})
-              for n, s in OVER.items()}
+    units |= {
+        f"over_{n}": _wheels({**level, "exact_slip.static_ratio": 1.0, "external_force": s * BEARS}) for n, s in OVER.items()
+    }
     units["wet"] = _wheels({**TURNING, "friction": WET, "trocar_friction.level": WORST_TROCAR, "gravity.inclination": 0.0})
-    result = run(read_scene({"title": "Wheels on a sleeve at the patient", "stop_time": 1.0, "units": units, "master": {
-        "step": 1e-3}, "record": {"signals": [f"{u}.{s}" for u in units for s in ("feed", "feed_rate")]}},
-        "friction_drive"), in_process=True)
+    result = run(
+        read_scene(
+            {
+                "title": "Wheels on a sleeve at the patient",
+                "stop_time": 1.0,
+                "units": units,
+                "master": {"step": 1e-3},
+                "record": {"signals": [f"{u}.{s}" for u in units for s in ("feed", "feed_rate")]},
+            },
+            "friction_drive",
+        ),
+        in_process=True,
+    )
     rolled = WHEEL * RATE * COSINE  # m/s, as the wheels' encoders tell
     late = result.time >= 0.5
     rates = {u: float(np.polyfit(result.time[late], result[f"{u}.feed"][late], 1)[0]) for u in units}
@@ -46,20 +57,42 @@ def study(options: Options) -> Evidence:
     moved = [s for i, s in enumerate(SHARES) if rates[f"tip_{i}"] > 1e-4 * rolled]
     measured = {f"lost.{F:g}": 100.0 * lost[i] for i, F in enumerate(LOADS)}
     measured |= {f"metre.{F:g}": float(1e3 * lost[i] / (1.0 - lost[i]) / per_metre(F)) for i, F in enumerate(LOADS)}
-    measured |= {"tip.force": float(max(moved, default=math.nan)) * TIP, "wet.rate": 1e3 * rates["wet"],
-                 **{f"over.{n}": 1e3 * rates[f"over_{n}"] for n in OVER}, "wet.bears": 2.0 * WET * NORMAL}
+    measured |= {
+        "tip.force": float(max(moved, default=math.nan)) * TIP,
+        "wet.rate": 1e3 * rates["wet"],
+        **{f"over.{n}": 1e3 * rates[f"over_{n}"] for n in OVER},
+        "wet.bears": 2.0 * WET * NORMAL,
+    }
     f = np.linspace(0.0, 0.86, 200) * BEARS
-    panels = (Panel("speed lost, %", (Series("closed form", f, [100.0 * share_lost(F) for F in f]),
-                                      Series("runs", LOADS, 100.0 * lost, "points"))),
-              Panel("slip for a metre of travel, mm", (Series("closed form", f, [per_metre(F) for F in f]), Series(
-                  "runs", LOADS, 1e3 * lost / (1.0 - lost), "points")), logarithmic=True))
-    chart = Chart("Slip of plain skewed wheels against the load", "load along the axis, N", panels, "What the wheels' "
-                  "encoders count and the sleeve does not do. A sensor at the sleeve is needed, or rollers that turn freely "
-                  "across.", columns=2)
-    return Evidence(measured, (chart,), notes=(
-        f"Force at the tip while the sleeve moves upwards through a seal of {TROCAR:g} N: {TIP:.1f} of the {BEARS:g} N that "
-        f"both contacts bear. Wet wheels ({WET:g}) bear {2.0 * WET * NORMAL:.1f} N, less than a seal of {WORST_TROCAR:g} N "
-        "takes: the sleeve stands while the wheels turn.",))
+    panels = (
+        Panel(
+            "speed lost, %",
+            (Series("closed form", f, [100.0 * share_lost(F) for F in f]), Series("runs", LOADS, 100.0 * lost, "points")),
+        ),
+        Panel(
+            "slip for a metre of travel, mm",
+            (Series("closed form", f, [per_metre(F) for F in f]), Series("runs", LOADS, 1e3 * lost / (1.0 - lost), "points")),
+            logarithmic=True,
+        ),
+    )
+    chart = Chart(
+        "Slip of plain skewed wheels against the load",
+        "load along the axis, N",
+        panels,
+        "What the wheels' "
+        "encoders count and the sleeve does not do. A sensor at the sleeve is needed, or rollers that turn freely "
+        "across.",
+        columns=2,
+    )
+    return Evidence(
+        measured,
+        (chart,),
+        notes=(
+            f"Force at the tip while the sleeve moves upwards through a seal of {TROCAR:g} N: {TIP:.1f} of the {BEARS:g} N that "
+            f"both contacts bear. Wet wheels ({WET:g}) bear {2.0 * WET * NORMAL:.1f} N, less than a seal of {WORST_TROCAR:g} N "
+            "takes: the sleeve stands while the wheels turn.",
+        ),
+    )
 
 
 def share_lost(force: float) -> float:
@@ -74,5 +107,8 @@ def per_metre(force: float) -> float:
 
 
 def _wheels(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    return {"component": "FrictionWheels", "effects": ["exact_slip", "trocar_friction", "gravity"], "parameters":
-            dict(parameters)}
+    return {
+        "component": "FrictionWheels",
+        "effects": ["exact_slip", "trocar_friction", "gravity"],
+        "parameters": dict(parameters),
+    }

@@ -25,8 +25,9 @@ def study(options: Options) -> Evidence:
     for name, ways in ALONE.items():
         sets = {f"set_{way}": SMALL[way] for way in ways}
         runs["linear", name] = controlled(STOP, ROLLERS, (), {}, LINEAR | sets)
-        runs["skewed", name] = controlled(STOP, "skewed", FULL, {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0},
-                                          LINEAR | sets)
+        runs["skewed", name] = controlled(
+            STOP, "skewed", FULL, {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0}, LINEAR | sets
+        )
         runs["whole", name] = controlled(STOP, ROLLERS, FULL, {}, {f"set_{way}": LARGE[way] for way in ways})
     measured: dict[str, float] = {}
     for way in SMALL:
@@ -66,17 +67,38 @@ def _linear_chart(runs: dict) -> Chart:
     panels = []
     for way in SMALL:
         t = runs["linear", way].time
-        panels.append(Panel(f"{way} over its step, 1", (
-            Series("closed form", t, closed_form(t, way)),
-            Series("run", t[::10], runs["linear", way][f"drive.{way}"][::10] / SMALL[way], "points"),
-            Series("plain wheels, both axes at once", t, runs["skewed", "both"][f"drive.{way}"] / SMALL[way]))))
-    return Chart("Small steps: 2 mm and 18 degrees", "time, s", tuple(panels), "Free rollers decouple both axes; plain "
-                 "wheels slip across, and each axis feels the other.", columns=2)
+        panels.append(
+            Panel(
+                f"{way} over its step, 1",
+                (
+                    Series("closed form", t, closed_form(t, way)),
+                    Series("run", t[::10], runs["linear", way][f"drive.{way}"][::10] / SMALL[way], "points"),
+                    Series("plain wheels, both axes at once", t, runs["skewed", "both"][f"drive.{way}"] / SMALL[way]),
+                ),
+            )
+        )
+    return Chart(
+        "Small steps: 2 mm and 18 degrees",
+        "time, s",
+        tuple(panels),
+        "Free rollers decouple both axes; plain wheels slip across, and each axis feels the other.",
+        columns=2,
+    )
 
 
 def _whole_chart(runs: dict) -> Chart:
-    panels = tuple(Panel(label, tuple(Series(name, runs["whole", name].time, factor * runs["whole", name][f"drive.{way}"])
-                                      for name in (way, "both")))
-                   for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578)))
-    return Chart("Steps of 10 mm and 90 degrees", "time, s", panels, "With friction of shafts and trocar and the limits of "
-                 "rate and voltage. Together the two axes share the rate that the wheels may have.", columns=2)
+    panels = tuple(
+        Panel(
+            label,
+            tuple(Series(name, runs["whole", name].time, factor * runs["whole", name][f"drive.{way}"]) for name in (way, "both")),
+        )
+        for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578))
+    )
+    return Chart(
+        "Steps of 10 mm and 90 degrees",
+        "time, s",
+        panels,
+        "With friction of shafts and trocar and the limits of "
+        "rate and voltage. Together the two axes share the rate that the wheels may have.",
+        columns=2,
+    )

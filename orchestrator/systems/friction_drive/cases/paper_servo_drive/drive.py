@@ -20,22 +20,51 @@ COSINE, SINE = math.cos(ANGLE), math.sin(ANGLE)
 FULL = ("exact_slip", "trocar_friction", "shaft_friction")
 ROLLERS = "skewed_free_rollers"
 INPUTS = ("first_angle", "second_angle", "first_rate", "second_rate", "feed", "rotation")
-SIGNALS = ("drive.feed", "drive.rotation", "drive.first_rate", "drive.second_rate", "controller.first_voltage",
-           "controller.second_voltage", "controller.wanted_feed", "controller.wanted_rotation")
+SIGNALS = (
+    "drive.feed",
+    "drive.rotation",
+    "drive.first_rate",
+    "drive.second_rate",
+    "controller.first_voltage",
+    "controller.second_voltage",
+    "controller.wanted_feed",
+    "controller.wanted_rotation",
+)
 
 
-def controlled(stop: float, layout: str, effects: Sequence[str], drive: Mapping[str, Any], control: Mapping[str, Any],
-               control_effects: Sequence[str] = ()) -> Result:
+def controlled(
+    stop: float,
+    layout: str,
+    effects: Sequence[str],
+    drive: Mapping[str, Any],
+    control: Mapping[str, Any],
+    control_effects: Sequence[str] = (),
+) -> Result:
     """A run of the whole drive under its controller; `drive`, `control`: parameters; record of `SIGNALS`."""
-    units = {"drive": {"component": "FrictionDrive", "effects": list(effects), "parameters": {"layout": layout, **drive}},
-             "controller": {"component": "ServoController", "effects": list(control_effects),
-                            "parameters": {"layout": layout, **control}}}
+    units = {
+        "drive": {"component": "FrictionDrive", "effects": list(effects), "parameters": {"layout": layout, **drive}},
+        "controller": {
+            "component": "ServoController",
+            "effects": list(control_effects),
+            "parameters": {"layout": layout, **control},
+        },
+    }
     links = [f"controller.{k}_voltage -> drive.{k}_voltage" for k in ("first", "second")]
     links += [f"drive.{name} -> controller.{name}" for name in INPUTS]
-    return run(read_scene({
-        "title": "Drive with friction wheels under control", "stop_time": stop, "units": units, "connections": links,
-        "master": {"step": 1e-3, "extrapolation": 0, "order": ["drive", "controller"]}, "record": {"signals": list(SIGNALS)}},
-        "friction_drive"), in_process=True)
+    return run(
+        read_scene(
+            {
+                "title": "Drive with friction wheels under control",
+                "stop_time": stop,
+                "units": units,
+                "connections": links,
+                "master": {"step": 1e-3, "extrapolation": 0, "order": ["drive", "controller"]},
+                "record": {"signals": list(SIGNALS)},
+            },
+            "friction_drive",
+        ),
+        in_process=True,
+    )
 
 
 @cache

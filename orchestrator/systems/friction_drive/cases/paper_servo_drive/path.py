@@ -17,8 +17,13 @@ FEED = [0.0, 0.03, 0.03, -0.01, -0.01, 0.0, 0.0, 0.0]  # m
 ROTATION = [0.0, 1.0, 1.0, -1.5, -1.5, 0.0, 0.0, 0.0]  # rad
 REFERENCE = {"reference": {"time": TIMES, "feed": FEED, "rotation": ROTATION}}
 RATE = 20.0  # rad/s, asked of a wheel at most
-STEP = {"reference": {"time": [0.1, 0.1, 1.0, 1.0, *[1.0] * 4], "feed": [0.0, 0.1, 0.1, *[0.0] * 5],
-                      "rotation": [0.0, 6.0, 6.0, *[0.0] * 5]}}
+STEP = {
+    "reference": {
+        "time": [0.1, 0.1, 1.0, 1.0, *[1.0] * 4],
+        "feed": [0.0, 0.1, 0.1, *[0.0] * 5],
+        "rotation": [0.0, 6.0, 6.0, *[0.0] * 5],
+    }
+}
 END, QUIET = 3.2, 1.0  # s: end of the slow feed's way, and what it has to come to rest
 
 
@@ -27,11 +32,14 @@ def study(options: Options) -> Evidence:
     path = controlled(2.5, ROLLERS, FULL, {}, REFERENCE, ("reference",))
     large = controlled(2.0, ROLLERS, FULL, {}, STEP, ("reference",))
     slow = run(load_scene("friction-drive-slow-feed"), in_process=True)
-    measured = {"path.feed": 1e3 * _error(path, "feed"), "path.rotation": float(np.degrees(_error(path, "rotation"))),
-                "path.end": 1e6 * abs(float(path["drive.feed"][-1])),
-                "path.voltage": max(_most(r, "controller.{}_voltage") for r in (path, large)),
-                "path.rate": max(_most(r, "drive.{}_rate") for r in (path, large)),
-                "large.voltage": _most(large, "controller.{}_voltage")}
+    measured = {
+        "path.feed": 1e3 * _error(path, "feed"),
+        "path.rotation": float(np.degrees(_error(path, "rotation"))),
+        "path.end": 1e6 * abs(float(path["drive.feed"][-1])),
+        "path.voltage": max(_most(r, "controller.{}_voltage") for r in (path, large)),
+        "path.rate": max(_most(r, "drive.{}_rate") for r in (path, large)),
+        "large.voltage": _most(large, "controller.{}_voltage"),
+    }
     late = slow.time > END + QUIET
     for name in ("seeking", "plain"):
         measured[f"hunting.{name}"] = 1e6 * float(np.ptp(slow[f"{name}.feed"][late]))
@@ -48,18 +56,34 @@ def _most(result: Result, name: str) -> float:
 
 def _chart(path: Result) -> Chart:
     t = path.time
-    panels = [Panel(label, (Series("wanted", t, factor * path[f"controller.wanted_{way}"]),
-                            Series("run", t, factor * path[f"drive.{way}"])))
-              for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578))]
+    panels = [
+        Panel(
+            label,
+            (Series("wanted", t, factor * path[f"controller.wanted_{way}"]), Series("run", t, factor * path[f"drive.{way}"])),
+        )
+        for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578))
+    ]
     voltages = tuple(Series(f"{k} motor", t, path[f"controller.{k}_voltage"]) for k in ("first", "second"))
-    return Chart("A path there and back", "time, s", (*panels, Panel("voltage, V", voltages)),
-                 f"At most {VOLTAGE:g} V and {RATE:g} rad/s are asked for.", height=180)
+    return Chart(
+        "A path there and back",
+        "time, s",
+        (*panels, Panel("voltage, V", voltages)),
+        f"At most {VOLTAGE:g} V and {RATE:g} rad/s are asked for.",
+        height=180,
+    )
 
 
 def _hunting_chart(slow: Result) -> Chart:
     kept = slow.time > END - 0.2
-    series = tuple(Series(text, slow.time[kept], 1e6 * (slow[f"{name}.feed"][kept] - 1.5e-3)) for name, text in
-                   (("seeking", "with an integral of the way"), ("plain", "without")))
-    return Chart("At rest after a slow feed", "time, s", (Panel("feed less its set point, µm", series),),
-                 "Static friction of the shafts is twice the kinetic one: the integral makes the drive hunt, its absence "
-                 "leaves an error that stays.", height=200)
+    series = tuple(
+        Series(text, slow.time[kept], 1e6 * (slow[f"{name}.feed"][kept] - 1.5e-3))
+        for name, text in (("seeking", "with an integral of the way"), ("plain", "without"))
+    )
+    return Chart(
+        "At rest after a slow feed",
+        "time, s",
+        (Panel("feed less its set point, µm", series),),
+        "Static friction of the shafts is twice the kinetic one: the integral makes the drive hunt, its absence "
+        "leaves an error that stays.",
+        height=200,
+    )

@@ -23,28 +23,57 @@ EVEN = {"shaft_friction.static_ratio": 1.0, "exact_slip.static_ratio": 1.0, "tro
 
 def study(options: Options) -> Evidence:
     """Drives without voltage under loads about each limit, with friction that does not fall; then with friction that does."""
-    limits = {"shafts": (backdrive(SHAFT), {"trocar_friction.level": 0.0}), "seal": (backdrive(SHAFT) + SEAL, {}),
-              "grip": (GRIP, {"trocar_friction.level": 0.0, "shaft_friction.level": TIGHT})}
-    units = {f"{name}_{way}": _drive({**EVEN, **values, "external_force": -share * limit})
-             for name, (limit, values) in limits.items() for way, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR))}
+    limits = {
+        "shafts": (backdrive(SHAFT), {"trocar_friction.level": 0.0}),
+        "seal": (backdrive(SHAFT) + SEAL, {}),
+        "grip": (GRIP, {"trocar_friction.level": 0.0, "shaft_friction.level": TIGHT}),
+    }
+    units = {
+        f"{name}_{way}": _drive({**EVEN, **values, "external_force": -share * limit})
+        for name, (limit, values) in limits.items()
+        for way, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR))
+    }
     units |= {f"load_{i}": _drive({"external_force": -F}) for i, F in enumerate(LOADS)}
-    result = run(read_scene({"title": "Drives without voltage", "stop_time": STOP, "master": {"step": 1e-3}, "units": units,
-                             "record": {"signals": [f"{u}.feed" for u in units]}}, "friction_drive"), in_process=True)
+    result = run(
+        read_scene(
+            {
+                "title": "Drives without voltage",
+                "stop_time": STOP,
+                "master": {"step": 1e-3},
+                "units": units,
+                "record": {"signals": [f"{u}.feed" for u in units]},
+            },
+            "friction_drive",
+        ),
+        in_process=True,
+    )
     late = result.time >= STOP - LAST
     speed = {u: 1e3 * float(np.ptp(result[f"{u}.feed"][late])) / LAST for u in units}
     held = [F for i, F in enumerate(LOADS) if speed[f"load_{i}"] < STANDS]
     limit = float(max(held, default=np.nan))
     measured = {f"{name}.{way}": speed[f"{name}_{way}"] for name in limits for way in ("below", "above")}
     measured |= {"sudden.limit": limit, "sudden.share": limit / (backdrive(SHAFT_STATIC) + SEAL_STATIC)}
-    panel = Panel("speed at the end, mm/s", (Series("runs", LOADS, [speed[f"load_{i}"] for i in range(LOADS.size)],
-                                                    "line+points"),),
-                  x_marks=((backdrive(SHAFT) + SEAL, "all in motion"), (backdrive(SHAFT_STATIC) + SEAL_STATIC, "all at rest")))
-    chart = Chart("Without power, a load put on at once", "load, N", (panel,), "The wheels are stiffer than the seal and "
-                  "take the load first. Their shafts give way before the seal bears its part: what all bear at rest is not "
-                  "reached.")
-    return Evidence(measured, (chart,), notes=(
-        f"Short-circuited windings brake with {brake():.0f} N.s/m along the sleeve: a load of 1 N more than friction holds "
-        f"moves it at {1e3 / brake():.2f} mm/s. With open windings it would fall.",))
+    panel = Panel(
+        "speed at the end, mm/s",
+        (Series("runs", LOADS, [speed[f"load_{i}"] for i in range(LOADS.size)], "line+points"),),
+        x_marks=((backdrive(SHAFT) + SEAL, "all in motion"), (backdrive(SHAFT_STATIC) + SEAL_STATIC, "all at rest")),
+    )
+    chart = Chart(
+        "Without power, a load put on at once",
+        "load, N",
+        (panel,),
+        "The wheels are stiffer than the seal and "
+        "take the load first. Their shafts give way before the seal bears its part: what all bear at rest is not "
+        "reached.",
+    )
+    return Evidence(
+        measured,
+        (chart,),
+        notes=(
+            f"Short-circuited windings brake with {brake():.0f} N.s/m along the sleeve: a load of 1 N more than friction holds "
+            f"moves it at {1e3 / brake():.2f} mm/s. With open windings it would fall.",
+        ),
+    )
 
 
 def backdrive(torque: float) -> float:

@@ -52,8 +52,10 @@ def study(options: Options) -> Evidence:
     measured |= {"even": max(even), "stands": max(abs(speeds[FREQUENCIES[0], q]) for q in RATIOS)}
     measured |= _order(options) | _rolling(options)
     bad = sum(not balance(d).epsilon < GOOD for d in (*first.values(), *second.values()))
-    note = (f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
-            "is no solution, and the body sticks for a part of the period.")
+    note = (
+        f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
+        "is no solution, and the body sticks for a part of the period."
+    )
     return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,), claim="F3")
 
 
@@ -101,8 +103,12 @@ def _rolling(options: Options) -> dict[str, float]:
     design = STANDARD.at(forward=0.03 * normal, backward=0.4 * normal)
     answer, speed = balance(design), last_speed(result, "robot", 10)
     ring = float(result["robot.pressing_force"][-1]) * 0.102**3 / (0.2 * 0.004)  # force R³ / (EI times 4 mm pressed in)
-    return {"rolling.share": abs(speed - answer.speed) / answer.error, "rolling.speed": speed / answer.amplitude, "ring": ring,
-            "ring.closed": RING}
+    return {
+        "rolling.share": abs(speed - answer.speed) / answer.error,
+        "rolling.speed": speed / answer.amplitude,
+        "ring": ring,
+        "ring.closed": RING,
+    }
 
 
 def _dots(speeds: Mapping[Key, float]) -> Series:
@@ -120,11 +126,16 @@ def _first_map(speeds: Mapping[Key, float]) -> Chart:
     rows = [[STANDARD.at(ratio=float(r), backward=float(q) * STANDARD.forward) for r in x] for q in y]
     dots = _dots(speeds)
     limit = next(r for r in np.linspace(0.1, 1.0, 4000).tolist() if breakaway(STANDARD.at(ratio=r)) < STANDARD.force)
-    panel = Panel("friction backwards over forwards, 1", (dots,), picture=_field(x, y, rows, "m/s"),
-                  x_marks=((limit, "breaks loose"),))
-    return Chart("Design chart: mean speed over frequency and friction ratio", "exciter over resonance, 1", (panel,),
-                 "Balance of the first harmonic as colour, runs as points. At a ratio of 1 the speed is zero; "
-                 "left of the line a force of 20 N does not move the body.")
+    panel = Panel(
+        "friction backwards over forwards, 1", (dots,), picture=_field(x, y, rows, "m/s"), x_marks=((limit, "breaks loose"),)
+    )
+    return Chart(
+        "Design chart: mean speed over frequency and friction ratio",
+        "exciter over resonance, 1",
+        (panel,),
+        "Balance of the first harmonic as colour, runs as points. At a ratio of 1 the speed is zero; "
+        "left of the line a force of 20 N does not move the body.",
+    )
 
 
 def _second_map(speeds: Mapping[Key, float]) -> Chart:
@@ -133,8 +144,12 @@ def _second_map(speeds: Mapping[Key, float]) -> Chart:
     dots = _dots(speeds)
     turning = (STANDARD.backward - STANDARD.forward) / 2.0 / STANDARD.at(sine=1.0).load
     panel = Panel("stiffness, N/m", (dots,), picture=_field(x, y, rows, "m/s"), x_marks=((turning, "turns back"),))
-    return Chart("Design chart: mean speed over slope and stiffness", "sine of the slope, 1", (panel,),
-                 "At 60 rad/s; resonance is at 1200 N/m. The slope at which a robot turns back stays.")
+    return Chart(
+        "Design chart: mean speed over slope and stiffness",
+        "sine of the slope, 1",
+        (panel,),
+        "At 60 rad/s; resonance is at 1200 N/m. The slope at which a robot turns back stays.",
+    )
 
 
 def _lines(speeds: Mapping[Key, float]) -> Chart:

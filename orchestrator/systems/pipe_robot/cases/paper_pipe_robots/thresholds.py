@@ -53,9 +53,12 @@ def _pair(frequency: float, options: Options) -> dict[str, float]:
     design = STANDARD.at(frequency=frequency)
     forces = [f * breakaway(design) for f in (BELOW, ABOVE)]
     result = _run([design.at(force=f) for f in forces], options, MEAN)
-    below, above = (result[f"r{k}.position"][-MEAN * SEEN:] for k in range(2))
-    return {f"below.{frequency:g}": float(np.ptp(below)), f"above.{frequency:g}": 1e9 * float(above[-1] - above[0]),
-            f"back.{frequency:g}": float(-np.minimum(np.diff(above), 0.0).sum())}
+    below, above = (result[f"r{k}.position"][-MEAN * SEEN :] for k in range(2))
+    return {
+        f"below.{frequency:g}": float(np.ptp(below)),
+        f"above.{frequency:g}": 1e9 * float(above[-1] - above[0]),
+        f"back.{frequency:g}": float(-np.minimum(np.diff(above), 0.0).sum()),
+    }
 
 
 def _run(designs: list[Design], options: Options, periods: int) -> Result:
@@ -77,11 +80,17 @@ def _speeds(designs: list[Design], options: Options) -> list[float]:
 
 def _chart() -> Chart:
     w = np.geomspace(15.0, 250.0, 300)
-    lines = tuple(Series(f"{name}, spring {k:g} N/m", w, [f * breakaway(STANDARD.at(frequency=float(x), stiffness=k)) for x in w])
-                  for k in (1000.0, 2000.0, 4000.0)
-                  for name, f in (("forwards", 1.0), ("backwards", STANDARD.backward / STANDARD.forward)))
+    lines = tuple(
+        Series(f"{name}, spring {k:g} N/m", w, [f * breakaway(STANDARD.at(frequency=float(x), stiffness=k)) for x in w])
+        for k in (1000.0, 2000.0, 4000.0)
+        for name, f in (("forwards", 1.0), ("backwards", STANDARD.backward / STANDARD.forward))
+    )
     at = Series("tried 2 % below and above", FREQUENCIES, [breakaway(STANDARD.at(frequency=x)) for x in FREQUENCIES], "points")
     panel = Panel("force, N", (*lines, at), logarithmic=True)
-    return Chart("Force at which a standing body breaks loose", "exciter, rad/s", (panel,),
-                 "Between both lines of a spring a body steps forwards only. It takes least where the inner mass resonates "
-                 "against the standing body.")
+    return Chart(
+        "Force at which a standing body breaks loose",
+        "exciter, rad/s",
+        (panel,),
+        "Between both lines of a spring a body steps forwards only. It takes least where the inner mass resonates "
+        "against the standing body.",
+    )

@@ -24,12 +24,21 @@ def study(options: Options) -> Evidence:
     exact = scatter(SMALL, 250.0) / relative_deviation(250.0)
     measured["excess.order"] = (far - exact) / (near - exact)
     x = np.linspace(120.0, 380.0, 131)
-    panel = Panel("σ / (a Fm)", (
-        Series("closed form, first order", x, [relative_deviation(v, whole=True) for v in x]),
-        *(Series(f"runs, a = {a:g}", SPEEDS, [ratio[a, v] for v in SPEEDS], "points") for a in (SMALL, MIDDLE, SWING))))
-    chart = Chart("Scatter of the contact force under a lumped catenary", "speed, km/h", (panel,), "σ: standard deviation, "
-                  "a: swing of the stiffness over its mean, Fm: mean force. The largest is a resonance of the pantograph's "
-                  "mass on the mean stiffness; the wave speed of the wire, 438 km/h, does not occur in the model.")
+    panel = Panel(
+        "σ / (a Fm)",
+        (
+            Series("closed form, first order", x, [relative_deviation(v, whole=True) for v in x]),
+            *(Series(f"runs, a = {a:g}", SPEEDS, [ratio[a, v] for v in SPEEDS], "points") for a in (SMALL, MIDDLE, SWING)),
+        ),
+    )
+    chart = Chart(
+        "Scatter of the contact force under a lumped catenary",
+        "speed, km/h",
+        (panel,),
+        "σ: standard deviation, "
+        "a: swing of the stiffness over its mean, Fm: mean force. The largest is a resonance of the pantograph's "
+        "mass on the mean stiffness; the wave speed of the wire, 438 km/h, does not occur in the model.",
+    )
     return Evidence(measured, (chart,))
 
 

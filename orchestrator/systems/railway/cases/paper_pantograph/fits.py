@@ -29,9 +29,12 @@ def study(options: Options) -> Evidence:
     header = ("k(x)", *(f"{n} ({v:g})" for v in SPEEDS for n in ("σ, N", "σ 5-20 Hz, N", "max, N", "min, N")), "cells inside")
     rows: list[tuple[str | float, ...]] = [
         (name, *(round(of[v][m], 1) for v in SPEEDS for m in ("std", "std_5_20", "max", "min")), inside(of))
-        for name, of in results.items()]
-    text = ("(250), (300): km/h. Statics gives a dropper term of 0.03: five times that is a fit. A mass whose frequency on its "
-            "spring is below the span-passing one takes the pantograph off the line.")
+        for name, of in results.items()
+    ]
+    text = (
+        "(250), (300): km/h. Statics gives a dropper term of 0.03: five times that is a fit. A mass whose frequency on its "
+        "spring is below the span-passing one takes the pantograph off the line."
+    )
     grid = Grid("What coefficients buy", header, tuple(rows), text)
     return Evidence(measured, (grid,))
 

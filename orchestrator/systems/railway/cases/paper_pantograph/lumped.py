@@ -41,7 +41,7 @@ def impedance(speed: float) -> complex:
 
 def relative_deviation(speed: float, whole: bool = False) -> float:
     """Standard deviation of the force over swing times mean, first order; `whole`: with the contact spring and the rest of a "
-      "wire."""
+    "wire."""
     z, wire, w = impedance(speed), complex(STIFFNESS), 2.0 * math.pi * speed * KMH / SPAN
     if whole:
         z /= 1.0 + z / CONTACT
@@ -50,14 +50,25 @@ def relative_deviation(speed: float, whole: bool = False) -> float:
 
 
 @kept_runs
-def lumped_run(speed: float, stiffness: float = STIFFNESS, swings: Sequence[float] = (SWING,), wire: tuple[float, float] =
-               MASSLESS,
-               stop: float | None = None) -> Result:
+def lumped_run(
+    speed: float,
+    stiffness: float = STIFFNESS,
+    swings: Sequence[float] = (SWING,),
+    wire: tuple[float, float] = MASSLESS,
+    stop: float | None = None,
+) -> Result:
     """A run at a speed in km/h. swings: harmonics of k(x) over its mean, the first one a span long; wire: kg, N.s/m."""
-    scene = at_speed(load_scene("lumped-catenary"), speed, {
-        "units.catenary.parameters.mean_stiffness": stiffness,
-        "units.catenary.parameters.harmonic": [*swings, *[0.0] * (HARMONICS - len(swings))],
-        "units.catenary.parameters.mass": wire[0], "units.catenary.parameters.damping": wire[1], "master.step": STEP})
+    scene = at_speed(
+        load_scene("lumped-catenary"),
+        speed,
+        {
+            "units.catenary.parameters.mean_stiffness": stiffness,
+            "units.catenary.parameters.harmonic": [*swings, *[0.0] * (HARMONICS - len(swings))],
+            "units.catenary.parameters.mass": wire[0],
+            "units.catenary.parameters.damping": wire[1],
+            "master.step": STEP,
+        },
+    )
     return run(scene if stop is None else scene.with_changes({"stop_time": stop}), in_process=True)
 
 

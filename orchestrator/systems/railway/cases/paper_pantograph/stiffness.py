@@ -24,13 +24,22 @@ def study(options: Options) -> Evidence:
     k = {f: 1.0 / elasticity(catenary.mesh, SPAN * (p.spans // 2) + x, f) for f in FORCES}
     series = {f: stiffness_series(x, k[f], SPAN, HARMONICS) for f in FORCES}
     small, large = series[FORCES[0]], series[FORCES[1]]
-    measured = {"mean": small[0], "first": float(small[1][0]), "second": float(small[1][1]),
-                "dropper": float(small[1][DROPPER - 1]), "mean.large": large[0], "first.large": float(large[1][0])}
+    measured = {
+        "mean": small[0],
+        "first": float(small[1][0]),
+        "second": float(small[1][1]),
+        "dropper": float(small[1][DROPPER - 1]),
+        "mean.large": large[0],
+        "first.large": float(large[1][0]),
+    }
     measured = {f"static.{name}": value for name, value in measured.items()}
     one = STIFFNESS * (1.0 + SWING * np.cos(2.0 * np.pi * x / SPAN))
-    panel = Panel("stiffness, N/m", (
-        *(Series(f"statics, {f:g} N", x, k[f]) for f in FORCES), Series("one harmonic", x, one)))
-    chart = Chart("Stiffness of the reference catenary along a span", "position in the span, m", (panel,),
-                  "A support at either end. The lumped model has the first harmonic; the second is a third of it, that of the "
-                  "droppers a thirteenth.")
+    panel = Panel("stiffness, N/m", (*(Series(f"statics, {f:g} N", x, k[f]) for f in FORCES), Series("one harmonic", x, one)))
+    chart = Chart(
+        "Stiffness of the reference catenary along a span",
+        "position in the span, m",
+        (panel,),
+        "A support at either end. The lumped model has the first harmonic; the second is a third of it, that of the "
+        "droppers a thirteenth.",
+    )
     return Evidence(measured, (chart,))

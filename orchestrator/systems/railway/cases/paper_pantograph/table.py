@@ -26,9 +26,13 @@ def study(options: Options) -> Evidence:
     measured = {f"{name}.{v:g}": of_speed[v][name] for v in SPEEDS for name in ROWS}
     for v, n in of_speed.items():
         frame = float(np.mean(runs[v]["pantograph.frame_height"][in_window(runs[v])]))
-        measured |= {f"crest.{v:g}": (n["max"] - n["mean"]) / n["std"], f"fast.{v:g}": n["std_5_20"],
-                     f"lift.{v:g}": n["mean"] + FRAME_SPRING * frame, f"peak.{v:g}": peak(runs[v]), f"lumped.uplift.{v:g}":
-                         n["uplift_mm"]}
+        measured |= {
+            f"crest.{v:g}": (n["max"] - n["mean"]) / n["std"],
+            f"fast.{v:g}": n["std_5_20"],
+            f"lift.{v:g}": n["mean"] + FRAME_SPRING * frame,
+            f"peak.{v:g}": peak(runs[v]),
+            f"lumped.uplift.{v:g}": n["uplift_mm"],
+        }
     measured["growth"] = of_speed[300.0]["std"] / of_speed[250.0]["std"]
     reference = {v: reference_run(v, Options(in_process=True)) for v in SPEEDS[:1]}
     measured["peak.distributed"] = peak(reference[250.0])
@@ -67,9 +71,13 @@ def _force_chart(lumped: Result, distributed: Result) -> Chart:
     series = tuple(Series(name, *filtered(r)) for name, r in (("lumped", lumped), ("distributed", distributed)))
     rows = {r.measure: r for r in load_table("en50318-2002").under("250 km/h")}
     bands = tuple(Band(f"actual {name}", rows[name].low, rows[name].high, rows[name].standing) for name in ("max", "min"))
-    return Chart("Contact force at 250 km/h", "position of the contact point, m", (Panel("force below 20 Hz, N", series, bands),),
-                 "One harmonic of stiffness gives one harmonic of force: as much scatter as the wires, and neither their peaks "
-                 "nor their droppers.")
+    return Chart(
+        "Contact force at 250 km/h",
+        "position of the contact point, m",
+        (Panel("force below 20 Hz, N", series, bands),),
+        "One harmonic of stiffness gives one harmonic of force: as much scatter as the wires, and neither their peaks "
+        "nor their droppers.",
+    )
 
 
 def _grid(of_speed: dict[float, dict[str, float]]) -> Grid:
@@ -79,6 +87,10 @@ def _grid(of_speed: dict[float, dict[str, float]]) -> Grid:
             r = row.reference
             ends = " to ".join(f"{e:g}" for e in (r.low, r.high) if e is not None)
             rows.append((f"{v:g}", r.quantity, r.unit, round(row.measured, 1), ends, "holds" if row.inside else "fails"))
-    return Grid("The table of EN 50318:2002, row by row", ("km/h", "quantity", "unit", "lumped", "range", ""), tuple(rows),
-                "The statistical limits are mean ± 3 σ and no rows of their own. The mean follows from the static force and the "
-                "spring of the frame alone.")
+    return Grid(
+        "The table of EN 50318:2002, row by row",
+        ("km/h", "quantity", "unit", "lumped", "range", ""),
+        tuple(rows),
+        "The statistical limits are mean ± 3 σ and no rows of their own. The mean follows from the static force and the "
+        "spring of the frame alone.",
+    )

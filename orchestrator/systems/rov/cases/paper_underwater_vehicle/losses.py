@@ -27,26 +27,52 @@ def study(options: Options) -> Evidence:
         results = {k: run(failing(layout, k), in_process=True) for k in range(matrix.shape[1] + 1)}
         numbers = {k: figures(result, AFTER) for k, result in results.items()}
         lost = [n for k, n in numbers.items() if k]
-        measured |= {f"loss.position.{layout}": max(n["position"] for n in lost) / numbers[0]["position"],
-                     f"loss.kept.{layout}": float(sum(n["position"] <= KEPT for n in lost)),
-                     f"loss.scale.{layout}": min(n["scale"] for n in lost)}
-        rows += [(layout, str(k) if k else "none", round(n["position"], 3), round(float(np.degrees(n["attitude"])), 2),
-                  round(n["power"], 2), round(n["scale"], 3)) for k, n in numbers.items()]
+        measured |= {
+            f"loss.position.{layout}": max(n["position"] for n in lost) / numbers[0]["position"],
+            f"loss.kept.{layout}": float(sum(n["position"] <= KEPT for n in lost)),
+            f"loss.scale.{layout}": min(n["scale"] for n in lost),
+        }
+        rows += [
+            (
+                layout,
+                str(k) if k else "none",
+                round(n["position"], 3),
+                round(float(np.degrees(n["attitude"])), 2),
+                round(n["power"], 2),
+                round(n["scale"], 3),
+            )
+            for k, n in numbers.items()
+        ]
         tracks.append(_panel(layout, results))
     header = ("thrusters", "lost", "rms position error, m", "rms attitude error, degrees", "mean ideal power, W", "least scale")
-    grid = Grid("Keeping a place in current and waves without one thruster", header, tuple(rows),
-                f"The loss is at {FAILURE:g} s, numbers are of {AFTER:g} to {END:g} s. Of six 1 to 3 are horizontal.")
-    chart = Chart("Distance from the set point", "time, s", tuple(tracks), "A line for each thruster that is lost. The six "
-                  "give up one direction; depth and heading have priority, so that a lost horizontal thruster costs the "
-                  "place.",
-                  height=220)
+    grid = Grid(
+        "Keeping a place in current and waves without one thruster",
+        header,
+        tuple(rows),
+        f"The loss is at {FAILURE:g} s, numbers are of {AFTER:g} to {END:g} s. Of six 1 to 3 are horizontal.",
+    )
+    chart = Chart(
+        "Distance from the set point",
+        "time, s",
+        tuple(tracks),
+        "A line for each thruster that is lost. The six "
+        "give up one direction; depth and heading have priority, so that a lost horizontal thruster costs the "
+        "place.",
+        height=220,
+    )
     return Evidence(measured, (chart, grid))
 
 
 def failing(layout: str, number: int) -> Scene:
     """Station keeping in current and waves that loses a thruster, counted from 1; 0: none."""
-    faults = [{"signal": f"thruster_{number}.{signal}", "kind": "override", "value": 0.0, "begin": FAILURE}
-              for signal in ("thrust", "status.available")] if number else []
+    faults = (
+        [
+            {"signal": f"thruster_{number}.{signal}", "kind": "override", "value": 0.0, "begin": FAILURE}
+            for signal in ("thrust", "status.available")
+        ]
+        if number
+        else []
+    )
     return scene("waves", layout).with_changes({"stop_time": END, "faults": faults})
 
 

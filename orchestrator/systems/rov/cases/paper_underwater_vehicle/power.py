@@ -33,16 +33,29 @@ def study(options: Options) -> Evidence:
     force = {name: largest(m, circle(0, 1)) for name, m in MATRICES.items()}
     panels = (
         Panel(f"ideal power of {FORCE:g} N, W", tuple(Series(f"{n} thrusters", angle, v) for n, v in along.items())),
-        Panel("largest horizontal force, N", (*(Series(f"{n} thrusters, attainable", angle, v) for n, v in force.items()),
-                                              *(Series(f"{n} thrusters, controller", angle, v) for n, v in first.items()))),
+        Panel(
+            "largest horizontal force, N",
+            (
+                *(Series(f"{n} thrusters, attainable", angle, v) for n, v in force.items()),
+                *(Series(f"{n} thrusters, controller", angle, v) for n, v in first.items()),
+            ),
+        ),
     )
-    chart = Chart("Power and limit over the heading of a horizontal force", "heading in the body, degrees", panels,
-                  "The controller takes the smallest thrusts and scales the wrench as a whole when the first thruster is at its "
-                  "limit. Of eight thrusters that leaves a part of what they could give unused.")
-    return Evidence(measured, (chart,), notes=(
-        "Thrust shared by more propellers costs less, as the square root of their number. The horizontal thrusters of the eight "
-        "lie 0.085 m below the origin: the pitch that they cause is held by the vertical ones, which costs more than it saves.",
-    ))
+    chart = Chart(
+        "Power and limit over the heading of a horizontal force",
+        "heading in the body, degrees",
+        panels,
+        "The controller takes the smallest thrusts and scales the wrench as a whole when the first thruster is at its "
+        "limit. Of eight thrusters that leaves a part of what they could give unused.",
+    )
+    return Evidence(
+        measured,
+        (chart,),
+        notes=(
+            "Thrust shared by more propellers costs less, as the square root of their number. The horizontal thrusters of the eight "
+            "lie 0.085 m below the origin: the pitch that they cause is held by the vertical ones, which costs more than it saves.",
+        ),
+    )
 
 
 def flat(matrix: np.ndarray) -> np.ndarray:

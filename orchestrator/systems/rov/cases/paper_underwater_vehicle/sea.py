@@ -34,42 +34,75 @@ def study(options: Options) -> Evidence:
     late = free.time > free.time[-1] - 4.0 * PERIOD
     surge, water = free["hull.surge"][late], free["water.velocity_north"][late]
     measured = {
-        "sea.height": 4.0 * float(np.std(elevation)) / SEA[0], "sea.speed": float(np.sqrt(np.mean(speed**2))),
+        "sea.height": 4.0 * float(np.std(elevation)) / SEA[0],
+        "sea.speed": float(np.sqrt(np.mean(speed**2))),
         "free.response": float(np.std(surge) / np.std(water)),
         "free.orbit": float(np.ptp(free["hull.position_north"][late]) / (2.0 * orbit)),
     }
     for name, preset in SETS.items():
         inertia, drag = held(preset)
         measured |= {f"held.inertia.{name}": inertia, f"held.drag.{name}": drag}
-    return Evidence(measured, (_sea_chart(sea), _free_chart(free)), notes=(
-        f"Two published sets of one and the same vehicle need {measured['held.drag.wu']:.1f} and "
-        f"{measured['held.drag.benzon']:.1f} N against the drag of the same wave: what a vehicle has to hold near the coast is "
-        "not known better than that.",
-    ))
+    return Evidence(
+        measured,
+        (_sea_chart(sea), _free_chart(free)),
+        notes=(
+            f"Two published sets of one and the same vehicle need {measured['held.drag.wu']:.1f} and "
+            f"{measured['held.drag.benzon']:.1f} N against the drag of the same wave: what a vehicle has to hold near the coast is "
+            "not known better than that.",
+        ),
+    )
 
 
 def _sea_scene() -> Scene:
-    return read_scene({
-        "title": "A sea at the depth of a vehicle", "stop_time": SEA_TIME, "master": {"step": 0.2}, "units": {"water": {
-            "component": "WaterCurrent", "effects": ["waves", "spectrum"], "parameters": {
-                "speed": 0.0, "waves": {"height": SEA[0], "period": SEA[1], "depth": SEA_DEPTH, "water_depth": BOTTOM}}}},
-        "record": {"signals": ["water.waves.elevation", "water.velocity_north", "water.velocity_down"]}}, "rov")
+    return read_scene(
+        {
+            "title": "A sea at the depth of a vehicle",
+            "stop_time": SEA_TIME,
+            "master": {"step": 0.2},
+            "units": {
+                "water": {
+                    "component": "WaterCurrent",
+                    "effects": ["waves", "spectrum"],
+                    "parameters": {
+                        "speed": 0.0,
+                        "waves": {"height": SEA[0], "period": SEA[1], "depth": SEA_DEPTH, "water_depth": BOTTOM},
+                    },
+                }
+            },
+            "record": {"signals": ["water.waves.elevation", "water.velocity_north", "water.velocity_down"]},
+        },
+        "rov",
+    )
 
 
 def free_scene() -> Scene:
     """A neutral vehicle without thrust in a regular wave; its drag is linear, so that its response has a closed form."""
-    return read_scene({
-        "title": "A neutral vehicle that drifts in a wave", "stop_time": 90.0, "master": {"step": 0.01, "algorithm":
-                                                                                          "gauss-seidel"},
-        "connections": ["water.* -> hull.current.*", "hull.position_north -> water.waves.position_north",
-                        "hull.depth -> water.waves.depth"],
-        "units": {
-            "hull": {"component": "RovHull", "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
-                     "parameters": {"start_depth": DEPTH, "centre_of_gravity_z": 0.0,
-                                    "pressure_gradient.displaced_mass": NEUTRAL}},
-            "water": {"component": "WaterCurrent", "effects": ["waves"], "parameters": {
-                "speed": 0.0, "waves": {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}}}},
-        "record": {"signals": ["hull.position_north", "hull.depth", "hull.surge", "water.velocity_north"]}}, "rov")
+    return read_scene(
+        {
+            "title": "A neutral vehicle that drifts in a wave",
+            "stop_time": 90.0,
+            "master": {"step": 0.01, "algorithm": "gauss-seidel"},
+            "connections": [
+                "water.* -> hull.current.*",
+                "hull.position_north -> water.waves.position_north",
+                "hull.depth -> water.waves.depth",
+            ],
+            "units": {
+                "hull": {
+                    "component": "RovHull",
+                    "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
+                    "parameters": {"start_depth": DEPTH, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": NEUTRAL},
+                },
+                "water": {
+                    "component": "WaterCurrent",
+                    "effects": ["waves"],
+                    "parameters": {"speed": 0.0, "waves": {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}},
+                },
+            },
+            "record": {"signals": ["hull.position_north", "hull.depth", "hull.surge", "water.velocity_north"]},
+        },
+        "rov",
+    )
 
 
 def held(preset: str) -> tuple[float, float]:
@@ -80,8 +113,10 @@ def held(preset: str) -> tuple[float, float]:
     forces = []
     for inputs in ({"current.acceleration_north": FREQUENCY * speed}, {"current.velocity_north": speed}):
         displaced = values["restoring.buoyancy"] / 9.80665
-        hull = RovHull((*WATER, "current", "pressure_gradient", "external"), {
-            **values, **inputs, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": displaced})
+        hull = RovHull(
+            (*WATER, "current", "pressure_gradient", "external"),
+            {**values, **inputs, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": displaced},
+        )
         hull.initialize(0.0)
         forces.append((values["mass"] + values["added_mass.surge"]) * hull["external.acceleration_x"])
     return forces[0], forces[1]
@@ -90,16 +125,38 @@ def held(preset: str) -> tuple[float, float]:
 def _sea_chart(sea: Result) -> Chart:
     kept = sea.time <= 120.0
     t = sea.time[kept]
-    return Chart("A sea of 0.5 m and 4 s", "time, s", (
-        Panel("elevation, m", (Series("surface", t, sea["water.waves.elevation"][kept]),)),
-        Panel("velocity, m/s", (Series(f"along the waves, {SEA_DEPTH:g} m deep", t, sea["water.velocity_north"][kept]),
-                                Series("downwards", t, sea["water.velocity_down"][kept]))),
-    ), "JONSWAP, 200 components. The deep water feels the long waves alone.", height=160)
+    return Chart(
+        "A sea of 0.5 m and 4 s",
+        "time, s",
+        (
+            Panel("elevation, m", (Series("surface", t, sea["water.waves.elevation"][kept]),)),
+            Panel(
+                "velocity, m/s",
+                (
+                    Series(f"along the waves, {SEA_DEPTH:g} m deep", t, sea["water.velocity_north"][kept]),
+                    Series("downwards", t, sea["water.velocity_down"][kept]),
+                ),
+            ),
+        ),
+        "JONSWAP, 200 components. The deep water feels the long waves alone.",
+        height=160,
+    )
 
 
 def _free_chart(free: Result) -> Chart:
     late = free.time > free.time[-1] - 3.0 * PERIOD
-    return Chart("A vehicle without thrust in a wave of 6 s", "time, s", (
-        Panel("mm/s", (Series("water", free.time[late], 1e3 * free["water.velocity_north"][late]),
-                       Series("vehicle", free.time[late][::20], 1e3 * free["hull.surge"][late][::20], "points"))),
-    ), "Inertia, added mass and the pressure gradient together let a neutral vehicle move as the water does.", height=200)
+    return Chart(
+        "A vehicle without thrust in a wave of 6 s",
+        "time, s",
+        (
+            Panel(
+                "mm/s",
+                (
+                    Series("water", free.time[late], 1e3 * free["water.velocity_north"][late]),
+                    Series("vehicle", free.time[late][::20], 1e3 * free["hull.surge"][late][::20], "points"),
+                ),
+            ),
+        ),
+        "Inertia, added mass and the pressure gradient together let a neutral vehicle move as the water does.",
+        height=200,
+    )

@@ -21,13 +21,26 @@ LIFT = 20.0  # N, of the task that only holds depth
 CALM = {"units.water.parameters": {"speed": 0.0, "waves": {"height": 0.0}}, "stop_time": 60.0}
 TASKS: dict[str, dict[str, Any]] = {
     "lift": {**CALM, "units.hull.parameters.restoring.buoyancy": 112.8 + LIFT},
-    "current": {"units.water.effects": ["ramp", "gust", "waves"], "stop_time": 60.0, "units.water.parameters": {
-        "speed": 0.3, "direction": 0.5, "waves": {"height": 0.0}, "ramp": {"start_time": 5.0, "duration": 10.0},
-        "gust": {"start_time": 35.0, "amplitude": 0.2, "direction": 2.0}}},
+    "current": {
+        "units.water.effects": ["ramp", "gust", "waves"],
+        "stop_time": 60.0,
+        "units.water.parameters": {
+            "speed": 0.3,
+            "direction": 0.5,
+            "waves": {"height": 0.0},
+            "ramp": {"start_time": 5.0, "duration": 10.0},
+            "gust": {"start_time": 35.0, "amplitude": 0.2, "direction": 2.0},
+        },
+    },
     "waves": {},
-    "transect": {"units.controller.effects": ["inverse_curve", "manoeuvre"], "units.controller.parameters.manoeuvre": {
-        "time": [0.0, 20.0, 60.0, 65.0, 75.0, 115.0, 115.0, 115.0], "north": [0.0, 0.0, 12.0, 12.0, 12.0, 0.0, 0.0, 0.0],
-        "east": [0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0]}},
+    "transect": {
+        "units.controller.effects": ["inverse_curve", "manoeuvre"],
+        "units.controller.parameters.manoeuvre": {
+            "time": [0.0, 20.0, 60.0, 65.0, 75.0, 115.0, 115.0, 115.0],
+            "north": [0.0, 0.0, 12.0, 12.0, 12.0, 0.0, 0.0, 0.0],
+            "east": [0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0],
+        },
+    },
 }
 POSITION, ATTITUDE = ("error_north", "error_east", "error_down"), ("error_roll", "error_pitch", "error_yaw")
 
@@ -43,11 +56,22 @@ def study(options: Options) -> Evidence:
         measured |= {f"{task}.power": six["power"] / eight["power"], f"{task}.scale": min(n["scale"] for n in numbers.values())}
         if task != "lift":  # where the error is the way to the set point alone
             measured |= {f"{task}.{what}": eight[what] / six[what] for what in ("position", "attitude")}
-        rows += [(task, layout, round(n["power"], 3), round(1e3 * n["position"], 1), round(float(np.degrees(n["attitude"])), 2),
-                  round(n["scale"], 3)) for layout, n in numbers.items()]
+        rows += [
+            (
+                task,
+                layout,
+                round(n["power"], 3),
+                round(1e3 * n["position"], 1),
+                round(float(np.degrees(n["attitude"])), 2),
+                round(n["scale"], 3),
+            )
+            for layout, n in numbers.items()
+        ]
     header = ("task", "thrusters", "mean ideal power, W", "rms position error, mm", "rms attitude error, degrees", "least scale")
-    text = (f"From {TRANSIENT:g} s on. lift: {LIFT:g} N of buoyancy in still water; current: 0.3 m/s and a gust; waves: a sea of "
-            "0.5 m and 0.2 m/s; transect: 12 m out and back in it.")
+    text = (
+        f"From {TRANSIENT:g} s on. lift: {LIFT:g} N of buoyancy in still water; current: 0.3 m/s and a gust; waves: a sea of "
+        "0.5 m and 0.2 m/s; transect: 12 m out and back in it."
+    )
     grid = Grid("The same tasks with both layouts", header, tuple(rows), text)
     shown = {"transect, six thrusters": runs["transect", "six"]}
     return Evidence(measured, (_power_chart(runs), grid), shown)
@@ -62,12 +86,17 @@ def figures(result: Result, start: float = TRANSIENT) -> dict[str, float]:
     """Mean ideal power in W, rms errors in m and rad, least share of the wrench, from a time in s on."""
     vehicle = vehicles(result)[0]
     kept = np.asarray(result.time) >= start
-    errors = {what: np.array([vehicle.errors[n][kept] for n in names]) for what, names in
-              (("position", POSITION), ("attitude", ATTITUDE))}
+    errors = {
+        what: np.array([vehicle.errors[n][kept] for n in names])
+        for what, names in (("position", POSITION), ("attitude", ATTITUDE))
+    }
     power = ideal_power([F[kept] for F in vehicle.thrusts.values()])
     assert vehicle.scale is not None  # the scenes record it
-    return {"power": float(power.mean()), "scale": float(vehicle.scale[kept].min()),
-            **{what: float(np.sqrt((values**2).sum(axis=0).mean())) for what, values in errors.items()}}
+    return {
+        "power": float(power.mean()),
+        "scale": float(vehicle.scale[kept].min()),
+        **{what: float(np.sqrt((values**2).sum(axis=0).mean())) for what, values in errors.items()},
+    }
 
 
 def _power_chart(runs: dict[tuple[str, str], Result]) -> Chart:
@@ -79,5 +108,10 @@ def _power_chart(runs: dict[tuple[str, str], Result]) -> Chart:
             power = ideal_power(list(vehicles(result)[0].thrusts.values()))
             series.append(Series(f"{layout} thrusters", result.time, np.r_[0.0, np.cumsum(power[1:] * np.diff(result.time))]))
         panels.append(Panel("energy, J", tuple(series), title=task))
-    return Chart("Ideal energy of the same tasks", "time, s", tuple(panels), "Work of the jets alone; motors and propellers "
-                 "take a multiple of it, the same for both.", height=170)
+    return Chart(
+        "Ideal energy of the same tasks",
+        "time, s",
+        tuple(panels),
+        "Work of the jets alone; motors and propellers take a multiple of it, the same for both.",
+        height=170,
+    )

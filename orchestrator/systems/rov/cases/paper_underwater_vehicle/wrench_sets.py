@@ -24,21 +24,28 @@ def study(options: Options) -> Evidence:
         values = np.linalg.svd(matrix, compute_uv=False)
         losses = [np.delete(matrix, i, axis=1) for i in range(matrix.shape[1])]
         measured |= {
-            f"rank.{name}": float(np.linalg.matrix_rank(matrix)), f"condition.{name}": float(values[0] / values[-1]),
-            f"volume.{name}": volume(matrix), f"rank.lost.{name}": float(min(np.linalg.matrix_rank(m) for m in losses)),
+            f"rank.{name}": float(np.linalg.matrix_rank(matrix)),
+            f"condition.{name}": float(values[0] / values[-1]),
+            f"volume.{name}": volume(matrix),
+            f"rank.lost.{name}": float(min(np.linalg.matrix_rank(m) for m in losses)),
             f"force.horizontal.{name}": float(largest(matrix, circle(0, 1)).min()),
             f"force.any.{name}": float(largest(matrix, np.hstack((sphere(), none))).min()),
-            f"moment.any.{name}": float(largest(matrix, np.hstack((none, sphere()))).min())}
+            f"moment.any.{name}": float(largest(matrix, np.hstack((none, sphere()))).min()),
+        }
         weakest = np.min([weaker(m) for m in losses], axis=0)
         measured |= {f"lost.{axis}.{name}": float(weakest[j]) for j, axis in enumerate(AXES)}
     measured["volume.ratio"] = measured["volume.eight"] / measured["volume.six"]
     worst = {name: measured[f"force.horizontal.{name}"] for name in MATRICES}
-    return Evidence(measured, (_sets_chart(), _losses_chart(), _axes_grid()), notes=(
-        "Six thrusters for six degrees of freedom are not the privilege of this arrangement: an earlier commercial frame with "
-        "six controls roll, pitch, yaw and the three ways, too, and some of eight do not. The claim is of the Y-arrangement.",
-        f"The worst horizontal force of six is {worst['six'] / worst['eight']:.2f} of that of eight, the volume of what they can "
-        f"give 1/{measured['volume.ratio']:.1f}; limits of a T200 thruster for each.",
-    ))
+    return Evidence(
+        measured,
+        (_sets_chart(), _losses_chart(), _axes_grid()),
+        notes=(
+            "Six thrusters for six degrees of freedom are not the privilege of this arrangement: an earlier commercial frame with "
+            "six controls roll, pitch, yaw and the three ways, too, and some of eight do not. The claim is of the Y-arrangement.",
+            f"The worst horizontal force of six is {worst['six'] / worst['eight']:.2f} of that of eight, the volume of what they can "
+            f"give 1/{measured['volume.ratio']:.1f}; limits of a T200 thruster for each.",
+        ),
+    )
 
 
 def volume(matrix: np.ndarray) -> float:
@@ -105,8 +112,14 @@ def _sets_chart() -> Chart:
         series = tuple(Series(f"{name} thrusters", *_outline(matrix, i, j)) for name, matrix in MATRICES.items())
         first, _, second = unit.partition(", ")
         panels.append(Panel(f"{AXES[j]}, {second or first}", series, x_label=f"{AXES[i]}, {first}", equal=not second))
-    return Chart("Attainable forces and moments", "", tuple(panels), "Each panel: two components, the other four exactly "
-                 "zero. X ahead, Y to starboard, Z down; K, M, N about them.", columns=2, height=300)
+    return Chart(
+        "Attainable forces and moments",
+        "",
+        tuple(panels),
+        "Each panel: two components, the other four exactly zero. X ahead, Y to starboard, Z down; K, M, N about them.",
+        columns=2,
+        height=300,
+    )
 
 
 def _losses_chart() -> Chart:
@@ -116,8 +129,14 @@ def _losses_chart() -> Chart:
         for k in range(3 if name == "six" else 4):
             series.append(Series(f"without {k + 1}", *_outline(np.delete(matrix, k, axis=1), 0, 1)))
         panels.append(Panel("Y, N", tuple(series), title=f"{name} thrusters", x_label="X, N", equal=True))
-    return Chart("Horizontal force left without a horizontal thruster", "", tuple(panels), "Pure force: no moment, no lift. "
-                 "Of six a line is left: the other directions come with a turn.", columns=2, height=300)
+    return Chart(
+        "Horizontal force left without a horizontal thruster",
+        "",
+        tuple(panels),
+        "Pure force: no moment, no lift. Of six a line is left: the other directions come with a turn.",
+        columns=2,
+        height=300,
+    )
 
 
 def _axes_grid() -> Grid:
@@ -125,8 +144,18 @@ def _axes_grid() -> Grid:
     for name, matrix in MATRICES.items():
         for k in range(-1, matrix.shape[1]):
             left = matrix if k < 0 else np.delete(matrix, k, axis=1)
-            rows.append((name, "none" if k < 0 else str(k + 1), str(np.linalg.matrix_rank(left)),
-                         *(round(float(end), 1) if end else "lost" for end in weaker(left))))
-    return Grid("Largest pure force and moment, the weaker sense", ("layout", "lost", "rank", *(f"{a}, N" for a in AXES[:3]),
-                *(f"{a}, N.m" for a in AXES[3:])), tuple(rows), "Of five thrusters 1 % of another component may be left "
-                    "over: the horizontal ones lie 3.9 mm off the plane of the others.")
+            rows.append(
+                (
+                    name,
+                    "none" if k < 0 else str(k + 1),
+                    str(np.linalg.matrix_rank(left)),
+                    *(round(float(end), 1) if end else "lost" for end in weaker(left)),
+                )
+            )
+    return Grid(
+        "Largest pure force and moment, the weaker sense",
+        ("layout", "lost", "rank", *(f"{a}, N" for a in AXES[:3]), *(f"{a}, N.m" for a in AXES[3:])),
+        tuple(rows),
+        "Of five thrusters 1 % of another component may be left "
+        "over: the horizontal ones lie 3.9 mm off the plane of the others.",
+    )

@@ -47,8 +47,15 @@ class Panelled:
         """(time, rate) at the stop, s and rad/s: without the damper by quadrature, with it by SciPy's integration."""
         if self.damping == 0.0:
             # angle = s² takes away the infinite integrand at the start
-            time = quad(lambda s: 2.0 * s / self.rate(s * s) if s > 0.0 else 2.0 / math.sqrt(
-                2.0 * (self.stiffness * math.pi - self.friction) / self.inertia), 0.0, math.sqrt(OPEN))[0]
+            time = quad(
+                lambda s: (
+                    2.0 * s / self.rate(s * s)
+                    if s > 0.0
+                    else 2.0 / math.sqrt(2.0 * (self.stiffness * math.pi - self.friction) / self.inertia)
+                ),
+                0.0,
+                math.sqrt(OPEN),
+            )[0]
             return time, self.rate(OPEN)
 
         def rates(t: float, x: np.ndarray) -> list[float]:
@@ -81,8 +88,12 @@ def study(options: Options) -> Evidence:
     for k, (name, panel) in enumerate(PANELS.items()):
         time, rate = _reached(runs["panels"], f"p{k}", OPEN, 1.0)
         closed_time, closed_rate = panel.at_stop()
-        measured |= {f"time.{name}": time, f"rate.{name}": rate, f"time.over.{name}": time / closed_time,
-                     f"rate.over.{name}": rate / closed_rate}
+        measured |= {
+            f"time.{name}": time,
+            f"rate.{name}": rate,
+            f"time.over.{name}": time / closed_time,
+            f"rate.over.{name}": rate / closed_rate,
+        }
         measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
     measured |= _free(runs["satellite-panel"]) | _tracking(runs["two-link-manipulator"]) | _crusher(runs["jaw-crusher"])
     shown = {n: runs[n] for n in ("satellite-panel", "two-link-manipulator")}
@@ -91,10 +102,24 @@ def study(options: Options) -> Evidence:
 
 def _panels() -> Scene:
     """Panels side by side on hubs that nothing moves."""
-    units = {f"p{k}": {"component": "TwoLinkChain", "effects": ["springs", "viscous", "stick_friction"], "parameters": {
-        "first_inertia": 1e12, "second_centre": 0.0, "second_inertia": p.inertia, "viscous.first": 0.0,
-        "viscous.second": p.damping, "springs.second_stiffness": p.stiffness, "springs.second_rest": math.pi,
-        "stick_friction.first_level": 0.0, "stick_friction.second_level": p.friction}} for k, p in enumerate(PANELS.values())}
+    units = {
+        f"p{k}": {
+            "component": "TwoLinkChain",
+            "effects": ["springs", "viscous", "stick_friction"],
+            "parameters": {
+                "first_inertia": 1e12,
+                "second_centre": 0.0,
+                "second_inertia": p.inertia,
+                "viscous.first": 0.0,
+                "viscous.second": p.damping,
+                "springs.second_stiffness": p.stiffness,
+                "springs.second_rest": math.pi,
+                "stick_friction.first_level": 0.0,
+                "stick_friction.second_level": p.friction,
+            },
+        }
+        for k, p in enumerate(PANELS.values())
+    }
     signals = [f"{unit}.{s}" for unit in units for s in ("relative_angle", "relative_rate")]
     return read_scene({"title": "Panels on fixed hubs", "stop_time": 14.0, "units": units, "master": {"step": 2e-3},
                        "record": {"signals": signals}}, NAME)  # fmt: skip
@@ -180,8 +205,12 @@ def _deployment(result: Result) -> Chart:
     ways = {n: np.minimum(np.degrees(result[f"p{k}.relative_angle"]), 90.0) for k, n in enumerate(names)}
     angles = tuple(Series(n, result.time, way) for n, way in ways.items())
     stops = Series("closed form at the stop", [p.at_stop()[0] for p in PANELS.values()], [90.0] * len(names), "points")
-    return Chart("Panels unfold to their stop", "time, s", (Panel("way of the hinge, °", (*angles, stops)),),
-                 "Spring, dry friction and damper; drawn up to the stop.")
+    return Chart(
+        "Panels unfold to their stop",
+        "time, s",
+        (Panel("way of the hinge, °", (*angles, stops)),),
+        "Spring, dry friction and damper; drawn up to the stop.",
+    )
 
 
 def _jaw(result: Result) -> Chart:

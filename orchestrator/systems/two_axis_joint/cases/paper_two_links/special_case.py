@@ -41,8 +41,9 @@ def study(options: Options) -> Evidence:
         measured[f"ratio.{name}"] = ratio
         dampers = {f"d{k}": r * ratio * SECOND for k, r in enumerate((1.0, *OTHER))}
         shapes = modes(name)[1]
-        result = runs[name] = _run(name, {n: (d, SMALL * shapes[:, 0] / np.abs(shapes[:, 0]).max()) for n, d in dampers.items()},
-                                   options)
+        result = runs[name] = _run(
+            name, {n: (d, SMALL * shapes[:, 0] / np.abs(shapes[:, 0]).max()) for n, d in dampers.items()}, options
+        )
         closed = modal(name, dampers["d0"], SMALL, result.time)
         measured[f"error.{name}"] = float(np.abs(_angles(result, "d0") - closed).max()) / SMALL
         shares = [_leaked(name, result, n) for n in dampers]
@@ -51,8 +52,10 @@ def study(options: Options) -> Evidence:
     amplitudes = [_nonlinear(a, options) for a in LARGE]
     measured["order"] = float(np.polyfit(np.log(LARGE), np.log(amplitudes), 1)[0])
     measured |= _eigenvalues() | _coasting(options)
-    note = ("The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
-            "stiffness alone is out of reach of joint dampers.")
+    note = (
+        "The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
+        "stiffness alone is out of reach of joint dampers."
+    )
     return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,), claim="I3")
 
 
@@ -100,8 +103,16 @@ def scene(name: str, starts: Mapping[str, tuple[float, np.ndarray]], span: float
                                    f"start_first_{what}": float(x[0]), f"start_second_{what}": float(x[1])}}
              for unit, (first, x) in starts.items()}  # fmt: skip
     signals = [f"{unit}.{s}" for unit in units for s in ("first_angle", "second_angle", "first_rate", "second_rate")]
-    return read_scene({"title": f"Small motion: {name}", "stop_time": span, "units": units, "master": {"step": STEP},
-                       "record": {"signals": signals, "interval": None if gravity else 10.0}}, NAME)
+    return read_scene(
+        {
+            "title": f"Small motion: {name}",
+            "stop_time": span,
+            "units": units,
+            "master": {"step": STEP},
+            "record": {"signals": signals, "interval": None if gravity else 10.0},
+        },
+        NAME,
+    )
 
 
 def _run(name: str, starts: Mapping[str, tuple[float, np.ndarray]], options: Options) -> Result:
@@ -151,14 +162,19 @@ def _mixing(mixed: Mapping[str, list[float]]) -> Chart:
     at = np.argsort((1.0, *OTHER))
     ratios = np.array((1.0, *OTHER))[at]
     series = tuple(Series(name, ratios, np.array(shares)[at], "line+points") for name, shares in mixed.items())
-    return Chart("Energy that leaks from the first mode into the second", "first damper over that at which the modes decouple, 1",
-                 (Panel("share, 1", series, logarithmic=True),), "Runs of the component from rest in the first mode.")
+    return Chart(
+        "Energy that leaks from the first mode into the second",
+        "first damper over that at which the modes decouple, 1",
+        (Panel("share, 1", series, logarithmic=True),),
+        "Runs of the component from rest in the first mode.",
+    )
 
 
 def _decay(result: Result) -> Chart:
     closed = modal("point masses", SECOND, SMALL, result.time)
-    series = tuple(Series(f"{which} link", result.time, _angles(result, "d0")[:, k] / SMALL)
-                   for k, which in enumerate(("first", "second")))
+    series = tuple(
+        Series(f"{which} link", result.time, _angles(result, "d0")[:, k] / SMALL) for k, which in enumerate(("first", "second"))
+    )
     errors = (Series("first link", result.time, (_angles(result, "d0") - closed)[:, 0] / SMALL),)
     panels = (Panel("angle over amplitude, 1", series), Panel("run less closed form, 1", errors))
     return Chart("Equal point masses with equal dampers: one mode decays alone", "time, s", panels)

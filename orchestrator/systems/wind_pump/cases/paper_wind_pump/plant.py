@@ -1,6 +1,6 @@
 """Turbine and averaged converter as two equations of their own: equilibria and eigenvalues, without the components.
 
-    Jt w' = T(w, v) - n (k1 n w - k2 w2) w2        J2 w2' = k1 n² w² - k2 n w w2 - T_load
+Jt w' = T(w, v) - n (k1 n w - k2 w2) w2        J2 w2' = k1 n² w² - k2 n w w2 - T_load
 """
 
 from __future__ import annotations

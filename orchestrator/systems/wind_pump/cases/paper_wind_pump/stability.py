@@ -93,8 +93,12 @@ def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
             if at is None:
                 standing.append(bool(pump[-1] < RESTING))
                 continue
-            growths = [plant.growth(wind, *near) for s in (1.0 - LINE, 1.0, 1.0 + LINE)
-                       for near in [_nearest(plant.equilibria(wind, s * load), at)] if near]
+            growths = [
+                plant.growth(wind, *near)
+                for s in (1.0 - LINE, 1.0, 1.0 + LINE)
+                for near in [_nearest(plant.equilibria(wind, s * load), at)]
+                if near
+            ]
             here = plant.growth(wind, *at)
             near = len(growths) < 3 or min(growths) < 0.0 < max(growths)
             returned = abs(float(turbine[-1]) / at[0] - 1.0) < PUSH - 1.0
@@ -117,10 +121,14 @@ def scene(plant: Plant, wind: float, starts: Sequence[tuple[float, Speeds | None
     for k, (load, at) in enumerate(starts):
         turbine, pump = at or (0.9 * plant.largest_ratio * wind / RADIUS, 1.0)
         units[f"turbine_{k}"] = {"component": "WindTurbine", "parameters": {**curve, "start_speed": turbine, "substep": step}}
-        units[f"converter_{k}"] = {"component": "AveragedConverter", "parameters": {
-            **gear, "load_torque": load, "start_speed": pump, "largest_turbine_speed": 120.0}}
-        connections += [f"turbine_{k}.speed -> converter_{k}.turbine_speed",
-                        f"converter_{k}.turbine_torque -> turbine_{k}.torque"]
+        units[f"converter_{k}"] = {
+            "component": "AveragedConverter",
+            "parameters": {**gear, "load_torque": load, "start_speed": pump, "largest_turbine_speed": 120.0},
+        }
+        connections += [
+            f"turbine_{k}.speed -> converter_{k}.turbine_speed",
+            f"converter_{k}.turbine_torque -> turbine_{k}.torque",
+        ]
     signals = [f"{kind}_{k}.speed" for kind, k in product(("turbine", "converter"), range(len(starts)))]
     return read_scene({"title": f"Pushed sets in {wind:g} m/s", "stop_time": stop, "units": units, "connections": connections,
                        "master": {"step": step, "extrapolation": 1}, "record": {"signals": signals, "interval": stop}},
@@ -134,8 +142,12 @@ def _eigenvalues(wind: float) -> dict[str, float]:
     parts = scene(plant, wind, [(MEAN_TORQUE, at)], 0.01, 1.0)
     matrix = linearised(SceneRates(parts, {"turbine_0": [0], "converter_0": [0]}), np.array(at))
     values = sorted(np.linalg.eigvals(matrix).astype(complex), key=lambda x: (-x.real, x.imag))
-    return {f"slow.{wind:g}": values[0].real, f"fast.{wind:g}": values[1].real, f"swing.{wind:g}": values[1].imag,
-            f"det.{wind:g}": float(np.linalg.det(matrix))}
+    return {
+        f"slow.{wind:g}": values[0].real,
+        f"fast.{wind:g}": values[1].real,
+        f"swing.{wind:g}": values[1].imag,
+        f"det.{wind:g}": float(np.linalg.det(matrix)),
+    }
 
 
 def _fixed(options: Options) -> dict[str, float]:
@@ -172,21 +184,45 @@ def _chart(points: list[Point]) -> Chart:
         plant, line = PLANTS["heier"], []
         for load in np.geomspace(LOADS["heier"][0], LOADS["heier"][-1], 60).tolist():
             line += [(load, w * RADIUS / wind, plant.growth(wind, w, x)) for w, x in plant.equilibria(wind, load)]
-        closed = tuple(Series(f"closed form, {word}", [x[0] for x in line if (x[2] < 0.0) == stable],
-                              [x[1] for x in line if (x[2] < 0.0) == stable], "dots", faint=not stable)
-                       for word, stable in (("stable", True), ("unstable", False)))
+        closed = tuple(
+            Series(
+                f"closed form, {word}",
+                [x[0] for x in line if (x[2] < 0.0) == stable],
+                [x[1] for x in line if (x[2] < 0.0) == stable],
+                "dots",
+                faint=not stable,
+            )
+            for word, stable in (("stable", True), ("unstable", False))
+        )
         panels.append(Panel(f"tip speed ratio, {wind:g} m/s", (*closed, *(series(n, some) for n, some in kinds.items()))))
-    return Chart("Equilibria of a turbine whose torque rises with its speed at first, behind the converter", "load, N.m",
-                 tuple(panels), "Each point is a run from an equilibrium with the turbine 2 % too fast: it returns or leaves. "
-                 "With a light load there are three equilibria in one wind, of which the middle one is unstable.", columns=2)
+    return Chart(
+        "Equilibria of a turbine whose torque rises with its speed at first, behind the converter",
+        "load, N.m",
+        tuple(panels),
+        "Each point is a run from an equilibrium with the turbine 2 % too fast: it returns or leaves. "
+        "With a light load there are three equilibria in one wind, of which the middle one is unstable.",
+        columns=2,
+    )
 
 
 def _growths(points: list[Point]) -> Chart:
-    series = tuple(Series(name, [p.wind for p in some], [p.load for p in some], "points",
-                          shades=[p.growth for p in some], shade_label="growth, 1/s")
-                   for name, some in (("least damped equilibrium", _worst(points)),))
-    return Chart("Stability over wind and load", "wind, m/s", (Panel("load, N.m", series, logarithmic=True),),
-                 "The largest real part of the eigenvalues, of the least damped equilibrium in each wind and under each load.")
+    series = tuple(
+        Series(
+            name,
+            [p.wind for p in some],
+            [p.load for p in some],
+            "points",
+            shades=[p.growth for p in some],
+            shade_label="growth, 1/s",
+        )
+        for name, some in (("least damped equilibrium", _worst(points)),)
+    )
+    return Chart(
+        "Stability over wind and load",
+        "wind, m/s",
+        (Panel("load, N.m", series, logarithmic=True),),
+        "The largest real part of the eigenvalues, of the least damped equilibrium in each wind and under each load.",
+    )
 
 
 def _worst(points: list[Point]) -> list[Point]:

@@ -31,8 +31,11 @@ THREE_YEARS = 3.0 * 365.25 * 86400.0  # s, of a run of three years
 def study(options: Options) -> Evidence:
     """Torsion of the shaft behind a fixed ratio, of the shaft behind the clutches, and of the lever in gusts."""
     runs: dict[str, Result] = {}
-    for label, scene in (("piston behind a fixed ratio", piston()), ("converter at held speeds", converter()),
-                         ("gusts", load_scene("wind-pump-gusts"))):
+    for label, scene in (
+        ("piston behind a fixed ratio", piston()),
+        ("converter at held speeds", converter()),
+        ("gusts", load_scene("wind-pump-gusts")),
+    ):
         runs[label] = run(scene, in_process=options.in_process, progress=options.progress)
         if runs[label].outcome != "done":
             return Evidence({}, runs=runs, notes=(runs[label].message,))
@@ -41,9 +44,11 @@ def study(options: Options) -> Evidence:
     bending = rainflow(gusts["converter.stresses.lever_stress"])
     measured["gust.lever"] = 0.5 * float(bending.ranges.max()) / BENDING
     measured["gust.cycles"] = float(bending.counts[bending.ranges > 0.5 * bending.ranges.max()].sum())
-    note = (f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
-            f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
-            f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled.")
+    note = (
+        f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
+        f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
+        f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled."
+    )
     return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,), claim="H1")
 
 
@@ -66,11 +71,21 @@ def converter() -> Scene:
     always = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "shaft_damping": 0.0,
               "turbine_speed": TURBINE}  # fmt: skip
     ways: dict[str, dict[str, float]] = {"stalled": {"load_torque": 1e4}, "driving": {"start_speed": PUMP}}
-    units: dict[str, Any] = {name: {"component": "InertialConverter", "effects": ["stresses"], "parameters": {**always, **way}}
-                             for name, way in ways.items()}
+    units: dict[str, Any] = {
+        name: {"component": "InertialConverter", "effects": ["stresses"], "parameters": {**always, **way}}
+        for name, way in ways.items()
+    }
     signals = [f"{name}.{signal}" for name in units for signal in ("driving_torque", STRESS)]
-    return read_scene({"title": "Stresses of converters at held speeds", "stop_time": (RECORDED + 1) * period, "units": units,
-                       "master": {"step": period / SEEN}, "record": {"signals": signals}}, "paper-wind-pump")
+    return read_scene(
+        {
+            "title": "Stresses of converters at held speeds",
+            "stop_time": (RECORDED + 1) * period,
+            "units": units,
+            "master": {"step": period / SEEN},
+            "record": {"signals": signals},
+        },
+        "paper-wind-pump",
+    )
 
 
 def torsion(torque: np.ndarray | float, diameter: float) -> np.ndarray:
@@ -91,7 +106,8 @@ def _fixed(result: Result) -> dict[str, float]:
         cycles = rainflow(1e6 * np.asarray(stress))
         large = cycles.ranges > 0.5 * cycles.ranges.max()
         measured |= {
-            f"mean.{d:g}": float(np.mean(stress)), f"peak.{d:g}": float(np.max(stress)),
+            f"mean.{d:g}": float(np.mean(stress)),
+            f"peak.{d:g}": float(np.max(stress)),
             f"amplitude.{d:g}": 0.5e-6 * float(cycles.ranges.max()),
             f"damage.{d:g}": ENDURANCE.damage(cycles) / TURNS / constant_damage(d),
         }
@@ -106,7 +122,8 @@ def _clutches(result: Result) -> dict[str, float]:
         cycles = rainflow(stress)
         lines = np.abs(np.fft.rfft(torque - torque.mean()))
         measured |= {
-            f"{name}.peak": float(torque.max() / torque.mean()), f"{name}.mean": float(torque.mean()),
+            f"{name}.peak": float(torque.max() / torque.mean()),
+            f"{name}.mean": float(torque.mean()),
             f"{name}.cycles": float(cycles.counts[cycles.ranges > 0.5 * cycles.ranges.max()].sum()) / RECORDED,
             f"{name}.order": float(np.argmax(lines)) / RECORDED,
             f"{name}.stress": float(stress.max() / (1e6 * torsion(torque.max(), 30.0))),
@@ -119,14 +136,18 @@ def _clutches(result: Result) -> dict[str, float]:
 
 def _last(values: np.ndarray, turns: int) -> np.ndarray:
     """The last whole turns of a record with `SEEN` instants a turn."""
-    return np.asarray(values)[-turns * SEEN:]
+    return np.asarray(values)[-turns * SEEN :]
 
 
 def _courses(fixed: Result, held: Result) -> Chart:
     turn = np.arange(2 * SEEN) / SEEN
-    shafts = tuple(Series(name, turn, torsion(_last(torque, 2), 20.0)) for name, torque in (
-        ("piston behind a fixed ratio, over turns of the pump", fixed["gear.driving_torque"]),
-        ("behind the clutches, over turns of the crank", held["driving.driving_torque"])))
+    shafts = tuple(
+        Series(name, turn, torsion(_last(torque, 2), 20.0))
+        for name, torque in (
+            ("piston behind a fixed ratio, over turns of the pump", fixed["gear.driving_torque"]),
+            ("behind the clutches, over turns of the crank", held["driving.driving_torque"]),
+        )
+    )
     return Chart("Torsion of a shaft of 20 mm", "turn", (Panel("shear stress, MPa", shafts),),
                  "Both pass on 13.2 N.m in the mean, at the operating point of 3 m/s: one stroke a turn of the pump, two pushes "
                  "a turn of the crank.")  # fmt: skip

@@ -61,20 +61,32 @@ def study(options: Options) -> Evidence:
     for shape in SHAPES:
         best, share = _best(lambda b: of_fixed(b, 1.0), 1.0, shape, None)
         late, late_share = _best(lambda b: of_fixed(b, start / stop), 1.0, shape, None)
-        measured |= {f"balance.{shape:g}": best, f"share.{shape:g}": share, f"gain.{shape:g}": 1.0 / share,
-                     f"late.balance.{shape:g}": late, f"late.share.{shape:g}": late_share,
-                     f"late.gain.{shape:g}": 1.0 / late_share}
+        measured |= {
+            f"balance.{shape:g}": best,
+            f"share.{shape:g}": share,
+            f"gain.{shape:g}": 1.0 / share,
+            f"late.balance.{shape:g}": late,
+            f"late.share.{shape:g}": late_share,
+            f"late.gain.{shape:g}": 1.0 / late_share,
+        }
     for mean in SITES:
         ideal = energy(lambda v: np.full_like(v, BEST), mean, 2.0, CAP)
         own = energy(of_converter, mean, 2.0, CAP)
         best, share = _best(lambda b: of_fixed(b, 1.0), mean, 2.0, CAP)
         late, late_share = _best(lambda b: of_fixed(b, start / stop), mean, 2.0, CAP)
-        measured |= {f"ideal.{mean:g}": ideal * YEAR / LIFT, f"water.{mean:g}": own * YEAR / LIFT,
-                     f"converter.{mean:g}": own / ideal, f"capped.{mean:g}": 1.0 / share, f"over.{mean:g}": own / ideal / share,
-                     f"late.over.{mean:g}": own / ideal / late_share}
-    note = (f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
-            f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
-            "start against the pump's peak.")
+        measured |= {
+            f"ideal.{mean:g}": ideal * YEAR / LIFT,
+            f"water.{mean:g}": own * YEAR / LIFT,
+            f"converter.{mean:g}": own / ideal,
+            f"capped.{mean:g}": 1.0 / share,
+            f"over.{mean:g}": own / ideal / share,
+            f"late.over.{mean:g}": own / ideal / late_share,
+        }
+    note = (
+        f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
+        f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
+        "start against the pump's peak."
+    )
     return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,), claim="H2")
 
 
@@ -85,16 +97,28 @@ def _equilibria(winds: np.ndarray, component: str, parameters: dict[str, float],
     fixed = component == "FixedTransmission"
     for k, wind in enumerate(winds.tolist()):
         begin = {"start_speed": parameters.get("gear_ratio", 1.0) * speed * wind if fixed else 1.0, "load_torque": LOAD}
-        units[f"turbine_{k}"] = {"component": "WindTurbine", "preset": "farm windmill",
-                                 "parameters": {"wind": wind, "start_speed": speed * wind}}
+        units[f"turbine_{k}"] = {
+            "component": "WindTurbine",
+            "preset": "farm windmill",
+            "parameters": {"wind": wind, "start_speed": speed * wind},
+        }
         units[f"drive_{k}"] = {"component": component, "parameters": {**parameters, **begin}}
         connections += [f"turbine_{k}.speed -> drive_{k}.turbine_speed", f"drive_{k}.turbine_torque -> turbine_{k}.torque"]
     step = 0.02 if fixed else 0.05
-    result = run(read_scene({
-        "title": f"{component} in steady winds", "stop_time": 60.0, "units": units, "connections": connections,
-        "master": {"step": step, "extrapolation": 1},
-        "record": {"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0}},
-        "paper-wind-pump"), in_process=True)  # a hundred units
+    result = run(
+        read_scene(
+            {
+                "title": f"{component} in steady winds",
+                "stop_time": 60.0,
+                "units": units,
+                "connections": connections,
+                "master": {"step": step, "extrapolation": 1},
+                "record": {"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0},
+            },
+            "paper-wind-pump",
+        ),
+        in_process=True,
+    )  # a hundred units
     if result.outcome != "done":
         raise StepFailed(result.scene.name, 0.0, result.message)
     return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds.size)])
@@ -115,8 +139,9 @@ def energy(coefficient: Share, mean: float, shape: float, cap: float | None) -> 
 def _best(of_fixed: Callable[[float], Share], mean: float, shape: float, cap: float | None) -> tuple[float, float]:
     """(wind over mean wind at which the best fixed ratio balances the mean torque, its share of the ideal energy)."""
     ideal = energy(lambda v: np.full_like(v, BEST), mean, shape, cap)
-    best = minimize_scalar(lambda b: -energy(of_fixed(b * mean), mean, shape, cap), bounds=(0.4, 1.6), method="bounded",
-                           options={"xatol": 1e-3})
+    best = minimize_scalar(
+        lambda b: -energy(of_fixed(b * mean), mean, shape, cap), bounds=(0.4, 1.6), method="bounded", options={"xatol": 1e-3}
+    )
     return float(best.x), -float(best.fun) / ideal
 
 
@@ -124,19 +149,39 @@ def _curves(winds: np.ndarray, converter: np.ndarray, over: np.ndarray, fixed: d
     balanced = {r: math.sqrt(r * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5)) for r in RATIOS}
     series = [Series("converter", winds, converter, "line+points")]
     series += [Series(f"fixed ratio {r:g}", over * balanced[r], c, "points") for r, c in fixed.items()]
-    series += [Series(f"closed form, {r:g}", over * balanced[r], BEST * 4.0 * over**-2.0 * (1.0 - over**-2.0), faint=True)
-               for r in RATIOS]
+    series += [
+        Series(f"closed form, {r:g}", over * balanced[r], BEST * 4.0 * over**-2.0 * (1.0 - over**-2.0), faint=True)
+        for r in RATIOS
+    ]
     panel = Panel("power coefficient, 1", tuple(series), x_range=(1.0, 10.0))
-    return Chart("Power coefficient in a steady wind", "wind, m/s", (panel,),
-                 "A fixed ratio has its best coefficient in one wind; the converter stays near it from 2.5 m/s on.")
+    return Chart(
+        "Power coefficient in a steady wind",
+        "wind, m/s",
+        (panel,),
+        "A fixed ratio has its best coefficient in one wind; the converter stays near it from 2.5 m/s on.",
+    )
 
 
 def _sites(measured: dict[str, float]) -> Chart:
-    water = (Series("ideal", SITES, [measured[f"ideal.{m:g}"] for m in SITES], "line+points", faint=True),
-             Series("converter", SITES, [measured[f"water.{m:g}"] for m in SITES], "line+points"),
-             Series("best fixed ratio, always running", SITES,
-                    [measured[f"water.{m:g}"] / measured[f"over.{m:g}"] for m in SITES], "line+points"),
-             Series("best fixed ratio that starts against the peak", SITES,
-                    [measured[f"water.{m:g}"] / measured[f"late.over.{m:g}"] for m in SITES], "line+points"))
-    return Chart("Water of a year, 20 m of lift", "mean wind, m/s", (Panel("m³", water),),
-                 "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.")
+    water = (
+        Series("ideal", SITES, [measured[f"ideal.{m:g}"] for m in SITES], "line+points", faint=True),
+        Series("converter", SITES, [measured[f"water.{m:g}"] for m in SITES], "line+points"),
+        Series(
+            "best fixed ratio, always running",
+            SITES,
+            [measured[f"water.{m:g}"] / measured[f"over.{m:g}"] for m in SITES],
+            "line+points",
+        ),
+        Series(
+            "best fixed ratio that starts against the peak",
+            SITES,
+            [measured[f"water.{m:g}"] / measured[f"late.over.{m:g}"] for m in SITES],
+            "line+points",
+        ),
+    )
+    return Chart(
+        "Water of a year, 20 m of lift",
+        "mean wind, m/s",
+        (Panel("m³", water),),
+        "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.",
+    )

@@ -34,8 +34,13 @@ def study(options: Options) -> Evidence:
     control = _strains(rng.uniform(-SIZE, SIZE, (COUNT, 6)))
     ends = control[[0, 0, -1, -1], [0, -1, 0, -1]]  # of flexion and deviation
     measured = {f"strain.{name}": 100.0 * float(named[:, :, j].max()) for j, name in enumerate(LIGAMENTS)}
-    measured |= {"slack": -100.0 * float(named.min()), "control": 100.0 * float(np.abs(ends).max(axis=0).max()),
-                 "control.mean": 100.0 * float(np.abs(ends).max(axis=0).mean()), "closed": _closed_form(), "back": _back()}
+    measured |= {
+        "slack": -100.0 * float(named.min()),
+        "control": 100.0 * float(np.abs(ends).max(axis=0).max()),
+        "control.mean": 100.0 * float(np.abs(ends).max(axis=0).mean()),
+        "closed": _closed_form(),
+        "back": _back(),
+    }
     measured |= _interventions(options) | _person(options)
     return Evidence(measured, (_chart(named, control), _ranges(measured)), claim="G6")
 
@@ -78,7 +83,7 @@ def _back() -> float:
         bundle.step(bundle.t, 1e-3)
         seen.append([float(bundle[f"strain[{j + 1}]"]) for j in range(COUNT)])
     forth = np.array(seen[: len(way)])
-    return float(np.abs(forth - np.array(seen[len(way):])[::-1]).max())
+    return float(np.abs(forth - np.array(seen[len(way) :])[::-1]).max())
 
 
 def _interventions(options: Options) -> dict[str, float]:
@@ -107,8 +112,10 @@ def _person(options: Options) -> dict[str, float]:
     for name in ("intact", "fused"):
         at = {s: float(result[f"{name}_flexion.{s}"][-1]) for s in ("proximal_flexion", "flexion")}
         to = {s: float(result[f"{name}_radial.{s}"][-1]) for s in ("proximal_flexion", "deviation")}
-        measured |= {f"person.s.{name}": at["proximal_flexion"] / at["flexion"],
-                     f"person.p.{name}": to["proximal_flexion"] / to["deviation"]}
+        measured |= {
+            f"person.s.{name}": at["proximal_flexion"] / at["flexion"],
+            f"person.p.{name}": to["proximal_flexion"] / to["deviation"],
+        }
     return measured
 
 
@@ -124,5 +131,9 @@ def _chart(named: np.ndarray, control: np.ndarray) -> Chart:
 def _ranges(measured: dict[str, float]) -> Chart:
     names = ["none", *(f"cut {j}" for j in PROXIMAL), "several"]
     series = tuple(Series(way, names, [measured[f"rom.{n}.{way}"] for n in names], "points") for way in DIRECTIONS)
-    return Chart("Range of motion under 2 N.m after cuts", "", (Panel("degrees", series),),
-                 "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".")
+    return Chart(
+        "Range of motion under 2 N.m after cuts",
+        "",
+        (Panel("degrees", series),),
+        "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".",
+    )

@@ -42,9 +42,11 @@ def study(options: Options) -> Evidence:
     borne = [f for f, x in zip(TRIED, tried, strict=True) if x < 1.0]
     raised = max(borne, default=0.0)
     measured |= {"raised": raised, "grip": critical / LIGHT_GRIP, "grip.held": raised * critical / LIGHT_GRIP}
-    note = (f"With a passive stiffness of 1 N.m/rad the free hand is stable up to {critical:.1f} N along the forearm, with five "
-            f"ligaments under tension up to {measured['raised']:g} times as much. A grip loads the wrist by hundreds of newtons: "
-            "muscles that guide the load, and contact, have to bear the rest.")
+    note = (
+        f"With a passive stiffness of 1 N.m/rad the free hand is stable up to {critical:.1f} N along the forearm, with five "
+        f"ligaments under tension up to {measured['raised']:g} times as much. A grip loads the wrist by hundreds of newtons: "
+        "muscles that guide the load, and contact, have to bear the rest."
+    )
     return Evidence(measured, (_chart(critical),), notes=(note,), claim="G2")
 
 
@@ -96,8 +98,14 @@ def _wrist_runs(loads: list[float], more: dict[str, Any], effects: tuple[str, ..
 
 def _chart(critical: float) -> Chart:
     stiffness = np.geomspace(0.5, 30.0, 60)
-    lines = (Series("wrist of two rows", stiffness, critical * stiffness),
-             Series("planar column, free", stiffness, [column(k, k) for k in stiffness]),
-             Series("planar column, hand held", stiffness, 2.0 * stiffness / FIRST))
-    return Chart("Load along the forearm at which the wrist gives way", "stiffness of each hinge, N.m/rad",
-                 (Panel("load, N", lines, logarithmic=True),), "Rows of 15 and 55 mm; the load keeps its direction.")
+    lines = (
+        Series("wrist of two rows", stiffness, critical * stiffness),
+        Series("planar column, free", stiffness, [column(k, k) for k in stiffness]),
+        Series("planar column, hand held", stiffness, 2.0 * stiffness / FIRST),
+    )
+    return Chart(
+        "Load along the forearm at which the wrist gives way",
+        "stiffness of each hinge, N.m/rad",
+        (Panel("load, N", lines, logarithmic=True),),
+        "Rows of 15 and 55 mm; the load keeps its direction.",
+    )

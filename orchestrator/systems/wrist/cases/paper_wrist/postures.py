@@ -65,14 +65,25 @@ def axes(name: str) -> Axes:
 def wrist(torques: Sequence[float] | np.ndarray, parameters: Mapping[str, Any] = CALM,
           effects: Sequence[str] = ("morphology",)) -> dict[str, Any]:  # fmt: skip
     """A unit under torques in flexion and deviation, N.m."""
-    return {"component": "Wrist", "effects": list(effects),
-            "parameters": {"tau_flexion": float(torques[0]), "tau_deviation": float(torques[1]), **parameters}}
+    return {
+        "component": "Wrist",
+        "effects": list(effects),
+        "parameters": {"tau_flexion": float(torques[0]), "tau_deviation": float(torques[1]), **parameters},
+    }
 
 
 def held_scene(units: Mapping[str, Any], signals: Sequence[str], stop: float = SETTLED) -> Scene:
     """Wrists side by side, until they rest."""
-    return read_scene({"title": "Wrists held by torques", "stop_time": stop, "units": dict(units), "master": {"step": 0.02},
-                       "record": {"signals": [f"{u}.{s}" for u in units for s in signals], "interval": stop}}, NAME)
+    return read_scene(
+        {
+            "title": "Wrists held by torques",
+            "stop_time": stop,
+            "units": dict(units),
+            "master": {"step": 0.02},
+            "record": {"signals": [f"{u}.{s}" for u in units for s in signals], "interval": stop},
+        },
+        NAME,
+    )
 
 
 def tilted(name: str) -> dict[str, float]:
@@ -113,9 +124,11 @@ def _small(at: Axes, options: Options) -> tuple[float, float, float]:
     # for the last one: J^T e = (q2 component along both axes), so that q1 stays zero
     result = run(held_scene(units, ("flexion", "deviation", "proximal_flexion", "proximal_angle")), in_process=options.in_process)
     value = lambda unit, name: float(result[f"{unit}.{name}"][-1])  # noqa: E731
-    return (value("flexion", "proximal_flexion") / value("flexion", "flexion"),
-            value("radial", "proximal_flexion") / value("radial", "deviation"),
-            abs(value("ahead", "deviation") / value("ahead", "flexion")))
+    return (
+        value("flexion", "proximal_flexion") / value("flexion", "flexion"),
+        value("radial", "proximal_flexion") / value("radial", "deviation"),
+        abs(value("ahead", "deviation") / value("ahead", "flexion")),
+    )
 
 
 def _arc() -> dict[str, float]:
@@ -159,12 +172,13 @@ def _roll_stiffness(options: Options) -> dict[str, float]:
         by_roll = jacobian(q1, q2, at)[2]
         for sign in (-1.0, 1.0):
             more = {"proximal_torque": sign * ROLLING * float(by_roll[0]), "distal_torque": sign * ROLLING * float(by_roll[1])}
-            units[f"w{k}_{'less' if sign < 0.0 else 'more'}"] = wrist(angles, {**CALM, **more, "start_proximal_angle": q1,
-                                                                             "start_distal_angle": q2})
+            units[f"w{k}_{'less' if sign < 0.0 else 'more'}"] = wrist(
+                angles, {**CALM, **more, "start_proximal_angle": q1, "start_distal_angle": q2}
+            )
     result = run(held_scene(units, ("roll",)), in_process=options.in_process)
     rolls = [float(result[f"w{k}_more.roll"][-1] - result[f"w{k}_less.roll"][-1]) for k in range(len(PUSHED + MIDDLE))]
     stiffness = [2.0 * ROLLING / abs(r) for r in rolls]
-    return {"roll.stiffness": min(stiffness[: len(PUSHED)]), "roll.stiffness.middle": min(stiffness[len(PUSHED):])}
+    return {"roll.stiffness": min(stiffness[: len(PUSHED)]), "roll.stiffness.middle": min(stiffness[len(PUSHED) :])}
 
 
 def _roll_chart(rolls: np.ndarray) -> Chart:
@@ -177,5 +191,9 @@ def _roll_chart(rolls: np.ndarray) -> Chart:
 def _rows_grid(held: Mapping[str, Mapping[str, float]]) -> Grid:
     names = ("proximal_flexion", "distal_flexion", "roll")
     rows: tuple[tuple[str | float, ...], ...] = tuple((n, *(round(DEGREES * held[n][s], 2) for s in names)) for n in HELD)
-    return Grid("What the rows do", ("posture", "proximal row flexes, °", "distal row flexes, °", "roll, °"), rows,
-                "In runs, held by torques against 1 N.m/rad.")
+    return Grid(
+        "What the rows do",
+        ("posture", "proximal row flexes, °", "distal row flexes, °", "roll, °"),
+        rows,
+        "In runs, held by torques against 1 N.m/rad.",
+    )
