@@ -24,7 +24,7 @@ ComponentSlave.get_real = lambda self, vrs: [1.0] * len(vrs)
 """
 
 
-class Unit:
+class Instance:
     """An instance of an FMU, initialized with its start values."""
 
     def __init__(self, path: str, folder: str, name: str):
@@ -121,7 +121,7 @@ def default_experiment(path: str, folder: str) -> tuple[bool, str]:
 
 def state(path: str, folder: str) -> tuple[bool, str]:
     """Save, step, restore, step again: the same bits; then the same through the serialized state."""
-    unit = Unit(path, folder, "state")
+    unit = Instance(path, folder, "state")
     offered = unit.description.coSimulation
     if not offered.canGetAndSetFMUstate:
         unit.free()
@@ -145,7 +145,7 @@ def state(path: str, folder: str) -> tuple[bool, str]:
 
 def reset(path: str, folder: str) -> tuple[bool, str]:
     """After a reset the run is the same again."""
-    unit = Unit(path, folder, "reset")
+    unit = Instance(path, folder, "reset")
     first = unit.run()
     unit.fmu.reset()
     unit.initialize()
@@ -156,14 +156,14 @@ def reset(path: str, folder: str) -> tuple[bool, str]:
 
 def two_instances(path: str, folder: str) -> tuple[bool, str]:
     """A second instance, stepped in turn with the first, changes nothing."""
-    alone = Unit(path, folder, "alone")
+    alone = Instance(path, folder, "alone")
     expected = alone.run()
     alone.free()
-    first = Unit(path, folder, "first")
+    first = Instance(path, folder, "first")
     if first.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
         first.free()
         return True, NOT_OFFERED
-    second = Unit(path, folder, "second")
+    second = Instance(path, folder, "second")
     second.run(STEPS // 2)
     rows = []
     for _ in range(STEPS):
@@ -183,9 +183,9 @@ def other_bundle(path: str, folder: str) -> tuple[bool, str]:
         changed = changed_copy(Path(path), Path(directory))
         place = os.environ.get("COSIMO_CACHE")
         os.environ["COSIMO_CACHE"] = directory  # the changed code shall not stay in the user's cache
-        theirs = Unit(str(changed), str(extracted(changed, directory)), "unit")
+        theirs = Instance(str(changed), str(extracted(changed, directory)), "unit")
         os.environ.pop("COSIMO_CACHE") if place is None else os.environ.update(COSIMO_CACHE=place)
-        ours = Unit(path, folder, "unit")
+        ours = Instance(path, folder, "unit")
         moved, own = theirs.run(), ours.run()
         theirs.free()
         ours.free()
@@ -200,7 +200,7 @@ def host_packages(path: str, folder: str) -> tuple[bool, str]:
         return True, NOT_OFFERED + ": made by another tool"
     for name in ("components", "components.core", "components.catalogue", "slave", "interface", "fmus"):
         sys.modules[name] = types.ModuleType(name)
-    unit = Unit(path, folder, "unit")
+    unit = Instance(path, folder, "unit")
     rows = unit.run()
     unit.free()
     return bool(np.isfinite(rows).all()), f"{rows.size} finite numbers beside a host's own packages"

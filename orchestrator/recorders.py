@@ -11,7 +11,7 @@ import numpy as np
 
 from .engine.coupling import Endpoint
 from .engine.stepping.observers import FOREVER, BatchObserver
-from .units import Unit
+from .units import Simulator
 
 Sample = Callable[[], list[float]]
 
@@ -127,7 +127,7 @@ class TextRecorder(Recorder):
         return time, np.array([*self._places, None], dtype=object)[places.astype(int)]
 
 
-def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:
+def reading(units: Mapping[str, Simulator], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:
     """A function that asks the units for the present values of some outputs, in the order of `ends`; `texts`: they are texts."""
     by_unit = {u: [n for v, n in ends if v == u] for u, _ in ends}
     readers = [(units[u].text_reader if texts else units[u].reader)(names) for u, names in by_unit.items()]

@@ -38,7 +38,7 @@ from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
 from .shorter_steps import asked_for
 from .tables import MemoryTable, Table
-from .units.component import ComponentUnit
+from .units.component import ComponentSimulator
 from .units.interface import SimulationEnded
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Run:
         self.clock = clock_for(scene, coupling, *intervals, *edges(scene.faults))
         units = open_units(scene, stack, self.in_process, self._rescue, self._native_fmus())
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
-        self._own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
+        self._own = [u for n, u in units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
         self.units = units
         self._watched = read_in_every_step(scene)
         self.master = master_of(scene, self.units, coupling, (*self._watched, *coupling.events))

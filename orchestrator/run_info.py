@@ -13,7 +13,7 @@ from typing import Any
 from .engine.algorithms import Master
 from .engine.coupling import Coupling
 from .scene.scene import Scene
-from .units import Unit
+from .units import Simulator
 from .units.walls import walls_of
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
@@ -91,7 +91,7 @@ def scene_info(scene: Scene) -> dict[str, Any]:
     return {"name": scene.name, **scene.model_dump(mode="json")}
 
 
-def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:
+def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator], master: Master) -> dict[str, Any]:
     """What run.json holds beside outcome and timing."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}

@@ -32,7 +32,7 @@ from ..engine.coupling.graph import Link
 from ..open_all import open_units
 from ..run_info import CompileTime
 from ..scene.scene import Scene
-from ..units import Unit
+from ..units import Simulator
 from ..units.interface import PortValues
 from .closed_form import longest_step, radii
 from .step_cost import StepCost, step_cost
@@ -128,7 +128,7 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
         return Advice(limits, unknown, steps, seconds, compiling.seconds, cut)
 
 
-def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]) -> dict[str, tuple[StepCost, int]]:
+def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]) -> dict[str, tuple[StepCost, int]]:
     """By unit the cost of a step of it, and the macro steps that this one spans."""
     every = {node.unit.name: coupling.rates.get(node.unit.name, 1) for node in master.nodes}
     return {
@@ -152,7 +152,7 @@ def _timed(scene: Scene, master: Master) -> float:
 
 
 def contacts(
-    scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
+    scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]
 ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
     """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
     limits, unknown = [], []
@@ -244,7 +244,7 @@ def _is_force(unit: str) -> bool:
 class _Probe:
     """Changes inputs a little, looks at what follows, and takes it back."""
 
-    def __init__(self, scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]):
+    def __init__(self, scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]):
         self._coupling, self._master, self._units = coupling, master, units
         self._nodes = {node.unit.name: node for node in master.nodes}
         self._step = scene.master.step

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from ...components.core.errors import StepFailed
-from ..units import Interface, Unit
+from ..units import Interface, Simulator
 from ..units.interface import PortValues
 
 PACE = 10.0  # from one part to the next
@@ -41,7 +41,7 @@ class StepCost:
         )
 
 
-def step_cost(unit: Unit, interface: Interface, values: PortValues, step: float) -> StepCost:
+def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: float) -> StepCost:
     """The cost of a step of `step` s from where the unit stands, with its inputs held; the unit is left as it was.
 
     A unit that cannot go back or cannot shorten its steps is not asked, and its step is taken as one that may be made.
@@ -59,7 +59,7 @@ def step_cost(unit: Unit, interface: Interface, values: PortValues, step: float)
     return StepCost(1.0, calls, seconds)
 
 
-def _part(unit: Unit, values: PortValues, h: float) -> tuple[int, float]:
+def _part(unit: Simulator, values: PortValues, h: float) -> tuple[int, float]:
     """Counted operations and real time (s) of a step of h, s."""
     state, before, start = unit.save(), _calls(unit), perf_counter()
     try:
@@ -73,6 +73,6 @@ def _part(unit: Unit, values: PortValues, h: float) -> tuple[int, float]:
         unit.release(state)
 
 
-def _calls(unit: Unit) -> int:
+def _calls(unit: Simulator) -> int:
     """The unit's dearest counter."""
     return max((int(n) for n in unit.work().values()), default=0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..settings import UnitSettings
-from .interface import Interface, Unit
+from .interface import Interface, Simulator
 
 if TYPE_CHECKING:
     from .native import NativeFmu
@@ -22,15 +22,15 @@ def describe(name: str, settings: UnitSettings) -> Interface:
     return describe_component(name, settings)
 
 
-def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None) -> Unit:
+def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None) -> Simulator:
     """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit.
 
     `native`: the native FMU of a component, which is run instead.
     """
     if settings.isolation != "none":
-        from .process import WorkerUnit
+        from .process import WorkerSimulator
 
-        return WorkerUnit(name, settings, in_process=in_process, native=native)
+        return WorkerSimulator(name, settings, in_process=in_process, native=native)
     if native is not None:
         from .native import open_native
 
@@ -39,9 +39,9 @@ def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: Na
         from .fmu import open_fmu
 
         return open_fmu(name, settings)
-    from .component import ComponentUnit, make
+    from .component import ComponentSimulator, make
 
-    return ComponentUnit(name, make(name, settings))
+    return ComponentSimulator(name, make(name, settings))
 
 
-__all__ = ["Interface", "Unit", "describe", "open_unit"]
+__all__ = ["Interface", "Simulator", "describe", "open_unit"]

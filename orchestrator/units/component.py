@@ -70,7 +70,7 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
-class ComponentUnit:
+class ComponentSimulator:
     """A component as a unit; inputs and outputs are views of the component's own arrays."""
 
     kind = "in process"

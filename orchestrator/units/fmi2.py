@@ -21,7 +21,7 @@ from fmpy.logging import addLoggerProxy
 
 from .call_table import CallTable, Held, call_table
 from .callback import Callback
-from .fmu_unit import FmuUnit
+from .fmu_simulator import FmuSimulator
 from .inputs import WARNING
 from .interface import SimulationEnded
 
@@ -30,7 +30,7 @@ STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
 POLL = 1e-4  # s between two looks at a step that another thread of the FMU takes
 
 
-_running: WeakValueDictionary[int, FmuUnit] = WeakValueDictionary()
+_running: WeakValueDictionary[int, FmuSimulator] = WeakValueDictionary()
 
 
 @fmi2CallbackLoggerTYPE
@@ -40,7 +40,7 @@ def _LOGGER(environment, _name, _status, _category, text):
         unit.noted(text)
 
 
-class Fmi2Unit(FmuUnit):
+class Fmi2Simulator(FmuSimulator):
     """What model exchange and co-simulation share. `fmpy_class` is FMPy's class of the interface."""
 
     prefix = "fmi2"
@@ -85,7 +85,7 @@ class Fmi2Unit(FmuUnit):
         self._started = True
 
 
-class Fmi2CoSimulation(Fmi2Unit):
+class Fmi2CoSimulation(Fmi2Simulator):
     """An FMU of FMI 2.0 for co-simulation."""
 
     def wire(self, inputs: Any, outputs: Any) -> None:

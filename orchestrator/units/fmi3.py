@@ -16,7 +16,7 @@ import numpy as np
 from fmpy.fmi3 import FMU3Slave
 
 from ...components.core.errors import StepFailed
-from .fmu_unit import DiscreteStates, FmuUnit
+from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING, Others, Reals, Requested
 from .interface import SimulationEnded
 
@@ -26,7 +26,7 @@ EVENTS = 10_000  # in one step
 BOOLEAN, DOUBLE, POINTER = ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
 
 
-class Fmi3Unit(FmuUnit):
+class Fmi3Simulator(FmuSimulator):
     """What model exchange and co-simulation share."""
 
     prefix = "fmi3"
@@ -62,7 +62,7 @@ class Fmi3Unit(FmuUnit):
         return DiscreteStates(bool(again), bool(ends), bool(nominals), when.value if defined else inf)
 
 
-class Fmi3CoSimulation(Fmi3Unit):
+class Fmi3CoSimulation(Fmi3Simulator):
     """An FMU of FMI 3.0 for co-simulation."""
 
     def _instantiate(self) -> Any:

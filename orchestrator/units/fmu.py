@@ -10,10 +10,10 @@ from .values import checked_values
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
-    from .fmu_unit import FmuUnit
+    from .fmu_simulator import FmuSimulator
 
 
-def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
+def open_fmu(name: str, settings: UnitSettings) -> FmuSimulator:
     """The running FMU of a scene's entry; a component of the catalogue is built first if the cache has no FMU of it."""
     where = f"units.{name}"
     if settings.fmu:
@@ -36,7 +36,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     return _class(description)(name, description, given, None, component)
 
 
-def _class(description: Any) -> type[FmuUnit]:
+def _class(description: Any) -> type[FmuSimulator]:
     if description.fmi3:
         from .fmi3 import Fmi3CoSimulation
 

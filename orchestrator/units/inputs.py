@@ -64,7 +64,7 @@ class Reals:
             self._failed(status)
 
     def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        """As `Unit.drive`."""
+        """As `Simulator.drive`."""
         target, places, arguments = self._target, self._places, self._arguments[0]
         if slopes is None:
             target[places[0]] = values

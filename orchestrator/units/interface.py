@@ -26,7 +26,7 @@ class Signal:
     """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared.
 
     Numbers of every kind travel as floats: integers and members of an enumeration as their value, booleans as 0 and 1.
-    Texts take their own way, see `Unit.set_texts` and `Unit.text_reader`.
+    Texts take their own way, see `Simulator.set_texts` and `Simulator.text_reader`.
     """
 
     name: str
@@ -76,7 +76,7 @@ class SimulationEnded(StepFailed):
         return f"{self.unit} ended the simulation at t = {self.time:.9g} s"
 
 
-class Unit(Protocol):
+class Simulator(Protocol):
     """One simulated part. Calls come in this order:
 
     1. `wire` once: which inputs are driven and which outputs are read in every step; `wire_texts` where texts are driven

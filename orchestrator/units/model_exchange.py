@@ -19,7 +19,7 @@ import numpy as np
 
 from ...components.core.errors import StepFailed
 from .description import Description
-from .fmu_unit import FmuUnit
+from .fmu_simulator import FmuSimulator
 from .inputs import WARNING
 from .interface import PortValues, SimulationEnded
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
@@ -34,7 +34,7 @@ ROUNDING = 32.0  # units in the last place: an event of time is within a step wh
 REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
 
 
-class ModelExchange(FmuUnit):
+class ModelExchange(FmuSimulator):
     """What FMUs for model exchange share, whatever their version, with an integrator.
 
     A version gives `_sizes` and `_update_states`, the names of two functions and C's type of its truth values.

@@ -9,13 +9,13 @@ from typing import Any
 from fmpy.fmi2 import FMU2Model, fmi2EventInfo
 from fmpy.fmi3 import FMU3Model
 
-from .fmi2 import Fmi2Unit
-from .fmi3 import Fmi3Unit
-from .fmu_unit import DiscreteStates
+from .fmi2 import Fmi2Simulator
+from .fmi3 import Fmi3Simulator
+from .fmu_simulator import DiscreteStates
 from .model_exchange import ModelExchange
 
 
-class Fmi2ModelExchange(ModelExchange, Fmi2Unit):
+class Fmi2ModelExchange(ModelExchange, Fmi2Simulator):
     """Of FMI 2.0."""
 
     fmpy_class = FMU2Model
@@ -35,7 +35,7 @@ class Fmi2ModelExchange(ModelExchange, Fmi2Unit):
         )
 
 
-class Fmi3ModelExchange(ModelExchange, Fmi3Unit):
+class Fmi3ModelExchange(ModelExchange, Fmi3Simulator):
     """Of FMI 3.0: the numbers of states and indicators may follow from structural parameters."""
 
     truth_value = ctypes.c_bool

@@ -26,7 +26,7 @@ class NativeFmu:
     starts: Mapping[str, float]
 
 
-class NativeUnit(Fmi2CoSimulation):
+class NativeSimulator(Fmi2CoSimulation):
     """A native FMU of a component; it begins with the inputs of its build, whatever others an initialization tries first."""
 
     kind = "native FMU"
@@ -44,6 +44,6 @@ class NativeUnit(Fmi2CoSimulation):
         return self._constants
 
 
-def open_native(name: str, settings: UnitSettings, fmu: NativeFmu) -> NativeUnit:
+def open_native(name: str, settings: UnitSettings, fmu: NativeFmu) -> NativeSimulator:
     """The running unit of a component whose FMU is built."""
-    return NativeUnit(name, read(fmu.path, f"units.{name}"), fmu, make(name, settings))
+    return NativeSimulator(name, read(fmu.path, f"units.{name}"), fmu, make(name, settings))

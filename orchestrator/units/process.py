@@ -57,8 +57,8 @@ LOG_BYTES = 10_000  # in which they are looked for
 LONGEST = 200  # characters of a unit's name that are shown
 
 
-class WorkerUnit:
-    """Stands for a unit that runs in a worker process; see `Unit` for the order of calls.
+class WorkerSimulator:
+    """Stands for a unit that runs in a worker process; see `Simulator` for the order of calls.
 
     The process starts at once and is not waited for, so several of them start at the same time; what is wrong with the unit
     shows in `wire`.

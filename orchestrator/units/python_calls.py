@@ -9,7 +9,7 @@ import numpy as np
 from .call_names import IN_PYTHON
 from .call_table import CallTable
 from .callback import Callback
-from .interface import Unit, port_values
+from .interface import Simulator, port_values
 
 
 class PythonCalls:
@@ -18,7 +18,7 @@ class PythonCalls:
     The step of a unit in a process of its own begins in `step` and is waited for in `read`.
     """
 
-    def __init__(self, unit: Unit, links: np.ndarray, outputs: np.ndarray):
+    def __init__(self, unit: Simulator, links: np.ndarray, outputs: np.ndarray):
         """links: the records of its inputs; outputs: its part of the table of signals."""
 
         def step(t: float, h: float) -> None:

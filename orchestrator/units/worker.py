@@ -20,7 +20,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...components.core.errors import BadInput, StepFailed
-from . import Unit, open_unit
+from . import Simulator, open_unit
 from .channel import (
     CALL,
     EVENT,
@@ -49,7 +49,7 @@ class Worker:
 
     def __init__(self, name: str, channel: Channel):
         self._name, self._channel = name, channel
-        self._unit: Unit
+        self._unit: Simulator
         self._readers: list[tuple[Callable[[], PortValues], Callable[[PortValues], bytes]]] = []
         self._text_readers: list[Callable[[], list[str]]] = []
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them

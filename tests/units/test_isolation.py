@@ -18,7 +18,7 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units import open_unit
-from cosimo.orchestrator.units.process import WorkerUnit
+from cosimo.orchestrator.units.process import WorkerSimulator
 from cosimo.tests.rest import at_rest
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu
@@ -179,14 +179,14 @@ def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble
 
 def killed_before(method, monkeypatch):
     """Every worker dies right before a call of a method."""
-    original = getattr(WorkerUnit, method)
+    original = getattr(WorkerSimulator, method)
 
     def call(self, *arguments):
         self._process.kill()
         self._process.wait()
         return original(self, *arguments)
 
-    monkeypatch.setattr(WorkerUnit, method, call)
+    monkeypatch.setattr(WorkerSimulator, method, call)
 
 
 @pytest.mark.parametrize("method", [pytest.param("parameters", marks=FULL), pytest.param("work", marks=FULL), "close"])
@@ -420,11 +420,11 @@ def of_group(group: int) -> list[int]:
 def test_what_a_unit_has_started_ends_with_it(monkeypatch):
     groups = []
 
-    def kill(unit, _kill=WorkerUnit._kill):
+    def kill(unit, _kill=WorkerSimulator._kill):
         groups.append(of_group(unit._process.pid))
         _kill(unit)
 
-    monkeypatch.setattr(WorkerUnit, "_kill", kill)
+    monkeypatch.setattr(WorkerSimulator, "_kill", kill)
     assert run(read_scene(troubled("fork"))).outcome == "done"
     assert any(groups)  # the child was still there
     assert gone([child for children in groups for child in children])

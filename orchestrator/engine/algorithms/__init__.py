@@ -8,7 +8,7 @@ from typing import Any
 
 from ...settings import SceneSettings
 from ...settings.algorithms import ALGORITHMS
-from ...units import Unit
+from ...units import Simulator
 from ..coupling import Coupling, Endpoint
 from .master import Master
 
@@ -22,7 +22,9 @@ def class_of(algorithm: str) -> type[Master]:
     return algorithm_class
 
 
-def master_of(scene: SceneSettings, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = ()) -> Master:
+def master_of(
+    scene: SceneSettings, units: Mapping[str, Simulator], coupling: Coupling, watched: Sequence[Endpoint] = ()
+) -> Master:
     """The master that a scene asks for, with its resolved coupling; `watched`: outputs to read in every step in any case."""
     given = scene.master
     own: dict[str, Any] = {"iteration": given.iteration} if given.abilities.iterates else {}

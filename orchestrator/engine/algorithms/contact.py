@@ -119,7 +119,7 @@ class Side:
         self.line = Line(*force)
 
 
-class ContactUnit:
+class ContactSimulator:
     """A contact as a unit; see the module."""
 
     kind = "contact"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .contact import ContactUnit, Side
+from .contact import ContactSimulator, Side
 from .master import Acts, Master, Node
 from .records import READ, START
 
@@ -43,14 +43,14 @@ class InterfaceModel(Master):
 
     def own_acts(self) -> dict[str, Acts]:
         """Bodies that lead, and those that follow what these have shown. Contacts never step, their outputs follow the bodies."""
-        self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactUnit)]
+        self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactSimulator)]
         self._led = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}
         followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._led if unit.leader is not None}
         stages: list[list[Node]] = [[], []]
         self._pressed: list[list[tuple[Node, Pressed]]] = [[], []]
         for node in self.nodes:
-            if not isinstance(node.unit, ContactUnit):
+            if not isinstance(node.unit, ContactSimulator):
                 pressed = [
                     Pressed(k, side, link.factor, link.offset)
                     for k, link in enumerate(node.links)

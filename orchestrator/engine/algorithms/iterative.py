@@ -11,7 +11,7 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...settings import IterationSettings
-from ...units import Unit
+from ...units import Simulator
 from ..coupling import Coupling, Endpoint
 from ..coupling.graph import groups, smooth
 from .acceleration import Acceleration, Memory, accelerated
@@ -45,7 +45,7 @@ class Iterative(Master):
 
     def __init__(
         self,
-        units: Mapping[str, Unit],
+        units: Mapping[str, Simulator],
         coupling: Coupling,
         watched: Sequence[Endpoint] = (),
         *,

@@ -14,8 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ....components.core.errors import StepFailed
-from ...units import Unit
-from ...units.component import ComponentUnit
+from ...units import Simulator
+from ...units.component import ComponentSimulator
 from ..coupling import Coupling, Endpoint, Link
 from ..coupling.graph import Loop, is_discrete
 from .initial import RUNAWAY, Group, InitializationResult
@@ -59,7 +59,7 @@ class Master:
 
     def __init__(
         self,
-        units: Mapping[str, Unit],
+        units: Mapping[str, Simulator],
         coupling: Coupling,
         watched: Sequence[Endpoint] = (),
         *,
@@ -143,7 +143,7 @@ class Master:
         """Rows of the program that the algorithm takes by these names, see `perform`."""
         return {}
 
-    def _node(self, unit: Unit, read: Sequence[Endpoint], order: tuple[str, ...]) -> Node:
+    def _node(self, unit: Simulator, read: Sequence[Endpoint], order: tuple[str, ...]) -> Node:
         """The node of a unit, which is wired."""
         coupling, interfaces = self.coupling, self.coupling.interfaces
         name, rates = unit.name, coupling.rates
@@ -306,7 +306,7 @@ class Master:
         at: list[int] = []
         for name, output in ends:
             unit = self.node_of[name].unit if name in self.node_of else None
-            if not isinstance(unit, ComponentUnit):
+            if not isinstance(unit, ComponentSimulator):
                 return None
             at += unit.outputs_at([output])
         return self.machine.watch(at)

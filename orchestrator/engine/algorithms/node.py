@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...units import Unit
+from ...units import Simulator
 from ...units.interface import PortValues, port_values
 from ..coupling import Link
 from .memory import Records
@@ -47,7 +47,7 @@ class Node:
     of what others go by. looks: rows of the program that look at its inputs.
     """
 
-    unit: Unit
+    unit: Simulator
     place: slice
     links: tuple[Link, ...]
     sources: tuple[int, ...]

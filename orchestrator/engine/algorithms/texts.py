@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...units import Unit
+from ...units import Simulator
 from ..coupling import Coupling, Endpoint
 
 
 class Texts:
     """The connected texts of a scene. Before its source has been initialized a text is the start value of its input."""
 
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling):
+    def __init__(self, units: Mapping[str, Simulator], coupling: Coupling):
         self._units = units
         self._values: dict[Endpoint, str] = {}
         self._given: dict[str, list[str]] = {}  # outputs by unit

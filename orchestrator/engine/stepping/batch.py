@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...units.component import ComponentUnit
+from ...units.component import ComponentSimulator
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from .clock import Clock
@@ -110,8 +110,8 @@ class BatchStepping(Stepping):
             observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows)
 
     @property
-    def _components(self) -> list[ComponentUnit]:
-        return [unit for node in self._master.nodes if isinstance(unit := node.unit, ComponentUnit)]
+    def _components(self) -> list[ComponentSimulator]:
+        return [unit for node in self._master.nodes if isinstance(unit := node.unit, ComponentSimulator)]
 
     @property
     def _saves(self) -> bool:

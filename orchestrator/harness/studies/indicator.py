@@ -25,7 +25,7 @@ from ...engine.algorithms import Master, master_of
 from ...engine.algorithms.master import Saved
 from ...open_all import open_units
 from ...scene.scene import Scene
-from ...units.component import ComponentUnit
+from ...units.component import ComponentSimulator
 from .quantities import Quantity
 
 WAYS = 4  # from as many instants of the run
@@ -128,7 +128,7 @@ class Windows:
             master.positions == mine.positions
             and [n.links for n in master.nodes] == [n.links for n in mine.nodes]
             and len(master.loops) == len(mine.loops)
-            and all(isinstance(n.unit, ComponentUnit) for n in master.nodes)
+            and all(isinstance(n.unit, ComponentSimulator) for n in master.nodes)
         )
 
     def _restore(self, master: Master, saved: Saved, changed: Sequence[str], others: Mapping[str, Component], t: float) -> None:
@@ -158,7 +158,7 @@ def _plain(scene: Scene) -> Scene:
 
 
 def _components(master: Master) -> dict[str, Component]:
-    return {node.unit.name: node.unit.component for node in master.nodes if isinstance(node.unit, ComponentUnit)}
+    return {node.unit.name: node.unit.component for node in master.nodes if isinstance(node.unit, ComponentSimulator)}
 
 
 def _translated(state: bytes, of: Component, to: Component) -> bytes:

@@ -12,7 +12,7 @@ from cosimo.orchestrator import open_all
 from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
-from cosimo.orchestrator.units.component import ComponentUnit
+from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal
 from cosimo.tests.support import Integrals
 
@@ -173,7 +173,7 @@ def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(fee
             read_scene(loop)
 
 
-class Speaker(ComponentUnit):
+class Speaker(ComponentSimulator):
     """A component with a text output that tells its last step, and a text input that it keeps."""
 
     heard = ()

@@ -6,7 +6,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.reduced import LAWS, force_in_series, law_force, reduced_step
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import master_of
-from cosimo.orchestrator.engine.algorithms.contact import ContactUnit, line
+from cosimo.orchestrator.engine.algorithms.contact import ContactSimulator, line
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
@@ -309,7 +309,7 @@ def test_errors_of_a_stiff_impact(damping):
 def test_a_repeated_step_and_one_from_bytes_are_the_same_to_the_last_bit():
     scene = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6}, leader="second", acceleration=False, degree=2)
     units = {name: open_unit(name, settings, in_process=True) for name, settings in scene.units.items()}
-    units["touch"] = contact = ContactUnit(scene.contacts[0], 2)
+    units["touch"] = contact = ContactSimulator(scene.contacts[0], 2)
     master = master_of(scene, units, resolve_coupling(scene), [("touch", "force")])
     master.initialize(0.0)
     for k in range(5):

@@ -10,7 +10,7 @@ from cosimo.orchestrator.engine.coupling import resolve
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.systems import read_scene
-from cosimo.orchestrator.units.component import ComponentUnit
+from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.tests.engine.algorithms.oscillators import STATES, TwoMasses, open_master
 from cosimo.tests.support import Linear, exact_two_masses
 from scipy.linalg import expm
@@ -238,7 +238,7 @@ def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monk
     restores = []
     for gives in (False, True):
         if gives:  # all inputs and outputs are connected, in their order
-            monkeypatch.setattr(ComponentUnit, "jacobian", lambda self: self.component.D)
+            monkeypatch.setattr(ComponentSimulator, "jacobian", lambda self: self.component.D)
             interface_of("a", gives_jacobian=True)
             interface_of("b", gives_jacobian=True)
         master = open_master(scene, ())

@@ -46,8 +46,8 @@ class DiscreteStates(NamedTuple):
     next_event: float
 
 
-class FmuUnit:
-    """An FMU that is extracted, instantiated and has its parameters; see `Unit` for the order of calls.
+class FmuSimulator:
+    """An FMU that is extracted, instantiated and has its parameters; see `Simulator` for the order of calls.
 
     A subclass gives `prefix`, `_instantiate`, `_set_up`, `_enter_initialization`, `start` and `step`.
     """
@@ -213,7 +213,7 @@ class FmuUnit:
                 if self._scalars[n].variable.name in variables and self._scalars[n].variable.causality != "structuralParameter"
             }
             with suppress(StepFailed):  # refused: the message below gives the FMU's log
-                FmuUnit._set_values(self, again)
+                FmuSimulator._set_values(self, again)
                 lost = self._differing({n: self._values[n] for n in lost})
         for name, actual in lost.items():
             raise BadInput(
