@@ -56,7 +56,7 @@ HARD_CASES = {
         ),
         HardCase(
             "no load in clearance",
-            "Nothing pushes and nothing holds: the shaft stays where it is, to the last bit.",
+            "No force and no support: the shaft stays exactly where it is.",
             (AtMost(_motion, 0.0, "motion"),),
             ("clearance",),
             {"clearance.radial_clearance": 20e-6},
@@ -252,7 +252,7 @@ HARD_CASES = {
             step=1e3,
         ),
         HardCase(
-            "a conductance without measure",
+            "an infinite conductance",
             "1e12 W/K: one mass, P over both ways out.",
             (
                 Ends("inner_temperature", 1e-6, value=293.15 + 20.0 / 1.2),

@@ -171,7 +171,7 @@ HARD_CASES = {
     ),
     "ServoController": (
         HardCase(
-            "a set point without measure",
+            "an infinite set point",
             "1e200 m: voltages at their limit, no number lost.",
             (AtMost(_voltages, 12.0, "voltages, V"),),
             (),

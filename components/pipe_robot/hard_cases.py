@@ -129,7 +129,7 @@ HARD_CASES = {
         ),
         HardCase(
             "nothing to overcome",
-            "Rollers without resistance, no force: it stands to the last bit.",
+            "Rollers without resistance, no force: it stays exactly at rest.",
             (AtMost("position", 0.0), AtMost(_events, 0.0, "events")),
             ("tow",),
             {"rolling_resistance": 0.0},

@@ -1,4 +1,4 @@
-"""Hard cases of rotors: nothing that holds them, bearings without measure, no damping at a critical speed, rest and reversal."""
+"""Hard cases of rotors: nothing that holds them, infinite bearing forces, no damping at a critical speed, rest and reversal."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ HARD_CASES = {
             step=0.01,
         ),
         HardCase(
-            "bearings without measure",
+            "infinite bearing forces",
             "1e12 N/m through the ports, steps of 0.1 s: the ends stay where they are held.",
             (AtMost("bearing_a.displacement_y", 1e-9), AtMost("displacement_y", 2e-3)),
             ("disks", "gravity", "bearing_a", "bearing_b"),
@@ -84,7 +84,7 @@ HARD_CASES = {
             step=5e-3,
         ),
         HardCase(
-            "a force without measure",
+            "an infinite force",
             "Infinite.",
             Refused("not finite", "step", {"force_x": 1.0}),
             ("linear_supports",),

@@ -140,7 +140,7 @@ def uncertainty(
     if answer.limits:
         print_table(
             "Probability of keeping the limits",
-            ["limit", "low", "high", "standing", "samples", "probability", "95 %"],
+            ["limit", "low", "high", "provenance", "samples", "probability", "95 %"],
             answers.limit_rows(answer.limits),
         )
     if effects:

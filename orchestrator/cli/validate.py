@@ -61,7 +61,7 @@ def validate(
         print(to_json(results))
     else:
         for result in results:
-            columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
+            columns = ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside")
             print_table(
                 result.case.title,
                 columns,

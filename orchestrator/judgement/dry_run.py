@@ -17,6 +17,16 @@ Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
 ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a process behind walls"}
 
+PAIR_COLUMNS = (
+    "pair",
+    "natural frequency, Hz",
+    "damping, of critical",
+    "longest step, s: held inputs",
+    "linear",
+    "quadratic",
+    "damping at master.step, of critical",
+)
+
 
 def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
     """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
@@ -59,8 +69,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
             ],
         )
     if advice.contacts:
-        columns = ("pair", "Hz", "damping", "longest step s, held", "linear", "quadratic", "damping left at master.step")
-        yield "stability, estimated in closed form", columns, [_row(contact) for contact in advice.contacts]
+        yield "stability, estimated in closed form", PAIR_COLUMNS, [_row(contact) for contact in advice.contacts]
 
 
 def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool = False) -> Iterator[str]:
@@ -125,7 +134,7 @@ def _number(value: float, usual: float) -> str:
 def _row(contact: Contact) -> tuple[str, ...]:
     return (
         contact.pair,
-        f"{contact.frequency:.3g}" if contact.omega2 else "damper",
+        f"{contact.frequency:.3g}" if contact.omega2 else "no spring",
         _share(contact.share),
         *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest),
         _share(contact.left),
@@ -133,7 +142,7 @@ def _row(contact: Contact) -> tuple[str, ...]:
 
 
 def _share(value: float) -> str:
-    return {inf: "enough", -inf: "less than none"}.get(value) or f"{100.0 * value:.3g} %"
+    return {inf: "no oscillation", -inf: "grows"}.get(value) or f"{100.0 * value:.3g} %"
 
 
 def first_part(scene: Scene) -> tuple[str, list[str]]:

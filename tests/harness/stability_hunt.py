@@ -199,7 +199,7 @@ def true_errors(result: Result, finer: Result) -> dict[str, float]:
 
 
 def compared(choice: Choice, result: Result, reference: Reference, seconds: float) -> Run:
-    """What a run says, held against its reference."""
+    """What a run says, compared with its reference."""
     info = result.info
     warned = "; ".join([*info["warnings"], *([result.message] if result.message else [])])
     if result.outcome != "done":

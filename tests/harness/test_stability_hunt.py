@@ -15,7 +15,7 @@ SAMPLE = ("gimbal-scan", "lumped-catenary", "pipe-robots-in-tow", "wrist-motion"
 
 
 def test_a_mass_on_a_spring_is_never_wrong_by_more_than_it_says():
-    """Its coupling is unstable at some of these settings; the reference is held against its closed form."""
+    """Its coupling is unstable at some of these settings; the reference is compared with its closed form."""
     hunt = Hunt(load_scene("mass-on-spring"))
     runs = [hunt.judged(choice) for choice in choices(["mass-on-spring"], 16, seed=1)["mass-on-spring"]]
     assert {run.verdict for run in runs} == {"right", "said"}

@@ -109,7 +109,7 @@ class Iterative(Master):
                 raise StepFailed(
                     worst[0],
                     t,
-                    f"no value of {worst[1]} can be found that fits: the circle gives back what it gets",
+                    f"no value of {worst[1]} solves the algebraic loop: its output equals its input",
                     "Give one of its units a state or a smaller gain",
                 ) from None
             response = respond(guess)

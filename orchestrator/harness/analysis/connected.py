@@ -42,11 +42,11 @@ class Connected:
         ]
 
     def initialize(self) -> None:
-        """All components at t = 0, as they give one another their inputs; raises `BadInput` where these do not come to stand."""
+        """All components at t = 0, as they give one another their inputs; raises `BadInput` where these do not converge."""
         self._exchange(lambda component: component.initialize(0.0))
 
     def refresh(self) -> None:
-        """Outputs that follow the present states and one another; raises `BadInput` where they do not come to stand."""
+        """Outputs that follow the present states and one another; raises `BadInput` where they do not converge."""
         self._exchange(Component.refresh)
 
     def _exchange(self, update: Callable[[Component], None]) -> None:
@@ -64,6 +64,6 @@ class Connected:
         raise BadInput(
             f"{self._where}: operating point",
             f"inputs that still change by {changed:.2g} after {SWEEPS} exchanges",
-            "outputs that come to stand",
+            "outputs that converge",
             "Units in an algebraic loop may belong into one component.",
         )

@@ -147,7 +147,7 @@ class SceneRates:
 
     states: unit -> elements of its x that belong to the equilibrium; modes and angles stay as the scene starts.
     step: s.  start: the chosen states as the scene starts, (n,).
-    Raises `BadInput` for units that are no components, and where outputs do not come to stand.
+    Raises `BadInput` for units that are no components, and where outputs do not converge.
     """
 
     def __init__(self, scene: Scene, states: Mapping[str, Sequence[int]], step: float = STEP):

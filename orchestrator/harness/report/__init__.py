@@ -112,7 +112,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
     if len(case_results) == 1:
         lead = case_results[0].verdict
     footer = [
-        "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
+        "Every range has its provenance: verbatim (read in a public source), computed (independent solver or closed form), "
         "inferred, recalled (from memory of the literature, not re-read; hatched).",
         "± is the numerical error of a number: what half of every macro step changes, twice. Where an end of the range lies "
         "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated.",

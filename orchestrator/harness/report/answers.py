@@ -144,7 +144,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         blocks.append(
             Cells(
                 "Probability of keeping the limits",
-                ("limit", "low", "high", "standing", "samples", "probability", "95 %"),
+                ("limit", "low", "high", "provenance", "samples", "probability", "95 %"),
                 limit_rows(answer.limits),
                 "95 %: interval of the probability, from independent samples.",
                 right=frozenset({1, 2, 4, 5, 6}),

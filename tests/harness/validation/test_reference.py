@@ -11,7 +11,7 @@ TABLES = sorted(table_files())
 def test_every_row_has_range_standing_and_source(name):
     table = load_table(name)
     assert table.rows
-    # one number may be held against two sources, but not twice against one
+    # one number may be compared with two sources, but not twice against one
     assert len({(r.measure, r.condition, r.source) for r in table.rows}) == len(table.rows)
     for row in table.rows:
         assert row.standing in STANDINGS

@@ -334,7 +334,7 @@ def test_a_state_that_is_not_finite_stops_the_run():
 
 
 def test_chaos_is_bounded_and_repeats_to_the_last_bit():
-    """Of a chaotic motion only this can be said: it stays between the races, and the same start gives the same bits."""
+    """Of a chaotic motion only this can be said: it stays between the races, and the same start is bit-identical."""
     first, second = with_gap(30.0), with_gap(30.0)
     seen = run(first, 2.0)
     run(second, 2.0)

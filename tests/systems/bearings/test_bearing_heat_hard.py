@@ -1,4 +1,4 @@
-"""Hard cases of the heat components: no load, no heat, conductances and capacities without measure, steps of a quarter hour."""
+"""Hard cases of the heat components: no load, no heat, infinite conductances and capacities, steps of a quarter hour."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ def test_radiation_alone_cools_by_the_fourth_power():
 
 @pytest.mark.parametrize("power", [1e3, 1e4, 1e5])
 def test_radiation_in_substeps_of_any_length_is_right_or_fails(power):
-    """All heat leaves by radiation; a substep of 1000 s once went to 1e20 K without a word."""
+    """All heat leaves by radiation; a substep of 1000 s once went to 1e20 K silently."""
     parameters = {"shaft_conductance": 0.0, "ambient_conductance": 0.0}
     rest = (293.15**4 + power / (0.8 * 0.05 * STEFAN_BOLTZMANN)) ** 0.25
     fine = run(started(("radiation",), {**parameters, "substep": 10.0}, friction_power=power), 1000.0, 20)

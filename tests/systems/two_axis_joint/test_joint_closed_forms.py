@@ -1,4 +1,4 @@
-"""The closed forms themselves: each put back into the equation it is to solve, or held against an independent way."""
+"""The closed forms themselves: each put back into the equation it is to solve, or compared with an independent method."""
 
 from __future__ import annotations
 

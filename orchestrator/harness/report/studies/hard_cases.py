@@ -67,8 +67,8 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
         "How far each claim is from its limit",
         {"data": data, "layout": figure_layout},
         (
-            "At 1 a claim would just hold; a magnitude cut off at its limit stands there by right. Exact: nothing of the limit was "
-            "used, to the last bit. Of a refusal the factor between a number that is refused and one that is accepted: the limit "
+            "At 1 a claim would just hold; a magnitude cut off at its limit may be 1. Exact: the deviation is "
+            "zero. For a refusal: the factor between a number that is refused and one that is accepted: the limit "
             f"lies between them. Margins above {FARTHEST:.0e} are drawn there."
         ).replace("e+0", "e"),
     )

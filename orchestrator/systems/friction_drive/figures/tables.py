@@ -31,9 +31,9 @@ def moves_table(drives: Sequence[Drive], bands: Mapping[str, float]) -> Cells | 
     if not rows:
         return None
     limits = " and ".join(f"{number(SCALES[a][0] * b)} {SCALES[a][1]}" for a, b in bands.items())
-    text = (f"Settled: from the begin of the change until the error stays within {limits}, up to the next change. Left: set "
-            "point less way at its end.")  # fmt: skip
-    header = ("drive", "axis", "begins, s", "lasts, s", "way", "overshoot", "left", "settled after, s")
+    text = (f"Settled: from the start of the change until the error stays within {limits}, up to the next change. Left: set "
+            "point less position at its end.")  # fmt: skip
+    header = ("drive", "axis", "start, s", "duration, s", "way", "overshoot", "left", "settled after, s")
     return Cells("Moves", header, rows, text, frozenset(range(2, 8)))
 
 

@@ -131,7 +131,7 @@ def _variant_grid(measured: dict[str, dict[float, dict[str, float]]], table: Tab
         "Variants of the model, one change each",
         header,
         rows,
-        "(250) and (300): speed in km/h. All but the first line run in process, which gives the same bits. Nothing is tuned: "
+        "(250) and (300): speed in km/h. All but the first line run in process, which is bit-identical. Nothing is tuned: "
         "each "
         "line differs from the scene by what its name says. σ and extremes: filtered as above; loss: unfiltered.",
     )

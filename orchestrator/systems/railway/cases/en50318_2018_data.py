@@ -79,10 +79,10 @@ def data_grid(name: str, catenary: Any) -> Grid:
     """What the catenary of a model is made of, from the catenary itself, and how each number is known."""
     rows = tuple((what, f"{_value(catenary, key):g}", unit, standing, source) for what, key, unit, standing, source in DATA[name])
     return Grid(
-        "The model's data and how each is known",
-        ("quantity", "value", "unit", "standing", "source"),
+        "The model's data and their provenance",
+        ("quantity", "value", "unit", "provenance", "source"),
         rows,
-        "Read: in a public source that is not the standard. Recalled, inferred: with nothing to hold it against.",
+        "Read: in a public source that is not the standard. Recalled, inferred: without a source to compare with.",
     )
 
 
