@@ -63,6 +63,8 @@ def load_package(folder):
     if name not in sys.modules:
         copy = stable_copy(folder)
         spec = importlib.util.spec_from_file_location(name, os.path.join(copy, "__init__.py"), submodule_search_locations=[copy])
+        assert spec is not None
+        assert spec.loader is not None
         module = sys.modules[name] = importlib.util.module_from_spec(spec)
         try:
             spec.loader.exec_module(module)
@@ -89,7 +91,7 @@ def import_part(module, fmu):
         try:
             return importlib.import_module(module)
         except DAMAGED:
-            drop_byte_code(os.path.dirname(sys.modules[module.partition(".")[0]].__file__))
+            drop_byte_code(os.path.dirname(str(sys.modules[module.partition(".")[0]].__file__)))
             return importlib.import_module(module)
     except ModuleNotFoundError as error:
         missing = (error.name or str(error)).partition(".")[0]

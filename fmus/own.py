@@ -1,7 +1,7 @@
 """The sources of a user's component, packed so that its FMU needs nothing of cosimo where it runs.
 
-The user's module and those beside it that it imports go to `components/own`; what they import of cosimo, by its public names or
-by its modules of components, becomes a relative import, because the bundle of an FMU has another name.
+The user's module and those beside it that it imports go to a folder `own` beside cosimo's components. Their imports of cosimo
+become relative imports, because the bundle of an FMU has another name.
 """
 
 from __future__ import annotations

@@ -316,10 +316,10 @@ def result_of(
     if isinstance(table, StoredTable) and table.rows * (1 + len(table.names)) > HELD:
         return StoredResult(
             scene,
-            table,
+            table,  # type: ignore[arg-type]
             StoredColumns(table, table.names),
             _Snapshots(snapshots),
-            measures,  # type: ignore[arg-type]
+            measures,
             info,
             outcome,
             message,

@@ -44,7 +44,7 @@ class KernelDispatcher(CPUDispatcher):
             if self._counts:
                 raise
             self._counts = True  # what makes arrays cannot be compiled without
-            self._compiler._failed_cache.clear()  # Numba does not try again what has failed
+            self._compiler._failed_cache.clear()  # type: ignore[attr-defined]  # Numba does not try again what has failed
             if self._for_kernels:
                 raise  # what calls it has failed, too, and tries again
         return self.compile(sig)

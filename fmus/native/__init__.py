@@ -1,6 +1,5 @@
 """FMUs that need no Python: a component's own kernels, compiled ahead of time, and a runtime in C.
 
-`hooks` translates what a component's `_step` and `_outputs` do into functions over one block of memory, `block` lays the block
-out, `machine_code` makes object files of them, `image` computes the initial state at build, `tables` and `description` write
-what the runtime and an importing tool read, and `build` links and packs.
+`machine_code` makes object files of a component's kernels, `kept_code` keeps them on disk. `instance` lays out the variables in
+the block of memory. `variables` and `description` write what an importing tool reads. `build` links and packs.
 """

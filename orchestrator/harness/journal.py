@@ -89,8 +89,8 @@ _journal: ContextVar[Journal | None] = ContextVar("journal", default=None)  # of
 
 
 def once(
-    kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[T], Any] = asdict
-) -> T:  # type: ignore[assignment]
+    kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[Any], Any] = asdict
+) -> T:
     """A piece of a study: the kept one where the study has a journal with it, else `compute()`, which is kept.
 
     of: what it depends on, scenes, components of the catalogue and plain data. plain: of a piece, numbers, texts, arrays, and

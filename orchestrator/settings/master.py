@@ -48,11 +48,8 @@ class ControlSettings(Model):
 class MasterSettings(Model):
     """The algorithm that steps the units and hands values over."""
 
-    algorithm: Literal[tuple(ALGORITHMS)] = Field(
-        default="gauss-seidel",
-        description=(  # type: ignore[valid-type]
-            "; ".join(f"{name}: {of.text}" for name, of in ALGORITHMS.items())
-        ),
+    algorithm: Literal[tuple(ALGORITHMS)] = Field(  # type: ignore[valid-type]
+        default="gauss-seidel", description="; ".join(f"{name}: {of.text}" for name, of in ALGORITHMS.items())
     )
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
