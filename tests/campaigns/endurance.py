@@ -1,6 +1,6 @@
 """What is done to the program very often, or for very long: rows, life cycles, kills, builds at once, ill-behaved FMUs.
 
-    python -m cosimo.tests.endurance kills --count 100
+    python -m cosimo.tests.campaigns.endurance kills --count 100
 
 rows: steps of one run, each of them a row; memory, clock and checkpoint are looked at. cycles: runs of one scene in one process,
 of each packaging. kills: `kill -9` of one run that goes on each time, its rows at the end compared with those of a run that was
@@ -26,7 +26,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
-from cosimo.tests.campaign import peak
+from cosimo.tests.campaigns.mutated_files import peak
 
 STEP = 2.0**-8  # s: its multiples are exact
 PATIENCE = 300.0  # s for something to happen on a busy machine

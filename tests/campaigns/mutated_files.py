@@ -1,6 +1,6 @@
 """Mutated files in large numbers: each is used, or refused with one message, in bounded time and memory.
 
-    python -m cosimo.tests.campaign scenes --count 100000 --seed 1
+    python -m cosimo.tests.campaigns.mutated_files scenes --count 100000 --seed 1
 
 Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, tables (accuracy.csv), results (run.json), cases and plans
 (.toml), curves and responses (measured, .csv), lines (.toml). FMUs are read as a scene reads them; their binaries are not
@@ -344,7 +344,7 @@ def campaign(kind: str, count: int, seed: int, batch: int = BATCH) -> dict[str, 
             environment.setdefault("COSIMO_CACHE", str(Path(folder, "cache")))
             numbers = ("--seed", str(seed), "--first", str(first), "--count", str(min(batch, count - first)))
             done = subprocess.run(
-                [sys.executable, "-m", "cosimo.tests.campaign", kind, *numbers, "--folder", folder],
+                [sys.executable, "-m", "cosimo.tests.campaigns.mutated_files", kind, *numbers, "--folder", folder],
                 capture_output=True,
                 text=True,
                 env=environment,

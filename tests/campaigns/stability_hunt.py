@@ -1,7 +1,7 @@
 """The hunt for runs that are wrong by more than they say: shipped scenes at random settings that a user may choose.
 
-    python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl [--runs 3000] [--seed 0] [SCENE ...]
-    python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl --table      # what the file holds, in Markdown
+    python -m cosimo.tests.campaigns.stability_hunt -o hunt.jsonl [--runs 3000] [--seed 0] [SCENE ...]
+    python -m cosimo.tests.campaigns.stability_hunt -o hunt.jsonl --table      # what the file holds, in Markdown
 
 Each run is drawn at random: a scene, an algorithm, a degree of the inputs, a macro step of 1 to 50 times the scene's own, and in
 half of them a stiffness of 3 to 100 times. It runs to the end of the scene, verified as `cosimo run` verifies. Its true error is

@@ -1,4 +1,4 @@
-"""The campaign of mutated files, in small: `python -m cosimo.tests.campaign` is the large one."""
+"""The campaign of mutated files, in small: `python -m cosimo.tests.campaigns.mutated_files` is the large one."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.tests import campaign
+from cosimo.tests.campaigns import mutated_files
 
-KINDS = [kind for kind in campaign.KINDS if kind != "faults"]
+KINDS = [kind for kind in mutated_files.KINDS if kind != "faults"]
 
 
 def test_the_campaign_sees_what_counts_as_a_finding():
-    outcome = campaign.campaign("faults", 4, 1)
-    (Path(campaign.__file__).parent / "written-by-the-campaign").unlink()
+    outcome = mutated_files.campaign("faults", 4, 1)
+    (Path(mutated_files.__file__).parent / "written-by-the-campaign").unlink()
     assert outcome["findings"] == 4
     texts = " ".join(outcome["texts"])
     for word in ("RecursionError: too deep", "several lines", "written outside: open", "the process ended with 11"):
@@ -25,8 +25,8 @@ def test_the_campaign_sees_what_counts_as_a_finding():
 
 def test_mutations_follow_from_the_seed():
     original = b'stop_time = 1.0\nunits.p.component = "Probe"\n'
-    several = [campaign.mutated(original, random.Random(f"scenes 1 {k}")) for k in range(50)]
-    assert several == [campaign.mutated(original, random.Random(f"scenes 1 {k}")) for k in range(50)]
+    several = [mutated_files.mutated(original, random.Random(f"scenes 1 {k}")) for k in range(50)]
+    assert several == [mutated_files.mutated(original, random.Random(f"scenes 1 {k}")) for k in range(50)]
     assert len(set(several)) > 40
 
 
@@ -35,17 +35,17 @@ def test_mutations_follow_from_the_seed():
     [*((kind, 12) for kind in ("scenes", "checkpoints")), *(pytest.param(kind, 300, marks=pytest.mark.full) for kind in KINDS)],
 )
 def test_mutated_files_are_used_or_refused_with_one_message(kind, count):
-    outcome = campaign.campaign(kind, count, 7)
+    outcome = mutated_files.campaign(kind, count, 7)
     assert outcome["texts"] == {}
     assert outcome["used"] + outcome["refused"] == count
-    assert outcome["megabytes"] < campaign.MEGABYTES
+    assert outcome["megabytes"] < mutated_files.MEGABYTES
 
 
 @pytest.mark.parametrize("member", ["x", "text.npyx", "digest"])
 def test_a_checkpoint_with_a_member_that_is_no_array_is_refused(tmp_path, member):
     """Seen by the campaign: NumPy gives such a member as bytes."""
     path = tmp_path / "case"
-    originals, _, use = campaign.checkpoints(tmp_path)
+    originals, _, use = mutated_files.checkpoints(tmp_path)
     path.write_bytes(originals[0])
     use(path)
     with zipfile.ZipFile(path, "a") as archive:

@@ -1,4 +1,4 @@
-"""The endurance runs, in small: `python -m cosimo.tests.endurance` makes the large ones."""
+"""The endurance runs, in small: `python -m cosimo.tests.campaigns.endurance` makes the large ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_result, read_scene
-from cosimo.tests import endurance
+from cosimo.tests.campaigns import endurance
 from cosimo.tests.support import two_masses
 
 compiler = pytest.mark.skipif(shutil.which("cc") is None or os.name == "nt", reason="needs a C compiler and POSIX")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
-from cosimo.tests.harness.stability_hunt import Choice, Hunt, Run, choices, compared, main, table, true_errors
+from cosimo.tests.campaigns.stability_hunt import Choice, Hunt, Run, choices, compared, main, table, true_errors
 
 SAMPLE = ("gimbal-scan", "lumped-catenary", "pipe-robots-in-tow", "wrist-motion")
 
