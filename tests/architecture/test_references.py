@@ -15,6 +15,7 @@ from cosimo.tests.architecture.test_sources import ROOT, SOURCES
 PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / "docs").rglob("*.md") if "generated" not in p.parts)]
 NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*(\(\))?")
 EXTERNAL = {"tbb", "nohup", "X097_DE_time", "X097RPM", "DIR", "docs/generated"}  # of the system, of others' files, of a build
+CLASS = re.compile(r"\b(?:[A-Z][a-z0-9]+){2,}\b")
 FILE = re.compile(
     r"[\w./-]+\.(py|md)|(components|fmus|orchestrator|tests|docs)/[\w./-]+"
 )  # others are written by commands or users
@@ -81,6 +82,8 @@ def missing(text: str, own: frozenset[str] = frozenset()) -> list[str]:
             absent += [] if quoted.rstrip("/") in files() or Path(quoted).stem in own else [quoted]
         elif NAME.fullmatch(quoted) and not of_library(quoted):
             absent += [quoted] if set(quoted.removesuffix("()").split(".")) - names() - own else []
+        elif quoted.startswith("cosimo "):
+            absent += [name for name in CLASS.findall(quoted) if name not in names()]
     return absent
 
 
