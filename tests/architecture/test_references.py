@@ -83,7 +83,7 @@ def missing(text: str, own: frozenset[str] = frozenset()) -> list[str]:
         elif NAME.fullmatch(quoted) and not of_library(quoted):
             absent += [quoted] if set(quoted.removesuffix("()").split(".")) - names() - own else []
         elif quoted.startswith("cosimo "):
-            absent += [name for name in CLASS.findall(quoted) if name not in names()]
+            absent += [name for name in CLASS.findall(quoted) if name not in names() | own]
     return absent
 
 
