@@ -2,8 +2,8 @@
 
 A file holds numbers and texts only: the states of the units as their own bytes, what the master extrapolates from, and where the
 rows recorded so far are: parts of the result directory, by their number and one digest. So neither memory nor file grow with the
-run. Rows of a run without a result directory are in memory, and in the file. What kind of object they belong to is known from the
-scene, which must be the same, so that nothing in a file is ever executed, and only fields that such an object has are filled. A
+run. Rows of a run without a result directory are in memory, and in the file. Which objects they belong to is known from the
+scene, which must be the same, so that nothing in a file is ever executed, and only the fields of these objects are filled. A
 digest of the content shows damage.
 """
 
@@ -13,24 +13,21 @@ import json
 import os
 import warnings
 from collections.abc import Mapping
-from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
 from ..components.core import store
 from ..components.core.errors import BadInput
-from .content import DamagedContent, KeptObject, ObjectContent, read_content, write_content
-from .engine.algorithms.energy import SavedAccount
-from .engine.algorithms.master import Master, Saved
-from .engine.stepping.loop import Stepping
-from .engine.stepping.observers import BatchObserver
+from .engine.algorithms.master import Master
+from .engine.stepping.loop import BatchObserver, Stepping
 from .scene.scene import Scene
 from .units import Interface
+from .verified_file import DamagedFile, read_verified, write_verified
 
-FORMAT = "cosimo checkpoint 5"
-CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "units", "parts"}
+FORMAT = "cosimo checkpoint 6"
+CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "parts"}
 
 
 class Part(Protocol):
@@ -51,8 +48,7 @@ class Checkpoint:
     tick: int
     t: float
     kinds: Mapping[str, str]  # of the units, by name
-    master: Any
-    units: list[Any]
+    master: Mapping[str, Any]  # its state, those of the units included
     parts: Mapping[str, Any]
 
 
@@ -85,7 +81,7 @@ class Checkpoints(BatchObserver):
     def __init__(self, path: Path, every: float, scene: Scene, master: Master, loop: Stepping, parts: Mapping[str, Part]):
         self.path, self.every, self.written, self.last = path, every, 0, 0.0
         self._file = path.absolute()  # wherever a unit goes
-        self._scene, self._master, self._loop, self._parts = scene, master, loop, parts
+        self._loop, self._parts = loop, parts
         self._header = {
             "format": FORMAT,
             "version": version("cosimo"),
@@ -111,20 +107,11 @@ class Checkpoints(BatchObserver):
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
-        saved = self._loop.master.save()
         t = self._loop.clock.seconds(self._loop.tick)
         try:
-            write_content(
-                self._file,
-                self._header
-                | {
-                    "tick": self._loop.tick,
-                    "t": t,
-                    "units": _packed(self._master, saved),
-                    "master": _without_units(saved),
-                    "parts": {name: part.state() for name, part in self._parts.items()},
-                },
-            )
+            parts = {name: part.state() for name, part in self._parts.items()}
+            state = {"tick": self._loop.tick, "t": t, "master": self._loop.master.state(), "parts": parts}
+            write_verified(self._file, self._header | state)
         except OSError as error:
             if not self._failed:
                 warnings.warn(
@@ -132,9 +119,6 @@ class Checkpoints(BatchObserver):
                 )
             self._failed = True
             return
-        finally:
-            for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
-                node.unit.release(state)
         self.written, self.last = self.written + 1, t
 
     def report(self) -> dict[str, Any]:
@@ -146,11 +130,11 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     """The checkpoint in a file; raises `BadInput` where it is none, or one of another scene, version or damaged."""
     where, shown = "resume", repr(str(path))
     try:
-        content = read_content(path)
+        content = read_verified(path)
         whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except OSError as error:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
-    except DamagedContent:
+    except DamagedFile:
         raise BadInput(where, shown, "a checkpoint that is not damaged", "Its digest does not fit its content.") from None
     except Exception:  # written by something else, with a digest that fits
         whole = False
@@ -164,7 +148,7 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
             f"{shown}, of another scene or other settings ({content['name']})",
             f"a checkpoint of {scene.name} as it is now",
         )
-    return Checkpoint(path.resolve().parent, *(content[key] for key in ("tick", "t", "kinds", "master", "units", "parts")))
+    return Checkpoint(path.resolve().parent, *(content[key] for key in ("tick", "t", "kinds", "master", "parts")))
 
 
 def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
@@ -189,11 +173,8 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
                 f"the same kind, here {kinds[name]!r}",
                 "Components run as FMUs or in process in both runs.",
             )
-    initial = loop.master.save()
-    saved = _filled(_without_units(initial), checkpoint.master)
-    units = _of_master(saved).units
-    units += [node.unit.unpack(packed) for node, packed in zip(master.nodes, checkpoint.units, strict=True)]
-    loop.master.adopt(saved)
+    _check_like(loop.master.state(), checkpoint.master, "a master")
+    loop.master.take(checkpoint.master)
     for name, part in parts.items():
         part.take(checkpoint.parts[name])
     loop.tick = checkpoint.tick
@@ -212,45 +193,19 @@ def _kinds(master: Master) -> dict[str, str]:
     return {node.unit.name: node.unit.kind for node in master.nodes}
 
 
-def _of_master(saved: Any) -> Saved:
-    return saved.master if isinstance(saved, SavedAccount) else saved
-
-
-def _without_units(saved: Any) -> Any:
-    """What a master saved, but for the states of its units."""
-    if isinstance(saved, SavedAccount):
-        return replace(saved, master=_without_units(saved.master))
-    return replace(saved, units=[])
-
-
-def _packed(master: Master, saved: Any) -> list[Any]:
-    return [node.unit.pack(state) for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
-
-
-# -- what a file holds, put into the objects of a run that has just started --------------------
-def _filled(template: Any, data: Any) -> Any:
-    """The data, with copies of the template's objects where it has their fields; raises `ValueError` for any other form."""
-    if isinstance(data, KeptObject):
-        return template
-    if isinstance(data, ObjectContent):
-        fields = vars(template) if hasattr(template, "__dict__") and not isinstance(template, type) else {}
-        if fields.keys() != data.attributes.keys():
-            raise ValueError(
-                f"fields of {type(template).__name__} are {', '.join(fields) or 'none'}, "
-                f"not {', '.join(data.attributes) or 'none'}"
-            )
-        filled = copy(template)
-        vars(filled).update({key: _filled(fields[key], value) for key, value in data.attributes.items()})
-        return filled
-    if isinstance(data, list | tuple):
-        items = list(template) if isinstance(template, list | tuple) else []
-        return type(data)(_filled(items[k] if k < len(items) else None, item) for k, item in enumerate(data))
-    if isinstance(data, dict):
-        named = template if isinstance(template, Mapping) else {}
-        return {key: _filled(named.get(key), item) for key, item in data.items()}
-    if isinstance(template, bool | int | float | str) and not isinstance(data, _LIKE[type(template)]):
-        raise ValueError(f"{data!r} in the place of {template!r}")
-    return data
-
-
-_LIKE: dict[type, Any] = {bool: bool, int: int, float: int | float, str: str}  # what may take the place of a plain value
+def _check_like(template: Any, data: Any, where: str) -> None:
+    """Raises `ValueError` where data have other fields than a template, or values of another type."""
+    if template is None:  # which stands for whatever comes later
+        return
+    if isinstance(template, float) and isinstance(data, int):
+        return
+    if type(data) is not type(template):
+        raise ValueError(f"{data!r} in the place of {where}")
+    if isinstance(template, dict):
+        if data.keys() != template.keys():
+            raise ValueError(f"fields of {where} are {', '.join(template)}, not {', '.join(map(str, data))}")
+        for key, item in template.items():
+            _check_like(item, data[key], key)
+    elif isinstance(template, list | tuple):
+        for one, other in zip(template, data, strict=False):
+            _check_like(one, other, where)

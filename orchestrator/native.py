@@ -13,7 +13,7 @@ from ..fmus.native.build import built, own_target
 from .engine.algorithms import master_of
 from .engine.stepping.adaptive import clock_for
 from .engine.stepping.faults import Faults
-from .open_all import open_units, read_in_every_step
+from .open_units import open_units, read_in_every_step
 from .scene.scene import Scene
 from .units.component import make
 from .units.native import NativeFmu

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from .engine.stepping.observers import BatchObserver
+from .engine.stepping.loop import BatchObserver
 from .units.channel import STOPPING
 
 

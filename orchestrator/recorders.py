@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .engine.coupling import Endpoint
-from .engine.stepping.observers import FOREVER, BatchObserver
+from .engine.stepping.loop import FOREVER, BatchObserver
 from .units import Simulator
 
 Sample = Callable[[], list[float]]
@@ -38,7 +38,7 @@ class Recorder(BatchObserver):
         anywhere = self._of_master or self._columns is not None
         return FOREVER if anywhere else max(-(-(self._due - tick) // length) - 1, 0)
 
-    def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
+    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._outputs = outputs
 

@@ -20,7 +20,7 @@ from typing import IO, Any
 import numpy as np
 
 from ..components.core.errors import BadInput
-from .engine.stepping.observers import BatchObserver
+from .engine.stepping.loop import BatchObserver
 from .output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
 from .recorders import Recorder, TextRecorder
 from .tables import INTERNAL, StoredTable, Table, joined, prepare

@@ -27,7 +27,7 @@ from .engine.stepping.loop import Observer
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
-from .open_all import open_units, read_in_every_step
+from .open_units import open_units, read_in_every_step
 from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
 from .progress import Interrupt, Progress

@@ -232,7 +232,7 @@ def _reference(name: str) -> list[dict[str, Any]]:
 
 
 def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None) -> tuple[dict[str, Any], Drawing]:
-    from ..judgement.stepping_path import stepping_path
+    from ..judgement.dry_run import stepping_path
 
     scene = loaded_scene(name)
     scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})

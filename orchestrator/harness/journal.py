@@ -22,10 +22,10 @@ from typing import Any, TypeVar
 from ...components.catalogue import component_name
 from ...components.core import store
 from ..checkpoint import digest
-from ..content import read_content, write_content
 from ..output import UNFINISHED, locked
 from ..scene.scene import Scene
 from ..units.channel import STOPPING
+from ..verified_file import read_verified, write_verified
 from .code_digests import component_digest, components_digest
 
 T = TypeVar("T")
@@ -69,9 +69,9 @@ class Journal:
         key = [version("cosimo"), kind, *map(self._key, of)]
         path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
         with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
-            return restore(read_content(path))
+            return restore(read_verified(path))
         value = compute()
-        write_content(path, plain(value))
+        write_verified(path, plain(value))
         return value
 
     def _key(self, part: Any) -> Any:

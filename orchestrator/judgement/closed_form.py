@@ -24,9 +24,9 @@ MEANS = (
     ((Fraction(3, 2), Fraction(-1, 2)), (Fraction(2, 3), Fraction(-1, 6))),
     ((Fraction(23, 12), Fraction(-4, 3), Fraction(5, 12)), (Fraction(19, 24), Fraction(-5, 12), Fraction(1, 8))),
 )
-SHORTEST, LONGEST = 3e-3, 1e2  # of the shortest time of the contact itself, between which a limit is looked for
+SHORTEST_TRIED, LONGEST_TRIED = 3e-3, 1e2  # of the shortest time of the contact itself, between which a limit is looked for
 GRID = 600
-PARTS = 32  # of a stretch in which the limit lies, looked at together
+PARTS = 32  # of an interval in which the limit lies, looked at together
 UNITY = 1.0 + 1e-12  # a root beyond it grows
 
 
@@ -61,7 +61,7 @@ def longest_step(omega2: float, damping: float, degree: int, delay: int = 0) -> 
     def grows(h: np.ndarray) -> np.ndarray:
         return radii(omega2 * h * h, damping * h, degree, delay) > UNITY
 
-    steps = scale * np.geomspace(SHORTEST, LONGEST, GRID)
+    steps = scale * np.geomspace(SHORTEST_TRIED, LONGEST_TRIED, GRID)
     unstable = grows(steps)
     if not unstable.any():
         return np.inf

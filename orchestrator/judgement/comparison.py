@@ -22,7 +22,7 @@ import numpy as np
 from ..engine.coupling.graph import is_discrete
 from ..results import Result
 from ..units.interface import Signal
-from .thresholds import APART, CONVERGING, FEW, FEWEST_ROWS, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
+from .thresholds import APART, BULK, CONVERGING, FEW, FEWEST_ROWS, HARDLY, NOTHING, ORDER_UNSURE, PARTS, SAME_SPREAD, TOGETHER
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
 EXCERPT = 160  # rows of two signals where they differ most
@@ -75,7 +75,7 @@ def scale_of(values: np.ndarray, nominal: float = 0.0) -> float:
     """
     known = values[np.isfinite(values)]
     size = float(np.sqrt(np.mean(known**2))) if known.size else 0.0
-    return max(float(known.std()) if known.size else 0.0, HARDLY * size, ROUNDING * nominal)
+    return max(float(known.std()) if known.size else 0.0, HARDLY * size, NOTHING * nominal)
 
 
 def differences(first: Result, second: Result) -> dict[str, Difference]:
@@ -123,7 +123,7 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
             float(gap.max()),
             np.array([_rms(part) for part in np.array_split(gap, PARTS)]),
             own / scale if scale else 1.0,
-            float(rest) if rest**2 < (1.0 - MOST) * rms**2 else rms,
+            float(rest) if rest**2 < (1.0 - BULK) * rms**2 else rms,
         )
 
 

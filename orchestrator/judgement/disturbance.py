@@ -22,9 +22,9 @@ from ..engine.algorithms import master_of
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Coupling
-from ..engine.coupling.demands import free
+from ..engine.coupling.checks import free
 from ..engine.stepping.loop import Steppable
-from ..open_all import open_units
+from ..open_units import open_units
 from ..scene.scene import Scene
 from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
@@ -40,7 +40,7 @@ ACCURACY = 1.005  # of a limit: the shortest step seen to be unstable over the l
 
 
 @dataclass(frozen=True)
-class Growth:
+class GrowthRate:
     """What became of a disturbance in a look of `time` seconds.
 
     factor: of the last fourth over the second one; infinite where a run failed, which `failure` tells, 0 where little is left.
@@ -60,7 +60,7 @@ class Growth:
 
 
 @dataclass(frozen=True)
-class Own:
+class IntrinsicGrowth:
     """What disturbances do by themselves, seen with short steps. sizes: largest second differences, (n,), `h` seconds apart."""
 
     sizes: np.ndarray
@@ -74,7 +74,7 @@ class Own:
             factors.append(_factor(self.sizes[:n]) if n >= FEWEST else 1.0)
         return largest if SURE < (largest := max(factors)) < math.inf else 1.0
 
-    def allows(self, growth: Growth, even: float) -> bool:
+    def allows(self, growth: GrowthRate, even: float) -> bool:
         """Whether a growth is no more than what comes by itself; `even`: a factor that chance may give."""
         return not growth.failure and growth.factor <= even * max(self.factor(growth.time), 1.0) ** FASTER
 
@@ -84,12 +84,12 @@ def sizes(differences: np.ndarray) -> np.ndarray:
     return np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
 
 
-def growth_of(differences: np.ndarray, h: float, steps: int, noise: float = 0.0) -> Growth:
+def growth_of(differences: np.ndarray, h: float, steps: int, noise: float = 0.0) -> GrowthRate:
     """Of `sizes` of differences, (n,), h seconds apart; below `noise` they mean nothing. steps: all that were needed for them."""
     window = differences.size // 4
     if differences[-window:].max() <= max(differences[:window].max() / CLEAR, noise):
-        return Growth(0.0, h * differences.size, steps)
-    return Growth(_factor(differences), h * differences.size, steps)
+        return GrowthRate(0.0, h * differences.size, steps)
+    return GrowthRate(_factor(differences), h * differences.size, steps)
 
 
 def _factor(differences: np.ndarray) -> float:
@@ -133,24 +133,24 @@ class Disturbed:
         """The longest macro step that the scene's stop time has room for, s."""
         return self.scene.stop_time / (FEWEST + BEFORE + 1)
 
-    def growth(self, h: float, steps: int) -> Growth:
+    def growth(self, h: float, steps: int) -> GrowthRate:
         """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
         whole = self._fitting(h, steps)
-        growth, steps_done = Growth(0.0, 0.0, 0), 0
+        growth, steps_done = GrowthRate(0.0, 0.0, 0), 0
         for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):  # a short look first: most steps are far from a limit
             differences, more, failure = self._sizes(h, n)
             steps_done += more
             if failure:
-                return Growth(math.inf, n * h, steps_done, failure)
+                return GrowthRate(math.inf, n * h, steps_done, failure)
             growth = growth_of(differences, h, steps_done, self._noise)
             if growth.factor == 0.0 or growth.factor > CLEAR:
                 break
         return growth
 
-    def own(self, h: float, time: float) -> Own:
+    def intrinsic_growth(self, h: float, time: float) -> IntrinsicGrowth:
         """What disturbances do in so many seconds, seen with steps of h, s; nothing where the run fails."""
         differences, _, _ = self._sizes(h, self._fitting(h, math.ceil(time / h)))
-        return Own(differences, h)
+        return IntrinsicGrowth(differences, h)
 
     def _fitting(self, h: float, steps: int) -> int:
         return max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
@@ -205,11 +205,17 @@ def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
 
 
 def longest_stable(
-    growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float, pace: float = 2.0
+    growth: Callable[[float], GrowthRate],
+    own: IntrinsicGrowth,
+    even: float,
+    first: float,
+    least: float,
+    most: float,
+    pace: float = 2.0,
 ) -> tuple[float, str, float]:
     """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
 
-    own, even: the growth that is allowed, see `Own.allows`.  first, least, most: steps, s.  The longest stable step is infinite
+    own, even: the growth that is allowed, see `IntrinsicGrowth.allows`.  first, least, most: steps, s.  The longest stable step is infinite
     where `most` is stable, and 0 where `least` is not.  pace: factor of one trial to the next.
     """
     seen = ""

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from math import inf, isinf
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Loop
+from ..engine.stepping.adaptive import AdaptiveStepping
+from ..engine.stepping.loop import obstacles
+from ..run import Run
 from ..scene.scene import Scene
-from .probing import Advice, Contact
+from .probing import Advice, PairLimit
 from .thresholds import PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
 from .verification import run
 
@@ -68,8 +72,8 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
                 for fault, ends in zip(scene.faults, coupling.faults, strict=True)
             ],
         )
-    if advice.contacts:
-        yield "stability, estimated in closed form", PAIR_COLUMNS, [_row(contact) for contact in advice.contacts]
+    if advice.limits:
+        yield "stability, estimated in closed form", PAIR_COLUMNS, [_row(limit) for limit in advice.limits]
 
 
 def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool = False) -> Iterator[str]:
@@ -131,13 +135,13 @@ def _number(value: float, usual: float) -> str:
     return "" if value == usual else f"{value:.6g}"
 
 
-def _row(contact: Contact) -> tuple[str, ...]:
+def _row(limit: PairLimit) -> tuple[str, ...]:
     return (
-        contact.pair,
-        f"{contact.frequency:.3g}" if contact.omega2 else "no spring",
-        _share(contact.share),
-        *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest),
-        _share(contact.left),
+        limit.pair,
+        f"{limit.frequency:.3g}" if limit.omega2 else "no spring",
+        _share(limit.share),
+        *("any" if isinf(h) else f"{h:.3g}" for h in limit.longest),
+        _share(limit.left),
     )
 
 
@@ -162,3 +166,26 @@ def first_part(scene: Scene) -> tuple[str, list[str]]:
     worst = max(signals, key=lambda name: signals[name]["rms"], default="")
     error = f"up to {100.0 * signals[worst]['rms']:.2g} % of a signal's deviation, of {worst}" if worst else "of no signal"
     return f"the first {stop:.3g} s: numerical errors {error}", list(result.info["warnings"])
+
+
+ADAPTIVE = {"control": "master.control", "events": "master.events"}
+
+
+class SteppingPath(NamedTuple):
+    """Of a scene in process."""
+
+    obstacles: tuple[str, ...]  # settings that put it on the general path; without any, batches of steps are compiled code
+    python: tuple[str, ...]  # units that are stepped through Python
+
+
+def stepping_path(scene: Scene) -> SteppingPath:
+    """Opens and initializes the scene's units, in process where they are components; raises what a run of it would."""
+    with ExitStack() as stack:
+        run = Run(scene, stack, in_process=True, native=False, progress=False)
+        run.prepare()
+        run.faults.before_start()
+        (run.account or run.master).initialize(0.0)
+        reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
+        if isinstance(run.stepping, AdaptiveStepping) and not reasons:
+            reasons = ["units that may return early from a step"]
+        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), run.master.machine.in_python)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
-from ..engine.stepping.observers import BatchObserver
+from ..engine.stepping.loop import BatchObserver
 from .thresholds import BEYOND, BLOCKS, ENERGY, MISSED, RISE
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
@@ -28,7 +28,7 @@ class InstabilityMonitor(BatchObserver):
 
     EVERY = 29  # macro steps: longer runs are looked at after multiples of it
     RARELY = 3  # at most so many of it
-    alarms = True
+    finds_violations = True
 
     def __init__(self, master: Master, steps: int, account: EnergyAccount | None = None):
         """`steps`: of the whole run, about."""
@@ -45,7 +45,7 @@ class InstabilityMonitor(BatchObserver):
         self._blocks = [_Blocks(np.array(nominal), LOOKS) for _ in range(KINDS)]
         self._energies = [_Blocks(account.nominal, LOOKS if k else 1) for k in range(KINDS)] if account is not None else []
         self._before = account.sums if account is not None else None  # at the last block's end
-        self._seen = False  # the looks of the steps to come, see `alarm`
+        self._seen = False  # the looks of the steps to come, see `first_violation`
 
     def __call__(self, tick: int, t: float) -> None:
         self._calls += 1
@@ -60,11 +60,11 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`; up to the end of a block, where they are judged."""
         return LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
 
-    def looks(self, n: int) -> range:
+    def sampled_steps(self, n: int) -> range:
         """As in `BatchObserver`."""
         return range(self._every - 1 - self._calls % self._every, n, self._every)
 
-    def alarm(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
+    def first_violation(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
         """As in `BatchObserver`."""
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
@@ -79,7 +79,7 @@ class InstabilityMonitor(BatchObserver):
         self._seen = True
         return None
 
-    def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
+    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         if not self._seen:  # no block ends among them, see `steps_not_needed`
             mine = (self._calls + at + 1) % self._every == 0
@@ -92,7 +92,7 @@ class InstabilityMonitor(BatchObserver):
 
     def _sizes(self, looks: np.ndarray) -> np.ndarray:
         """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""
-        led = self._master.led()[self._columns] & self._free
+        led = self._master.extrapolated()[self._columns] & self._free
         return np.stack((np.abs(looks[:, 0]), np.where(led, np.abs(looks[:, 0] - looks[:, 1]), 0.0)), axis=1)
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:

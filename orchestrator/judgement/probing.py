@@ -9,7 +9,9 @@ such as a long wire, or a velocity. Several forces and motions are taken apart i
 What damps a pair beside its contact is not seen: a step somewhat above the limit may do. How much damping the coupling takes
 away at the scene's step is therefore reported as well.
 
-A macro step that holds very many internal steps is not made: units are probed over a part of it, and the answer says so.
+A macro step may hold millions of internal steps. Its cost is therefore seen over parts of it, each ten times as long as the one
+before, which are made and taken back, until the next part would take too much. Such a unit is probed over a part of its step,
+and the answer says so.
 """
 
 from __future__ import annotations
@@ -29,24 +31,89 @@ from ..engine.algorithms import master_of
 from ..engine.algorithms.master import Master
 from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
-from ..open_all import open_units
+from ..open_units import open_units
 from ..run_info import CompileTime
 from ..scene.scene import Scene
-from ..units import Simulator
+from ..units import Interface, Simulator
 from ..units.interface import PortValues
 from .closed_form import longest_step, radii
-from .step_cost import StepCost, step_cost
 from .thresholds import TOLERABLE
+
+PACE = 10.0  # from one part to the next
+SHARES = tuple(PACE**k for k in range(-6, 1))  # of a macro step
+MOST_CALLS = 200_000  # operations that a probing step may take
+MOST_SECONDS = 0.5  # real time that one may take of a unit that does not count what it does inside: FMUs
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """share: part of the step that was made, 1 for all of it. calls: counted operations, seconds: real time of that part."""
+
+    share: float = 1.0
+    calls: int = 0
+    seconds: float = 0.0
+
+    @property
+    def cut(self) -> bool:
+        """Whether the whole step takes more than a probe may."""
+        return self.share < 1.0
+
+    def text(self, name: str, step: float) -> str:
+        """For the reader of a dry run: what was cut, and what a whole `step` (s) would take."""
+        counted = f"{self.calls} operations" if self.calls > 1 else f"{self.seconds:.2g} s"
+        whole = f"{self.calls / self.share:.2g}" if self.calls > 1 else f"{self.seconds / self.share:.2g} s"
+        return (
+            f"the probe was cut: {name} takes {counted} for {self.share:g} of its step of {step:g} s, so about {whole} for "
+            "a whole one; its time is extrapolated"
+        )
+
+
+def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: float) -> StepCost:
+    """The cost of a step of `step` s from where the unit stands, with its inputs held; the unit is left as it was.
+
+    A unit that cannot go back or cannot shorten its steps is not asked, and its step is taken as one that may be made.
+    """
+    if not interface.saves_state or not interface.variable_step or interface.fixed_step:
+        return StepCost()
+    try:
+        _part(unit, values, SHARES[0] * step)  # which compiles
+        for share in SHARES:
+            calls, seconds = _part(unit, values, share * step)
+            if PACE * max(calls / MOST_CALLS, seconds / MOST_SECONDS if calls <= 1 else 0.0) > 1.0 > share:
+                return StepCost(share, calls, seconds)
+    except StepFailed:  # the run's own first step will say why
+        return StepCost()
+    return StepCost(1.0, calls, seconds)
+
+
+def _part(unit: Simulator, values: PortValues, h: float) -> tuple[int, float]:
+    """Counted operations and real time (s) of a step of h, s."""
+    state, before, start = unit.save(), _calls(unit), perf_counter()
+    try:
+        if len(values):
+            unit.drive(values, None, None, h)
+        unit.step(0.0, h)
+        unit.get()
+        return _calls(unit) - before, perf_counter() - start
+    finally:
+        unit.restore(state)
+        unit.release(state)
+
+
+def _calls(unit: Simulator) -> int:
+    """The unit's dearest counter."""
+    return max((int(n) for n in unit.work().values()), default=0)
+
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
 NOISE = 1e-6  # of the largest entry: what probing does not resolve
-WARM, MOST, ENOUGH = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
+WARM_UP, TIMED_STEPS, TIMED_SECONDS = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
 FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
 
 
 @dataclass(frozen=True)
-class Contact:
+class PairLimit:
     """The mode of a unit and those it gives forces to that limits the macro step most, at the start of the run.
 
     omega2: stiffness over mass, 1/s²; 0 for a damper alone. damping: damper over mass, 1/s. longest: stable macro steps, s, of
@@ -72,12 +139,12 @@ class Contact:
 
 @dataclass(frozen=True)
 class Advice:
-    """contacts: pairs with their limits. unknown: why others have none. steps: of the run. seconds: real time of one step.
+    """limits: of pairs. unknown: why others have none. steps: of the run. seconds: real time of one step.
     compiling: s that this took just now; 0 where all machine code was kept from earlier. cut: units that were probed over a
     part of the macro step only, and what a whole one takes.
     """
 
-    contacts: tuple[Contact, ...]
+    limits: tuple[PairLimit, ...]
     unknown: tuple[str, ...]
     steps: int
     seconds: float
@@ -86,10 +153,10 @@ class Advice:
 
     def warnings(self, scene: Scene) -> list[str]:
         """What is wrong with the scene's macro step."""
-        return step_warnings(scene, self.contacts, TOLERABLE)
+        return step_warnings(scene, self.limits, TOLERABLE)
 
 
-def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float, kept: float = 0.0) -> list[str]:
+def step_warnings(scene: Scene, limits: Sequence[PairLimit], tolerable: float, kept: float = 0.0) -> list[str]:
     """What is wrong with the scene's macro step, pair by pair; `tolerable`: share of critical damping that may be missing.
 
     `kept`: share of its own damping that a pair which oscillates is to keep.
@@ -119,7 +186,7 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
         units = open_units(scene, stack, in_process)
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
-        limits, unknown = contacts(scene, coupling, master, units)
+        limits, unknown = pair_limits(scene, coupling, master, units)
         steps, costs = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _costs(scene, coupling, master, units)
         if not any(cost.cut for cost, _ in costs.values()):
             return Advice(limits, unknown, steps, _timed(scene, master), compiling.seconds)
@@ -141,19 +208,19 @@ def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str,
 def _timed(scene: Scene, master: Master) -> float:
     """Median time of a macro step, s."""
     h, times, spent = scene.master.step, [], 0.0
-    for k in range(min(WARM + MOST, int(scene.stop_time / h * (1.0 + 1e-12)))):
+    for k in range(min(WARM_UP + TIMED_STEPS, int(scene.stop_time / h * (1.0 + 1e-12)))):
         begin = perf_counter()
         master.step(k * h, h)
         times.append(perf_counter() - begin)
-        spent += times[-1] if k >= WARM else 0.0
-        if spent > ENOUGH:
+        spent += times[-1] if k >= WARM_UP else 0.0
+        if spent > TIMED_SECONDS:
             break
-    return median(times[WARM:] or times)
+    return median(times[WARM_UP:] or times)
 
 
-def contacts(
+def pair_limits(
     scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]
-) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
+) -> tuple[tuple[PairLimit, ...], tuple[str, ...]]:
     """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
     limits, unknown = [], []
     if not scene.master.abilities.rates:
@@ -176,7 +243,7 @@ def contacts(
         gains = probe.gains(forces, motions)
         modes = _modes(*(-gains @ part for part in probe.answers(forces, motions)))
         if modes:
-            limits.append(min((_contact(scene, pair, *mode) for mode in modes), key=lambda contact: contact.left))
+            limits.append(min((_limit(scene, pair, *mode) for mode in modes), key=lambda limit: limit.left))
         elif gains.any():
             unknown.append(f"{pair}: nothing holds {' and '.join(movers)} back at the start")
         else:
@@ -184,14 +251,14 @@ def contacts(
     return tuple(limits), tuple(unknown)
 
 
-def _contact(scene: Scene, pair: str, omega2: float, damping: float) -> Contact:
+def _limit(scene: Scene, pair: str, omega2: float, damping: float) -> PairLimit:
     """A mode with its limits under the scene's algorithm."""
     degree, h = scene.master.extrapolation, scene.master.step
     delay = int(scene.master.feedthrough == "delayed")
     limits = [longest_step(omega2, damping, p, delay) for p in range(3)]
     grown = float(radii(np.array([omega2 * h * h]), np.array([damping * h]), degree, delay)[0])
     left = -log(max(grown, NOISE)) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
-    return Contact(pair, omega2, damping, (limits[0], limits[1], limits[2]), left)
+    return PairLimit(pair, omega2, damping, (limits[0], limits[1], limits[2]), left)
 
 
 def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]:
@@ -326,7 +393,7 @@ def remedy(scene: Scene) -> str:
     return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
 
 
-def _limits(scene: Scene) -> tuple[Contact, ...]:
+def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     """The scene is started anew to ask its units, in this process; nothing where it does not start."""
     coupling = scene.coupling
     with ExitStack() as stack:
@@ -334,6 +401,6 @@ def _limits(scene: Scene) -> tuple[Contact, ...]:
             units = open_units(scene, stack, in_process=True)
             master = master_of(scene, units, coupling)
             master.initialize(0.0)
-            return contacts(scene, coupling, master, units)[0]
+            return pair_limits(scene, coupling, master, units)[0]
         except (BadInput, StepFailed):
             return ()

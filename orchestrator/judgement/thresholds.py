@@ -10,7 +10,7 @@ HARDLY = 1e-3  # deviation over rms below which a signal is judged by its size: 
 UNSEEN = 0.5  # departure from a straight line between two rows from which rows do not show a signal; one that jumps has a third
 FEWEST_ROWS = 10  # that tell how a signal goes on between two
 NO_MATTER = 5e-3  # of a figure: what the ends of a run make of it may stay in its error
-ROUNDING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
+NOTHING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
 
 # -- budget ------------------------------------------------------------------------------------------------------------------
 SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
@@ -25,8 +25,8 @@ PARTS = 8  # of a run, whose differences are compared
 TOGETHER = 0.05  # largest difference in the first parts of a run whose histories part later
 APART = 0.3  # difference in the last part from which histories have parted
 SAME_SPREAD = 1.25  # factor that deviations of runs may differ by whose histories part while their statistics agree
-FEW = 0.01  # of the rows, in which MOST of a squared difference is where a signal jumps at another instant
-MOST = 0.9
+FEW = 0.01  # of the rows, in which BULK of a squared difference is where a signal jumps at another instant
+BULK = 0.9
 CONVERGING = 1.5  # factor by which differences fall with half the step, from which runs converge; first order has 2
 LOWEST_ORDER = 0.5  # below it a shorter step is no remedy: for a tenth of an error it would have to be a hundredth
 GROWN = 3.0  # deviation over that of the finest run from which the coupling makes a motion of its own: it is unstable

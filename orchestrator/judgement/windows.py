@@ -21,8 +21,7 @@ import numpy as np
 from ...components.core.errors import StepFailed
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.master import Master
-from ..engine.stepping.loop import Steppable, Stepping
-from ..engine.stepping.observers import BatchObserver
+from ..engine.stepping.loop import BatchObserver, Steppable, Stepping
 from ..scene.scene import Scene
 from .comparison import Difference, difference
 from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_PLACES, WINDOWS_SHARE
@@ -101,7 +100,7 @@ class Windows(BatchObserver):
         """The step before the last window."""
         return self._stepping.end // self._stepping.stride - self._steps
 
-    def keeps(self, n: int) -> Iterable[int]:
+    def saved_steps(self, n: int) -> Iterable[int]:
         """As in `BatchObserver`."""
         next_step = self._stepping.tick // self._stepping.stride + 1
         yield from range(-next_step % self._every, n, self._every)

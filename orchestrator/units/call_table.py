@@ -1,4 +1,4 @@
-"""What compiled code needs of a unit to call it without Python: addresses, as plain numbers."""
+"""How compiled code calls a unit: addresses as plain numbers, of machine code or of callbacks into Python."""
 
 from __future__ import annotations
 
@@ -9,10 +9,37 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .call_names import COMPANIONS, DERIVATIVES, FUNCTIONS, HELD, MEAN, OF_FMU
-from .callback import Callback
+from ...components.core.block import ENTRY
+from ...components.core.kernels import DONE, RAISED
+from .call_names import COMPANIONS, DERIVATIVES, FUNCTIONS, HELD, IN_PYTHON, MEAN, OF_FMU
 from .description import Scalar, has_companions
+from .interface import Simulator, port_values
 from .values import Block, blocks
+
+
+class Callback:
+    """A function of t and h as function and argument of an entry. Keeps what it has raised."""
+
+    argument = 0
+    error: BaseException | None = None
+
+    def __init__(self, python: Callable[[float, float], None]):
+        def call(t: float, h: float, _: int | None) -> int:
+            try:
+                python(t, h)
+            except BaseException as error:  # none may pass through compiled code
+                self.error = error
+                return RAISED
+            return DONE
+
+        self._call = ENTRY(call)
+        self.function = ctypes.cast(self._call, ctypes.c_void_p).value or 0
+
+    def raise_error(self) -> None:
+        """What it has kept, once."""
+        if (error := self.error) is not None:
+            self.error = None
+            raise error
 
 
 @dataclass(frozen=True)
@@ -20,11 +47,11 @@ class CallTable:
     """Addresses by name; where the driven inputs and the read outputs of a component lie; which inputs of an FMU are held."""
 
     calls: Mapping[str, int]
-    way: int
+    input_mode: int
     alive: tuple[Any, ...]  # the memory that addresses point to
     inputs_at: tuple[int, ...]
     outputs_at: tuple[int, ...]
-    apart: tuple[bool, ...]
+    set_on_change: tuple[bool, ...]
     in_python: bool = False  # whether a step goes through it
 
 
@@ -70,10 +97,10 @@ def call_table(
         0 if plain else len(out_of),
         parts.ctypes.data,
     )
-    way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
+    input_mode = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
     return CallTable(
         dict(zip(OF_FMU, calls, strict=True)),
-        way if moving else HELD,
+        input_mode if moving else HELD,
         (into, out_of, orders, parts, held),
         (0,) * len(inputs),
         (0,) * len(outputs),
@@ -92,3 +119,52 @@ def output_parts(by_type: Sequence[Block], address: Callable[[str], int]) -> lis
         for row, at in zip(block.rows, block.at, strict=True):
             cells += [row, buffer + width * at]
     return cells
+
+
+class PythonCalls:
+    """Entries of a unit whose calls are Python's: an FMU of FMI 3.0, for model exchange or in a worker process, a contact.
+
+    The step of a unit in a process of its own begins in `step` and is waited for in `read`.
+    """
+
+    def __init__(self, unit: Simulator, links: np.ndarray, outputs: np.ndarray):
+        """links: the records of its inputs; outputs: its part of the table of signals."""
+
+        def step(t: float, h: float) -> None:
+            if links.size:
+                degree = links["degree"][0]
+                rows = ["value", "slope", "quadratic"][: int(degree) + 1]
+                values, slopes, quadratic = (*(port_values(links[name]) for name in rows), None, None)[:3]
+                unit.drive(values, slopes, quadratic, h)
+            unit.step(t, h)
+
+        def update(t: float, h: float) -> None:
+            unit.update(port_values(links["known"]))
+
+        def read(t: float, h: float) -> None:
+            outputs[:] = unit.get()
+
+        self._callbacks = {"step": Callback(step), "outputs": Callback(update), "read": Callback(read)}
+        self._n, self._m = links.size, outputs.size
+
+    def call_table(self) -> CallTable:
+        """For the master."""
+        calls = {name: callback.function for name, callback in self._callbacks.items()}
+        return CallTable(calls, IN_PYTHON, (self,), (0,) * self._n, (0,) * self._m, (False,) * self._n, True)
+
+    def stepped(self, steps: int, t: float) -> None:
+        """The unit knows."""
+
+    def stopped(self, status: int, t: float, h: float) -> None:
+        """A callback has failed; raises what it has raised."""
+        for callback in self._callbacks.values():
+            callback.raise_error()
+
+
+def calls_of(unit: Any, links: np.ndarray, outputs: np.ndarray) -> tuple[Any, CallTable]:
+    """What has `stepped` and `stopped` of a unit, and its call table; links, outputs: as of `PythonCalls`."""
+    table = unit.call_table() if hasattr(unit, "call_table") else None
+    if table is not None:
+        return unit, table
+    python = PythonCalls(unit, links, outputs)
+    return python, python.call_table()

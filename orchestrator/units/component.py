@@ -14,8 +14,7 @@ from ...components.core.errors import StepFailed
 from ...components.core.kernels import COMPILED
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
-from .call_table import CallTable
-from .callback import Callback
+from .call_table import Callback, CallTable
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
 
 
@@ -157,13 +156,13 @@ class ComponentSimulator:
     def start(self) -> None:
         """Nothing to do: the component stands at its initial state."""
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         write, rows = self._write, self._rows
         write(*rows[0], values)
         if slopes is not None:
             write(*rows[1], slopes)
-        if halves is not None:
-            write(*rows[2], halves)
+        if quadratic is not None:
+            write(*rows[2], quadratic)
 
     def update(self, values: PortValues) -> None:
         self._write(*self._rows[0], values)

@@ -19,8 +19,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
-from .call_table import CallTable, Held, call_table
-from .callback import Callback
+from .call_table import Callback, CallTable, Held, call_table
 from .fmu_simulator import FmuSimulator
 from .inputs import WARNING
 from .interface import SimulationEnded

@@ -1,16 +1,123 @@
-"""Any FMU of FMI 2.0 or 3.0 as a unit: which class a scene's entry needs, and with what values."""
+"""An FMU of FMI 2.0 or 3.0 as a unit: its `Interface` and its simulator, from model description and scene's entry."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .description import read
-from .fmu_interface import describe_fmu
+from ...components.core.errors import BadInput, nearest
+from ...components.core.measure import BASES, parse
+from ...components.core.measure import Unit as Measure
+from ...fmus.quantities import MOVING
+from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
+from .interface import Interface, Signal
 from .values import checked_values
 
 if TYPE_CHECKING:
+    from fmpy.model_description import ModelDescription, ModelVariable
+
     from ..settings import UnitSettings
     from .fmu_simulator import FmuSimulator
+
+RECORDABLE = ("local", "calculatedParameter")  # causalities of variables that are computed and are no outputs
+
+
+def describe_fmu(name: str, settings: UnitSettings) -> Interface:
+    """The interface an FMU's model description gives, with the scene's effects and parameters checked against it."""
+    where = f"units.{name}"
+    description = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
+    known = [n.removeprefix("effects.") for n in description.scalars if n.startswith("effects.")]
+    for effect in settings.effects:
+        if effect not in known:
+            raise BadInput(f"{where}.effects", repr(effect), "an effect of the FMU", nearest(effect, known))
+    off = [e for e in known if e not in settings.effects and not description.scalars[f"effects.{e}"].start]
+    checked_values(description, settings, where, off)
+    named = dict.fromkeys(settings.effects, "named in the scene")
+    there = {n: s for n, s in description.scalars.items() if n.partition(".")[0] not in off}
+    direct = {u.variable.name: u.dependencies for u in description.model.outputs}
+    measures = _measures(description.model)
+    inputs = {
+        n: _signal(s, (), measures)
+        for n, s in there.items()
+        if s.variable.causality == "input" and not is_companion(n, description.scalars)
+    }
+    real = [n for n, s in inputs.items() if s.kind == "real"]
+    return Interface(
+        title=description.model.description or description.model.modelName,
+        inputs=inputs,
+        outputs={
+            n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
+            for n, s in there.items()
+            if s.variable.causality == "output"
+        },
+        effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
+        set_inputs=frozenset(settings.parameters) & frozenset(inputs),
+        recordable={n: _signal(s, (), measures) for n, s in there.items() if s.variable.causality in RECORDABLE},
+        arrays=_arrays(there),
+        refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
+        **_capabilities(description, real),
+    )
+
+
+def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
+    """Elements of each array that is an output or may be recorded."""
+    arrays: dict[str, tuple[str, ...]] = {}
+    for name, scalar in scalars.items():
+        if scalar.variable.causality in ("output", *RECORDABLE) and scalar.variable.dimensions:
+            arrays[scalar.variable.name] = (*arrays.get(scalar.variable.name, ()), name)
+    return arrays
+
+
+def _capabilities(description: Description, inputs: Sequence[str]) -> dict[str, Any]:
+    """What the FMU can beyond a step, as fields of `Interface`; `inputs`: the real ones."""
+    interface: Any = description.interface
+    saves = interface.canGetAndSetFMUstate
+    shared = {
+        "saves_state": saves,
+        "packs_state": saves and interface.canSerializeFMUstate,
+        "gives_jacobian": description.directional,
+    }
+    if description.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
+        return shared | {"may_return_early": True}
+    follow = bool(inputs) and set(inputs) <= description.requested
+    return shared | {
+        "input_degree": 2 if description.interpolates or has_companions(description.scalars, inputs) or follow else 0,
+        "variable_step": interface.canHandleVariableCommunicationStepSize,
+        "fixed_step": float(interface.fixedInternalStepSize or 0.0),
+        "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,
+    }
+
+
+def _measures(model: ModelDescription) -> dict[str, Measure]:
+    """Units of measure that the FMU defines because nobody else does."""
+    measures = {}
+    for unit in model.unitDefinitions:
+        if unit.name is None:
+            continue
+        try:
+            parse(unit.name)
+        except (BadInput, ArithmeticError, ValueError):  # a power beyond the range of numbers
+            if (base := unit.baseUnit) is not None:
+                measures[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
+    return measures
+
+
+def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
+    v, declared, kind = s.variable, s.variable.declaredType, s.kind
+    unit = v.unit or (declared.unit if declared else None) or ""
+    start = (s.start or "") if kind in ("string", "binary") else float(s.start or 0)
+    moving = declared is not None and declared.name == MOVING
+    return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, moving, measures.get(unit))
+
+
+def _depends(
+    declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal], scalars: Mapping[str, Scalar]
+) -> tuple[str, ...] | None:
+    """Names of inputs that are, or are elements of, declared variables."""
+    if declared is None:
+        return None
+    references = {(v.type, v.valueReference) for v in declared}
+    return tuple(n for n in inputs for v in [scalars[n].variable] if (v.type, v.valueReference) in references)
 
 
 def open_fmu(name: str, settings: UnitSettings) -> FmuSimulator:
@@ -21,7 +128,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuSimulator:
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}
         given |= checked_values(description, settings, where)
         if description.exchange:
-            from .model_exchange_versions import Fmi2ModelExchange, Fmi3ModelExchange
+            from .model_exchange import Fmi2ModelExchange, Fmi3ModelExchange
 
             exchange = Fmi3ModelExchange if description.fmi3 else Fmi2ModelExchange
             return exchange(name, description, given, settings.tolerance, settings.solver or "CVode")

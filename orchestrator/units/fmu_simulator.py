@@ -254,13 +254,13 @@ class FmuSimulator:
     def _common(self) -> tuple[Any, ...]:
         return self._scalars, self._fmi3, self._fmu.component, self._function, self._failed
 
-    def _drive_mixed(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def _drive_mixed(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         moving, levels, held = self._rows
-        mean = values if slopes is None else means(values, slopes, halves, h)
+        mean = values if slopes is None else means(values, slopes, quadratic, h)
         self._hold([values[k] for k in held])
         self._levels.write([mean[k] for k in levels], self._time)
         if self._reals is not None:
-            first, *higher = (None if row is None else [row[k] for k in moving] for row in (values, slopes, halves))
+            first, *higher = (None if row is None else [row[k] for k in moving] for row in (values, slopes, quadratic))
             self._reals.drive(first, higher[0], higher[1], h)
 
     def _update_mixed(self, values: PortValues) -> None:

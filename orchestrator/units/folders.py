@@ -27,7 +27,7 @@ from ...components.core.folders import cache_root
 from ..loading import check_archive
 from ..output import lock_folder
 
-MOST = 32  # folders that nobody uses; where there are more, the one used longest ago goes
+MOST_UNUSED = 32  # folders that nobody uses; where there are more, the one used longest ago goes
 PREFIX = "cosimo.run-"
 BUILD, DAY = "cosimo-build-", 86400.0  # folders of builds of native FMUs; s: so old a one has no process any more
 YOUNG = 60.0  # s: so old a folder has its lock, if its process lives
@@ -125,7 +125,7 @@ def give(folder: str, *, again: bool = True) -> None:
         key = _used.pop(folder)
         if again:
             _free[folder] = key
-            old = [_free.popitem(last=False)[0] for _ in range(len(_free) - MOST)]
+            old = [_free.popitem(last=False)[0] for _ in range(len(_free) - MOST_UNUSED)]
         else:
             old = [folder]
     for each in old:

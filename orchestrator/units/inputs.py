@@ -63,18 +63,18 @@ class Reals:
         if status > WARNING:
             self._failed(status)
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         """As `Simulator.drive`."""
         target, places, arguments = self._target, self._places, self._arguments[0]
         if slopes is None:
             target[places[0]] = values
         elif self._companions:
             target[places[0]], target[places[1]], arguments = values, slopes, self._arguments[1]
-            if halves is not None:
-                target[places[2]], arguments = [2.0 * c for c in halves], self._arguments[2]
+            if quadratic is not None:
+                target[places[2]], arguments = [2.0 * c for c in quadratic], self._arguments[2]
         elif self._interpolates:
             self.write(values)
-            second = None if halves is None else [2.0 * c for c in halves]
+            second = None if quadratic is None else [2.0 * c for c in quadratic]
             for call, derivatives in zip(self._derivatives, (slopes, second), strict=True):
                 if derivatives is not None:
                     target[places[0]] = derivatives
@@ -83,7 +83,7 @@ class Reals:
                         self._failed(status)
             return
         else:
-            target[places[0]] = means(values, slopes, halves, h)
+            target[places[0]] = means(values, slopes, quadratic, h)
         status = self._set(*arguments)
         if status > WARNING:
             self._failed(status)
@@ -97,9 +97,9 @@ class Requested(Reals):
         self._terms: list[tuple[float, float, float]] = []
         self._worst = 0
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         self.write(values)
-        second = halves if halves is not None else [0.0] * self._n
+        second = quadratic if quadratic is not None else [0.0] * self._n
         self._terms = [] if slopes is None else list(zip(values, slopes, second, strict=True))
 
     def move(self, s: float) -> None:
@@ -115,11 +115,11 @@ class Requested(Reals):
             self._failed(self._worst)
 
 
-def means(values: PortValues, slopes: PortValues, halves: PortValues | None, h: float) -> list[float]:
+def means(values: PortValues, slopes: PortValues, quadratic: PortValues | None, h: float) -> list[float]:
     """Of the polynomials over a step."""
-    if halves is None:
+    if quadratic is None:
         return [v + h * (s / 2.0) for v, s in zip(values, slopes, strict=True)]
-    return [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in zip(values, slopes, halves, strict=True)]
+    return [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in zip(values, slopes, quadratic, strict=True)]
 
 
 class Others:

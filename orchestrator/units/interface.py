@@ -119,8 +119,8 @@ class Simulator(Protocol):
     def start(self) -> None:
         """The initial state stands."""
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        """Inputs over the coming step of length h: values + slopes s + halves s²; None for no such term."""
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
+        """Inputs over the coming step of length h: values + slopes s + quadratic s²; None for no such term."""
 
     def step(self, t: float, h: float) -> None:
         """Advance from t to t + h."""

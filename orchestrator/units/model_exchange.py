@@ -12,14 +12,18 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from math import isfinite, ulp
+from math import inf, isfinite, ulp
 from typing import Any
 
 import numpy as np
+from fmpy.fmi2 import FMU2Model, fmi2EventInfo
+from fmpy.fmi3 import FMU3Model
 
 from ...components.core.errors import StepFailed
 from .description import Description
-from .fmu_simulator import FmuSimulator
+from .fmi2 import Fmi2Simulator
+from .fmi3 import Fmi3Simulator
+from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING
 from .interface import PortValues, SimulationEnded
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
@@ -30,7 +34,9 @@ DISCARD = 2
 TOLERANCE = 1e-8  # relative, where neither scene nor FMU gives one; Van der Pol's oscillator over 20 s is then within 3e-6
 ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
-ROUNDING = 32.0  # units in the last place: an event of time is within a step where a sum of its period is that far behind its end
+EVENT_ULPS = (
+    32.0  # units in the last place: an event of time is within a step where a sum of its period is that far behind its end
+)
 REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
 
 
@@ -61,7 +67,7 @@ class ModelExchange(FmuSimulator):
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         super().wire(inputs, outputs)
         self._instance = self._fmu.component
-        self._polynomial: tuple[np.ndarray, ...] | None = None  # values, slopes, halves of the moving inputs over this step
+        self._polynomial: tuple[np.ndarray, ...] | None = None  # values, slopes, quadratic of the moving inputs over this step
         self._origin = 0.0  # and when they begin
         self._last_held: list[Any] | None = None
         if self._reals is not None:
@@ -182,11 +188,11 @@ class ModelExchange(FmuSimulator):
 
     # Inputs
 
-    def _drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def _drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         moving, singles, held = self._rows
         if held:
             self._hold([values[k] for k in held])
-        rows = [np.zeros(len(values)) if row is None else np.asarray(row, dtype=float) for row in (values, slopes, halves)]
+        rows = [np.zeros(len(values)) if row is None else np.asarray(row, dtype=float) for row in (values, slopes, quadratic)]
         if moving:
             self._polynomial = tuple(row[moving] for row in rows)
         if singles:
@@ -236,7 +242,7 @@ class ModelExchange(FmuSimulator):
                 self._left_inputs, self._polynomial = self._target[self._moving_at], None
 
     def _integrate(self, t: float, end: float) -> None:
-        near, now = ROUNDING * ulp(end), t
+        near, now = EVENT_ULPS * ulp(end), t
         self._check(max(self._set_time(self._instance, t), self._move_inputs(t)))
         if (self._present_signs() != self._signs).any():  # the inputs have jumped over a threshold
             self._event(t)
@@ -320,6 +326,49 @@ class ModelExchange(FmuSimulator):
 
 
 def _at(polynomial: tuple[np.ndarray, ...], s: float) -> np.ndarray:
-    """Values + slopes s + halves s²."""
-    values, slopes, halves = polynomial
-    return values + s * (slopes + s * halves)
+    """Values + slopes s + quadratic s²."""
+    values, slopes, quadratic = polynomial
+    return values + s * (slopes + s * quadratic)
+
+
+class Fmi2ModelExchange(ModelExchange, Fmi2Simulator):
+    """Of FMI 2.0."""
+
+    fmpy_class = FMU2Model
+
+    def _sizes(self) -> tuple[int, int]:
+        model = self.description.model
+        return len(model.derivatives), int(model.numberOfEventIndicators or 0)
+
+    def _update_states(self) -> DiscreteStates:
+        info = fmi2EventInfo()
+        self._call("NewDiscreteStates", ctypes.pointer(info))
+        return DiscreteStates(
+            bool(info.newDiscreteStatesNeeded),
+            bool(info.terminateSimulation),
+            bool(info.nominalsOfContinuousStatesChanged),
+            info.nextEventTime if info.nextEventTimeDefined else inf,
+        )
+
+
+class Fmi3ModelExchange(ModelExchange, Fmi3Simulator):
+    """Of FMI 3.0: the numbers of states and indicators may follow from structural parameters."""
+
+    truth_value = ctypes.c_bool
+    derivatives_function = "GetContinuousStateDerivatives"
+
+    def _instantiate(self) -> Any:
+        fmu = FMU3Model(
+            instanceName=self.name,
+            guid=self.description.model.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=self._interface().modelIdentifier,
+        )
+        fmu.instantiate(loggingOn=True, logMessage=self._logged)
+        return fmu
+
+    def _sizes(self) -> tuple[int, int]:
+        sizes = (ctypes.c_size_t(), ctypes.c_size_t())
+        for name, size in zip(("ContinuousStates", "EventIndicators"), sizes, strict=True):
+            self._call(f"GetNumberOf{name}", ctypes.pointer(size))
+        return sizes[0].value, sizes[1].value

@@ -17,7 +17,7 @@ COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba", "llvmlite"}  # llvmlite is w
 FLOORS = (
     ("components",),
     ("fmus",),
-    ("orchestrator.output", "orchestrator.content", "orchestrator.cache", "orchestrator.loading", "orchestrator.settings"),
+    ("orchestrator.output", "orchestrator.verified_file", "orchestrator.cache", "orchestrator.loading", "orchestrator.settings"),
     ("orchestrator.units",),
     ("orchestrator.engine",),
     ("orchestrator.scene",),
@@ -30,7 +30,7 @@ FLOORS = (
         "orchestrator.run",
         "orchestrator.run_info",
         "orchestrator.checkpoint",
-        "orchestrator.open_all",
+        "orchestrator.open_units",
         "orchestrator.native",
         "orchestrator.judgement",
         "orchestrator.shorter_steps",

@@ -16,7 +16,7 @@ FORMER = {
     "settling": "resolve",
     "Settled": "InitializationResult",
     "Guided": "AdaptiveStepping",
-    "Stretched": "BatchStepping",
+    "Stretched": "Stepping",
     "march": "run_steps",
     "Patient": "BatchObserver",
     "idle": "steps_not_needed",

@@ -9,7 +9,7 @@ from time import process_time
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.open_all import open_units
+from cosimo.orchestrator.open_units import open_units
 from cosimo.orchestrator.run import master_of, run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_entry

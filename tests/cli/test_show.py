@@ -7,7 +7,7 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import COMPILED, DONE, hold_inputs
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.judgement.stepping_path import stepping_path
+from cosimo.orchestrator.judgement.dry_run import stepping_path
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 compiled = pytest.mark.skipif(not COMPILED, reason="without Numba every step is Python")

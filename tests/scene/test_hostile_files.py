@@ -17,7 +17,7 @@ from cosimo.orchestrator.engine.coupling.resolve import _transformation
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.ssp.measures import Measure, named
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.orchestrator.units.fmu_interface import _measures
+from cosimo.orchestrator.units.fmu import _measures
 from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.support import Probe
 

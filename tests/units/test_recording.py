@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.engine.coupling.resolve import LONGEST
+from cosimo.orchestrator.engine.coupling.resolve import LONGEST_RECORDED
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.tests.units.native import STATE, native_fmu
@@ -34,7 +34,7 @@ def test_long_arrays_are_recorded_in_part_where_there_is_nothing_else():
             'name="y" valueReference="10" causality="output" variability="continuous" ><Dimension start="200"/>',
         ),
     )
-    assert len(read_scene(scene(fmu)).coupling.signals) == LONGEST
+    assert len(read_scene(scene(fmu)).coupling.signals) == LONGEST_RECORDED
     assert len(read_scene(scene(fmu, {"signals": ["f.y"]})).coupling.signals) == 200
 
 

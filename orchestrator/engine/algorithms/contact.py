@@ -60,8 +60,8 @@ class Side:
 
     def __init__(self, settings: SideSettings, sign: float, degree: int):
         self.settings, self.sign = settings, sign
-        self.looseness = 1.0 / settings.inertia if settings.inertia else 0.0
-        self.yielding = 1.0 / settings.impedance if settings.impedance else 0.0
+        self.inverse_mass = 1.0 / settings.inertia if settings.inertia else 0.0
+        self.mobility = 1.0 / settings.impedance if settings.impedance else 0.0
         self.weight: float = settings.inertia or settings.impedance or 0.0
         self.by_acceleration = settings.acceleration is not None
         self.others = Forces(degree if settings.degree is None else settings.degree)  # at instants, or means of steps
@@ -69,25 +69,25 @@ class Side:
         self.before = 0.0  # position (impedance) or velocity (inertia) when the step began
         self.impulse = 0.0  # N s, that the body has got over the step, of F
         self.line = Line(0.0, 0.0)
-        self.ahead = 0.0  # m and m/s, where the body will be once it has got what is owed to it
-        self.ahead_rate = 0.0
+        self.owed_motion = 0.0  # m and m/s, where the body will be once it has got what is owed to it
+        self.owed_velocity = 0.0
 
     def take(self, values: PortValues, picks: Sequence[int]) -> None:
         """What the body gives now; picks: where among the contact's inputs, -1 for a part that it does not give."""
         self.parts = [values[k] if k >= 0 else 0.0 for k in picks]
 
-    def momentum(self, force: float) -> float:
+    def balance_quantity(self, force: float) -> float:
         """What the balance of a step goes by: velocity of a body with inertia, else position, with the compliance pressed in."""
-        return self.parts[1] if self.looseness else self.parts[0] + self.sign * self.parts[3] * force
+        return self.parts[1] if self.inverse_mass else self.parts[0] + self.sign * self.parts[3] * force
 
     def mean(self, force: float, h: float) -> float:
         """Mean of the other forces over the step that the body has made, N."""
-        return (self.weight * (self.momentum(force) - self.before) - self.sign * self.impulse) / h
+        return (self.weight * (self.balance_quantity(force) - self.before) - self.sign * self.impulse) / h
 
     def at_rest(self, force: float) -> float:
         """The other forces at an instant, as far as they are known without a step."""
         acceleration = self.parts[2] if self.by_acceleration else 0.0
-        velocity = self.parts[1] if self.yielding else 0.0
+        velocity = self.parts[1] if self.mobility else 0.0
         return self.weight * (acceleration + velocity) - self.sign * force
 
     def polynomial(self, force: float, h: float) -> tuple[float, float, float]:
@@ -110,11 +110,11 @@ class Side:
 
     def save(self) -> list[Any]:
         """Everything a repeated step depends on, as plain numbers."""
-        return [list(self.others), self.parts, self.before, self.impulse, list(self.line), self.ahead, self.ahead_rate]
+        return [list(self.others), self.parts, self.before, self.impulse, list(self.line), self.owed_motion, self.owed_velocity]
 
     def restore(self, state: list[Any]) -> None:
         """Take back what `save` gave."""
-        others, self.parts, self.before, self.impulse, force, self.ahead, self.ahead_rate = state
+        others, self.parts, self.before, self.impulse, force, self.owed_motion, self.owed_velocity = state
         self.others.take(*others)
         self.line = Line(*force)
 
@@ -162,7 +162,7 @@ class ContactSimulator:
         self.last = self.owed = 0.0
         self.steps = 0
         for side in self.sides:
-            side.others.count, side.ahead, side.ahead_rate = 0, 0.0, 0.0
+            side.others.count, side.owed_motion, side.owed_velocity = 0, 0.0, 0.0
         self.update(values)
 
     def start(self) -> None:
@@ -174,9 +174,9 @@ class ContactSimulator:
         for side in self.sides:
             side.others.count = 0
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         none = [0.0] * len(values)
-        rows = zip(values, none if slopes is None else slopes, none if halves is None else halves, strict=True)
+        rows = zip(values, none if slopes is None else slopes, none if quadratic is None else quadratic, strict=True)
         self._take([end_of(v, s, c, 2, h) for v, s, c in rows])
 
     def step(self, t: float, h: float) -> None:
@@ -194,8 +194,8 @@ class ContactSimulator:
 
     def _press(self) -> None:
         first, second = self.sides
-        gap = first.parts[0] + first.ahead - second.parts[0] - second.ahead - self.settings.clearance
-        rate = first.parts[1] + first.ahead_rate - second.parts[1] - second.ahead_rate
+        gap = first.parts[0] + first.owed_motion - second.parts[0] - second.owed_motion - self.settings.clearance
+        rate = first.parts[1] + first.owed_velocity - second.parts[1] - second.owed_velocity
         self.indentation = gap
         self.force = force_in_series(*self._law, gap, rate, first.parts[3] + second.parts[3])
 
@@ -212,7 +212,7 @@ class ContactSimulator:
             elif last:
                 side.others.push(side.mean(force, last), 0.5 * (last + self.before_last))
         self._start = [
-            (side.parts[0] + side.ahead + side.sign * side.parts[3] * force, side.parts[1] + side.ahead_rate)
+            (side.parts[0] + side.owed_motion + side.sign * side.parts[3] * force, side.parts[1] + side.owed_velocity)
             for side in self.sides
         ]
         self._others = [side.polynomial(force, last) for side in self.sides]
@@ -220,9 +220,9 @@ class ContactSimulator:
         self._expected = impulse, moment
         for k, side in enumerate(self.sides):
             owed = self.owed if k == self.leader else 0.0
-            side.before, side.impulse = side.momentum(force), impulse + owed
+            side.before, side.impulse = side.balance_quantity(force), impulse + owed
             side.line = line(impulse + owed, moment + 0.5 * h * owed, h)
-            side.ahead = side.ahead_rate = 0.0
+            side.owed_motion = side.owed_velocity = 0.0
         self.before_last, self.last, self.owed = last, h, 0.0
         self.steps += 1
 
@@ -240,9 +240,9 @@ class ContactSimulator:
             impulse, moment, force = self._reduced(h)
         follower.line, follower.impulse = line(impulse, moment, h), impulse
         self.owed = missed = impulse - self._expected[0]
-        late = h * missed - (moment - self._expected[1])
-        leader.ahead = leader.sign * (missed * leader.yielding + late * leader.looseness)
-        leader.ahead_rate = leader.sign * missed * leader.looseness
+        missed_moment = h * missed - (moment - self._expected[1])
+        leader.owed_motion = leader.sign * (missed * leader.mobility + missed_moment * leader.inverse_mass)
+        leader.owed_velocity = leader.sign * missed * leader.inverse_mass
 
     def _reduced(self, h: float) -> tuple[float, float, float]:
         first, second = self.sides
@@ -252,10 +252,10 @@ class ContactSimulator:
             self.settings.clearance,
             *self._start[0],
             *self._start[1],
-            first.looseness,
-            first.yielding,
-            second.looseness,
-            second.yielding,
+            first.inverse_mass,
+            first.mobility,
+            second.inverse_mass,
+            second.mobility,
             *self._others[0],
             *self._others[1],
         )

@@ -8,10 +8,9 @@ power bonds in co-simulations" (Engineering with Computers 33, 2017, arXiv 1602.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,17 +28,14 @@ class Sums(NamedTuple):
     exchanged: np.ndarray
 
 
-@dataclass
-class SavedAccount:
+STATE = "times", "samples", "integrals", "created", "exchanged", "elapsed"  # attributes that the next entries depend on
+
+
+class SavedAccount(NamedTuple):
     """A master and its account at an instant."""
 
     master: Saved
-    times: np.ndarray
-    samples: np.ndarray
-    integrals: np.ndarray
-    created: np.ndarray
-    exchanged: np.ndarray
-    elapsed: float
+    entries: Mapping[str, Any]
 
 
 class EnergyAccount:
@@ -86,11 +82,11 @@ class EnergyAccount:
         self.master.step(t, h)
         self.enter(h, self.master.signals[None], self.master.machine.given()[None])
 
-    def run_steps(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> Steps:
+    def run_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
         """As `Master.run_steps`, with their entries in the account."""
         if self.correction or not self.master.in_batches:
             return singly(self, self.master, times, h)
-        steps = self.master.run_steps(times, h, looks, keep)
+        steps = self.master.run_steps(times, h, sampled, saved)
         if len(steps.rows):
             self.enter(h, steps.rows, steps.given)
         return steps
@@ -154,29 +150,28 @@ class EnergyAccount:
 
     def save(self, reuse: SavedAccount | None = None) -> SavedAccount:
         """As `Master.save`, with the account."""
-        return SavedAccount(
-            self.master.save(reuse.master if reuse else None),
-            self.times,
-            self.samples,
-            self.integrals,
-            self.created,
-            self.exchanged,
-            self.elapsed,
-        )
+        return SavedAccount(self.master.save(reuse.master if reuse else None), self._entries())
 
     def restore(self, saved: SavedAccount) -> None:
         """As `Master.restore`, with the account."""
         self.master.restore(saved.master)
-        self._come_back(saved)
+        self._take_entries(saved.entries)
 
-    def adopt(self, saved: SavedAccount) -> None:
-        """As `Master.adopt`, with the account."""
-        self.master.adopt(saved.master)
-        self._come_back(saved)
+    def state(self) -> dict[str, Any]:
+        """As `Master.state`, with the account."""
+        return {"master": self.master.state(), "account": self._entries()}
 
-    def _come_back(self, saved: SavedAccount) -> None:
-        self.times, self.samples, self.integrals = saved.times, saved.samples, saved.integrals
-        self.created, self.exchanged, self.elapsed = saved.created, saved.exchanged, saved.elapsed
+    def take(self, state: Mapping[str, Any]) -> None:
+        """As `Master.take`, with the account."""
+        self.master.take(state["master"])
+        self._take_entries(state["account"])
+
+    def _entries(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in STATE}
+
+    def _take_entries(self, entries: Mapping[str, Any]) -> None:
+        for name in STATE:
+            setattr(self, name, entries[name])
         if self.correction:
             self._owe()
 

@@ -23,15 +23,15 @@ def enter_steps(h, basis, outputs, given, degrees, factors, watts, work, integra
     kept, bonds = basis.shape[1], watts.size
     for i in range(len(given)):
         for k in range(degrees.size):
-            value, slope, half = given[i, k, 0], given[i, k, 1], given[i, k, 2]
+            value, slope, quadratic = given[i, k, 0], given[i, k, 1], given[i, k, 2]
             if given[i, k, 3] > degrees[k]:  # the unit holds the mean
-                value, slope, half = value + h * (slope / 2.0 + h * half / 3.0), 0.0, 0.0
+                value, slope, quadratic = value + h * (slope / 2.0 + h * quadratic / 3.0), 0.0, 0.0
             missed = 0.0
             for p in range(3):
                 at, true = h * POINTS[p], 0.0
                 for j in range(kept):
                     true += basis[p, j] * outputs[kept - 1 - j + i, k]
-                work[0, k, p], work[1, k, p] = true, (value + at * (slope + at * half)) / factors[k]
+                work[0, k, p], work[1, k, p] = true, (value + at * (slope + at * quadratic)) / factors[k]
                 missed += WEIGHTS[p] * (work[1, k, p] - true)
             integrals[k] += h * missed
         course[i + 1, 0] = course[i, 0] + h

@@ -24,7 +24,7 @@ class GaussSeidel(Master):
     batched = True
 
     @property
-    def late(self) -> list[int]:
+    def extrapolated_links(self) -> list[int]:
         """Links from later units."""
         ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
         return [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]

@@ -22,7 +22,7 @@ from .texts import Texts
 SWEEPS = 30
 SECANTS = 30
 CONVERGED = 1e-12  # relative change of an output from one sweep to the next
-STANDING = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
+STALLED = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
 RETURNED = 1e-7  # change of a miss relative to the change of an answer; below it a circle gives back what it gets
@@ -78,7 +78,7 @@ class Group:
             before = self._values()
             self._sweep()
             residual = self._residual(before)
-            if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
+            if residual <= CONVERGED or 0.5 * last <= residual <= STALLED:
                 self.initialization = InitializationResult(self._names, sweep, 0, residual)
                 return
             if residual == np.inf:
@@ -99,7 +99,7 @@ class Group:
             answer = self._values()
             residual = self._residual(x)
             self.initialization = InitializationResult(self._names, sweeps, k, residual)
-            if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
+            if residual <= CONVERGED or 0.5 * last <= residual <= STALLED:
                 return
             if not np.isfinite(answer).all():
                 break

@@ -44,9 +44,9 @@ class InterfaceModel(Master):
     def own_acts(self) -> dict[str, Acts]:
         """Bodies that lead, and those that follow what these have shown. Contacts never step, their outputs follow the bodies."""
         self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactSimulator)]
-        self._led = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
+        self._with_leader = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}
-        followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._led if unit.leader is not None}
+        followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._with_leader if unit.leader is not None}
         stages: list[list[Node]] = [[], []]
         self._pressed: list[list[tuple[Node, Pressed]]] = [[], []]
         for node in self.nodes:
@@ -69,5 +69,5 @@ class InterfaceModel(Master):
                 node.press(one.k, one.factor * one.side.line.value + one.offset, one.factor * one.side.line.slope)
             self.perform(stage, t, h)
             if stage is STAGES[0]:
-                for node, contact in self._led:
+                for node, contact in self._with_leader:
                     contact.correct(node.inputs())

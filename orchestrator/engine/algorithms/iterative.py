@@ -60,8 +60,8 @@ class Iterative(Master):
     solves_loops = False  # they are solved with the rest of their circles
 
     @property
-    def late(self) -> list[int]:
-        """None: inputs are led to what others give, or are guessed to give."""
+    def extrapolated_links(self) -> list[int]:
+        """None: polynomials of inputs end at what others give, or are guessed to give."""
         return [0] * len(self.nodes)
 
     def own_acts(self) -> dict[str, Acts]:
@@ -151,9 +151,20 @@ class Iterative(Master):
         memories = [method.memory for _, method in self._chains]
         return SavedIterative(**vars(saved), memories=memories, missed=(self.unconverged, self.worst))
 
-    def _come_back(self, saved: Saved) -> None:
-        super()._come_back(saved)
+    def restore(self, saved: Saved) -> None:
+        super().restore(saved)
         if isinstance(saved, SavedIterative):
-            self.unconverged, self.worst = saved.missed
-            for (_, method), memory in zip(self._chains, saved.memories, strict=True):
-                method.memory = memory
+            self._take_memories(saved.memories, saved.missed)
+
+    def state(self) -> dict[str, Any]:
+        memories = [method.memory for _, method in self._chains]
+        return super().state() | {"memories": memories, "missed": (self.unconverged, self.worst)}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        super().take(state)
+        self._take_memories(state["memories"], state["missed"])
+
+    def _take_memories(self, memories: Sequence[Memory], missed: tuple[int, float]) -> None:
+        self.unconverged, self.worst = missed
+        for (_, method), memory in zip(self._chains, memories, strict=True):
+            method.memory = memory

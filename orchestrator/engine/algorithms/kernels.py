@@ -8,7 +8,7 @@ algorithms that decide something in between have it take the rows up to there.
 A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
 Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own is three of `UNIT`:
 the one that takes part in every macro step (`NOTED`), and behind it the one that steps, whose inputs are where those of the first
-have been led to, and its outputs as the others see them in between.
+end, and its outputs as the others see them in between.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ...units.calls import call_derivatives, call_entry, call_step, call_values,
 from .records import (
     BEYOND,
     CONSTANT,
+    EXTRAPOLATED,
     FOLLOW,
     FORESEE,
-    GUESSED,
+    INTERPOLATED,
     JUMPS,
-    LED,
     LOOK,
     PUSH,
     READ,
@@ -74,7 +74,7 @@ def end_of(v, s, c, degree, h):
 
 
 @kernel
-def _ahead(past, link):
+def _extrapolate(past, link):
     """The polynomial of an input over the coming step, from its samples."""
     if link.held != 0:
         return link.present, 0.0, 0.0
@@ -83,10 +83,10 @@ def _ahead(past, link):
 
 
 @kernel
-def _towards(past, link, h):
+def _interpolate_to(past, link, h):
     """The polynomial that ends at the known value, h ahead; where the source does not step, that of its samples goes on."""
     if past.left != 0:
-        return _ahead(past, link)
+        return _extrapolate(past, link)
     h += past.elapsed
     v, c = link.known if link.held == CONSTANT else link.present, 0.0
     if past.degree == 0:
@@ -112,7 +112,7 @@ def _seen(past, v, s, c, bent):
 def _degree(unit, past):
     """Of the polynomials that a history gives a unit."""
     degree = past.samples - 1
-    if unit.late < unit.links and past.degree > 0 and past.left == 0:
+    if unit.n_extrapolated < unit.links and past.degree > 0 and past.left == 0:
         degree = max(degree, 2 if past.degree == 2 and past.samples > 1 else 1)
     return degree
 
@@ -120,15 +120,15 @@ def _degree(unit, past):
 @inlined_kernel
 def _drive(unit, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
-    first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
+    first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.n_extrapolated
     degree = 0  # that of the most bent input
     for k in range(unit.first_past, unit.first_past + unit.pasts):
         degree = max(degree, _degree(unit, pasts[k]))
-    held, smooth = degree == 0, unit.smooth != 0 and unit.ends == GUESSED
+    held, smooth = degree == 0, unit.smooth != 0 and unit.ends == EXTRAPOLATED
     if smooth or unit.pressed != 0:
         degree = max(degree, 1)
     given = 2 if unit.corrected != 0 else degree
-    in_memory = unit.way == IN_MEMORY and unit.lost == 0
+    in_memory = unit.input_mode == IN_MEMORY and unit.lost == 0
     past = pasts[unit.first_past]
     for i in range(first, behind):
         link = links[i]
@@ -136,11 +136,11 @@ def _drive(unit, links, pasts, signals, buffer, h):
             past = pasts[link.past]
         if i >= extrapolated:
             link.known = _given(link, signals)
-            v, s, c = _towards(past, link, h)
+            v, s, c = _interpolate_to(past, link, h)
         elif link.pressed != 0 and link.fault == UNALTERED:
             v, s, c = link.force, link.rate, 0.0
         else:
-            v, s, c = _ahead(past, link)
+            v, s, c = _extrapolate(past, link)
         if smooth and link.held != JUMPS:  # from where it ended to where it should end
             back = (v - link.reached) / h
             v, s = link.reached, back if held else s + back
@@ -148,15 +148,15 @@ def _drive(unit, links, pasts, signals, buffer, h):
         if given > degree:  # what is owed, as a parabola that vanishes at both ends of the step, where inputs stay true
             s += 6.0 * link.owed / (h * h)
             c -= 6.0 * link.owed / (h * (h * h))
-        link.value, link.slope, link.half, link.degree = v, s, c, given
+        link.value, link.slope, link.quadratic, link.degree = v, s, c, given
         if in_memory:
             store(link.at, v)
             if given > 0:
                 store(link.at + unit.row, s)
             if given > 1:
                 store(link.at + 2 * unit.row, c)
-    unit.ends = LED if unit.led != 0 else GUESSED
-    if unit.way >= IN_MEMORY or unit.lost != 0:
+    unit.ends = INTERPOLATED if unit.all_interpolated != 0 else EXTRAPOLATED
+    if unit.input_mode >= IN_MEMORY or unit.lost != 0:
         return 0
     unit.degree = given
     return _drive_fmu(unit, links, buffer, h)
@@ -164,11 +164,11 @@ def _drive(unit, links, pasts, signals, buffer, h):
 
 @kernel
 def _hold(unit, links):
-    """Hand an FMU its inputs that are apart, if one of them has changed, as `_drive_fmu`; returns the status."""
+    """Hand an FMU the inputs that are set on change, if one has changed, as `_drive_fmu`; returns the status."""
     changed, at = False, unit.held_values
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        if link.apart != 0:
+        if link.set_on_change != 0:
             v = link.known if unit.degree == KNOWN else link.value
             changed = changed or load(at) != v
             store(at, v)
@@ -180,24 +180,24 @@ def _hold(unit, links):
 def _drive_fmu(unit, links, buffer, h):
     """Hand an FMU the polynomials of its links, or the values that are known; returns its status."""
     degree = unit.degree
-    first, n, way = 3 * unit.first_link, unit.links - unit.apart, unit.way
-    status = _hold(unit, links) if unit.apart > 0 else 0
+    first, n, mode = 3 * unit.first_link, unit.links - unit.n_set_on_change, unit.input_mode
+    status = _hold(unit, links) if unit.n_set_on_change > 0 else 0
     if status > WARNING or n == 0:
         return status
     values, k = buffer.ctypes.data + 8 * first, first
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        if link.apart != 0:
+        if link.set_on_change != 0:
             continue
-        v, s, c = link.known if degree == KNOWN else link.value, link.slope, link.half
-        if way == MEAN and degree > 0:
+        v, s, c = link.known if degree == KNOWN else link.value, link.slope, link.quadratic
+        if mode == MEAN and degree > 0:
             v = v + h * (s / 2.0 + h * c / 3.0)
         buffer[k], buffer[k + n], buffer[k + 2 * n] = v, s, 2.0 * c
         k += 1
-    if way == COMPANIONS:
+    if mode == COMPANIONS:
         return call_values(unit.set, unit.instance, unit.input_references, n * (max(degree, 0) + 1), values)
     status = call_values(unit.set, unit.instance, unit.input_references, n, values)
-    if way == DERIVATIVES:
+    if mode == DERIVATIVES:
         for order in range(degree):
             if status <= WARNING:
                 status = call_derivatives(
@@ -215,7 +215,7 @@ def _drive_fmu(unit, links, buffer, h):
 def _step(unit, t, h):
     """Step one unit; returns its status."""
     unit.taken += 1
-    if unit.way < IN_MEMORY:
+    if unit.input_mode < IN_MEMORY:
         unit.time = t
         return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
     status = FAILED * call_entry(unit.step, t, h, unit.argument)
@@ -234,7 +234,7 @@ def _start(unit, units, links, pasts, signals, buffer, t, h):
         status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
         if status > WARNING or unit.lost != 0:
             return status
-        if unit.way != NOTED:
+        if unit.input_mode != NOTED:
             return _step(unit, t, h)
         own, first = units[unit.slow], unit.first_link  # the unit that steps; behind it, its outputs between its steps
         if unit.count == 0:
@@ -259,11 +259,11 @@ def _start(unit, units, links, pasts, signals, buffer, t, h):
 def _read(unit, outputs_at, signals):
     """Outputs of a unit into the table of signals; returns the status."""
     first, n = unit.first_signal, unit.signals
-    if unit.way == IN_MEMORY:
+    if unit.input_mode == IN_MEMORY:
         for k in range(first, first + n):
             signals[k] = load(outputs_at[k])
         return 0
-    if unit.way == IN_PYTHON:
+    if unit.input_mode == IN_PYTHON:
         return FAILED * call_entry(unit.read, unit.time, 0.0, 0)
     if unit.parts == 0:
         return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
@@ -284,7 +284,7 @@ def _read(unit, outputs_at, signals):
 @inlined_kernel
 def _read_any(unit, units, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status. A lost unit's are what they were."""
-    if unit.way != NOTED:
+    if unit.input_mode != NOTED:
         return _read(unit, outputs_at, signals)
     status = _read(units[unit.slow], outputs_at, signals) if unit.count == 0 else 0
     _show(unit, units, links, pasts, signals)
@@ -299,7 +299,7 @@ def _show(unit, units, links, pasts, signals):
         link = links[seen.first_link + k]
         past, v = pasts[link.past], signals[link.source]
         if unit.count > 0:
-            v, s, c = _ahead(past, link)
+            v, s, c = _extrapolate(past, link)
             v = end_of(v, s, c, past.samples - 1, unit.length)
         signals[seen.first_signal + k] = v
 
@@ -307,7 +307,7 @@ def _show(unit, units, links, pasts, signals):
 @inlined_kernel
 def _stands(unit, links, signals):
     """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved. Notes these as known."""
-    stands = unit.ends == GUESSED
+    stands = unit.ends == EXTRAPOLATED
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
         link.known = v = _given(link, signals)
@@ -319,10 +319,10 @@ def _stands(unit, links, signals):
 @kernel
 def _update(unit, links, buffer):
     """Bring the outputs of a unit up to date for its known inputs; returns the status."""
-    if unit.way < IN_MEMORY:
+    if unit.input_mode < IN_MEMORY:
         unit.degree = KNOWN
         return _drive_fmu(unit, links, buffer, 0.0)
-    if unit.way == IN_MEMORY:
+    if unit.input_mode == IN_MEMORY:
         for i in range(unit.first_link, unit.first_link + unit.links):
             store(links[i].at, links[i].known)
     return FAILED * call_entry(unit.outputs, unit.time, 0.0, unit.argument)
@@ -331,9 +331,9 @@ def _update(unit, links, buffer):
 @kernel
 def _update_any(unit, units, links, buffer):
     """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
-    if unit.lost != 0 or (unit.way == NOTED and unit.count > 0):
+    if unit.lost != 0 or (unit.input_mode == NOTED and unit.count > 0):
         return 0
-    if unit.way != NOTED:
+    if unit.input_mode != NOTED:
         return _update(unit, links, buffer)
     own = units[unit.slow]
     for k in range(unit.links):
@@ -345,9 +345,9 @@ def _update_any(unit, units, links, buffer):
 def _push(unit, links, pasts, signals, h, updated):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped.
 
-    They are what they were led to, unless outputs have been updated since.
+    They are the values at which their polynomials end, unless outputs have been updated since.
     """
-    known, past = unit.ends == LED and updated == 0, pasts[unit.first_past]
+    known, past = unit.ends == INTERPOLATED and updated == 0, pasts[unit.first_past]
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
         link.now = link.known if known else _given(link, signals)
@@ -370,12 +370,12 @@ def _push(unit, links, pasts, signals, h, updated):
 
 
 @kernel
-def _look(unit, links, pasts, signals, h, ahead):
+def _look(unit, links, pasts, signals, h, foresee):
     """Note what the inputs are, or where extrapolation will have taken them after h."""
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        if ahead:
-            v, s, c = _ahead(pasts[link.past], link)
+        if foresee:
+            v, s, c = _extrapolate(pasts[link.past], link)
             link.foreseen = end_of(v, s, c, pasts[link.past].samples - 1, h)
         else:
             link.looked = _given(link, signals)
@@ -392,16 +392,16 @@ def _keep(step, m):
             link, at = links[m.bonded[k]], request.given + 32 * (step * m.bonded.size + k)
             store(at, link.value)
             store(at + 8, link.slope)
-            store(at + 16, link.half)
+            store(at + 16, link.quadratic)
             store(at + 24, link.degree)
         for k in range(request.watches):
             store(request.outputs + 8 * (step * request.watches + k), load(load_int64(request.watched + 8 * k)))
-    if request.looked < request.look_count and load_int64(request.looks + 8 * request.looked) == step:
-        row, driven = 2 * request.looked, request.driven
+    if request.sampled_done < request.sampled_count and load_int64(request.sampled + 8 * request.sampled_done) == step:
+        row, driven = 2 * request.sampled_done, request.driven
         for i in range(driven):
             store(request.inputs + 8 * (row * driven + i), links[i].now)
             store(request.inputs + 8 * ((row + 1) * driven + i), links[i].reached)
-        request.looked += 1
+        request.sampled_done += 1
 
 
 @kernel
@@ -409,7 +409,7 @@ def run_steps(t, h, m):
     """Take the rows of the program that the request names, in each of its macro steps of length h; see `records.REQUEST`."""
     request, units, links, pasts, signals = m.request[0], m.units, m.links, m.pasts, m.signals
     begin = request.begin
-    request.unit, request.status, request.done, request.looked = -1, 0, 0, 0
+    request.unit, request.status, request.done, request.sampled_done = -1, 0, 0, 0
     for step in range(request.steps):
         if request.times != 0:
             t = load(request.times + 8 * step)
@@ -427,7 +427,7 @@ def run_steps(t, h, m):
                     _push(unit, links, pasts, signals, h, request.updated)
                 elif act in (LOOK, FORESEE):
                     _look(unit, links, pasts, signals, h, act == FORESEE)
-                elif act == UPDATE or (act == FOLLOW and (unit.ends != LED or request.updated != 0)):
+                elif act == UPDATE or (act == FOLLOW and (unit.ends != INTERPOLATED or request.updated != 0)):
                     moved = not _stands(unit, links, signals)  # which notes what is known
                     if moved or act == UPDATE:
                         status = _update_any(unit, units, links, m.buffer)

@@ -13,7 +13,7 @@ from .memory import Records
 from .node import Node, Samples
 from .records import CONSTANT, JUMPS
 
-ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
+UNMOVED = 16 * 2.0**-52  # relative: an input this near to the end of its polynomial has not moved
 
 
 class Program:
@@ -36,7 +36,7 @@ class Program:
 
 def lay_out(
     nodes: Sequence[Node],
-    late: Sequence[int],
+    n_extrapolated: Sequence[int],
     program: Program,
     weights: Sequence[float],
     bonded: Sequence[tuple[Node, Link]],
@@ -47,8 +47,8 @@ def lay_out(
     """The records of nodes, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
-    of signals, and the one that gives its outputs between its steps. late: of each node, how many of its links are extrapolated,
-    those come first; bonded: links whose polynomials are noted; end: s, of the run.
+    of signals, and the one that gives its outputs between its steps. n_extrapolated: of each node, how many of its links are
+    extrapolated; these come first. bonded: links whose polynomials are noted; end: s, of the run.
     """
     rated = [node for node in nodes if node.own is not None]
     parts: list[tuple[int, tuple[Samples, ...]]] = [(len(node.links), node.samples) for node in nodes]
@@ -80,9 +80,13 @@ def lay_out(
             for held, which in ((0, sample.places), (JUMPS, sample.jumping), (CONSTANT, sample.constant)):
                 links["held"][[first_link + place for place in which]] = held
             links["past"][[first_link + place for place in sample.places]] = k
-    for k, (node, behind) in enumerate(zip(nodes, late, strict=True)):
+    for k, (node, behind) in enumerate(zip(nodes, n_extrapolated, strict=True)):
         row, mine = units[k : k + 1], links[first_links[k] : first_links[k + 1]]
-        row["late"], row["led"], row["smooth"] = behind, behind == 0 and bool(node.links) and node.follows, smoothing
+        row["n_extrapolated"], row["all_interpolated"], row["smooth"] = (
+            behind,
+            behind == 0 and bool(node.links) and node.follows,
+            smoothing,
+        )
         row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start
         mine["source"] = node.sources
         for name in ("factor", "offset"):
@@ -93,7 +97,7 @@ def lay_out(
     cells = table
     for k, node in enumerate(rated, 0):
         own, outer = len(nodes) + 2 * k, units[places[id(node)] : places[id(node)] + 1]
-        outer["way"], outer["slow"], outer["every"] = NOTED, own, node.every
+        outer["input_mode"], outer["slow"], outer["every"] = NOTED, own, node.every
         assert node.estimates is not None
         for row, first, n in ((own, node.place.start, outer["signals"][0]), (own + 1, node.estimates.start, 0)):
             units["first_signal"][row], units["signals"][row] = first, n

@@ -19,7 +19,7 @@ from .node import Node
 from .records import READ, UPDATE
 
 CONVERGED = 1e-12  # residual of an output relative to its size
-STANDING = 1e-9  # and where it no longer falls: gains above 1 amplify the rounding
+STALLED = 1e-9  # and where it no longer falls: gains above 1 amplify the rounding
 CONTRACTION = 0.3  # what a Jacobian may leave of a residual before it is taken anew
 LIMIT = 50  # corrections at one point
 HALVINGS = 12  # of a correction that makes the residual larger
@@ -61,14 +61,14 @@ class LoopSolver:
                 self.jacobian = self._derivatives(x, answer)
             tried, given, contraction = self._corrected(x, answer, residual, HALVINGS if first_time else 1, t)
             left = self._residual(tried, given)
-            standing = left <= STANDING and contraction > 0.5
-            if contraction > CONTRACTION and not standing:
+            stalled = left <= STALLED and contraction > 0.5
+            if contraction > CONTRACTION and not stalled:
                 self.jacobian = None
-            if contraction < 1.0 or standing:
+            if contraction < 1.0 or stalled:
                 x, answer, residual = tried, given, left
             elif first_time:
                 raise self._failed(left, t)
-            if standing:
+            if stalled:
                 break
         else:
             raise self._failed(residual, t)

@@ -1,4 +1,4 @@
-"""The kernels at work on the records of a master: they call the units, and what goes wrong there is told."""
+"""The kernels at work on the records of a master: they call the units, and what goes wrong there is raised."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...units.python_calls import calls_of
+from ...units.call_table import calls_of
 from .memory import Records
 from .node import Node
 from .records import BEYOND, GIVEN
@@ -22,9 +22,9 @@ class Steps(NamedTuple):
 
     rows: np.ndarray  # (n, S), the signals behind each
     given: np.ndarray = np.zeros((0, 0, 4))  # (n, B, 4), value, slope, half of the second derivative, degree of bonded inputs
-    inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the steps asked for, and where they were led to
+    inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the sampled steps, and the ends of their polynomials
     outputs: np.ndarray = np.zeros((0, 0))  # (n, W), what `watch` has asked for
-    kept: Sequence[Any] = ()  # what was saved
+    saved: Sequence[Any] = ()  # states of the master
     failure: BaseException | None = None
 
 
@@ -33,15 +33,15 @@ class Space:
     """A batch that is under way: room for all of it, and the steps that are done."""
 
     times: np.ndarray
-    looks: np.ndarray
+    sampled: np.ndarray
     steps: Steps
     done: int = 0
     beyond: bool = False  # the signals behind the last one have left the limit
 
-    def completed(self, kept: Sequence[Any], failure: BaseException | None) -> Steps:
-        """What is done; inputs of all looks."""
+    def completed(self, saved: Sequence[Any], failure: BaseException | None) -> Steps:
+        """What is done; inputs of all sampled steps."""
         n, steps = self.done, self.steps
-        return Steps(steps.rows[:n], steps.given[:n], steps.inputs, steps.outputs[:n], kept, failure)
+        return Steps(steps.rows[:n], steps.given[:n], steps.inputs, steps.outputs[:n], saved, failure)
 
 
 class Machine:
@@ -64,11 +64,11 @@ class Machine:
         for node in self._nodes:
             row, links = node.of_called
             unit, table = calls_of(node.unit, links, memory.signals[node.place])
-            row["way"] = table.way
+            row["input_mode"] = table.input_mode
             for name, address in table.calls.items():
                 row[name] = address
             links["at"], memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
-            links["apart"], row["apart"] = table.apart, sum(table.apart)
+            links["set_on_change"], row["n_set_on_change"] = table.set_on_change, sum(table.set_on_change)
             self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
             if hasattr(unit, "begin_steps"):
                 self._fmus.append((unit, records.place("units", node.called, "no_return")))
@@ -82,7 +82,7 @@ class Machine:
 
     def step(self, rows: Rows, t: float, h: float) -> bool:
         """Take the rows of a macro step; returns whether the signals have left the limit."""
-        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=1, rows=0, look_count=0)
+        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=1, rows=0, sampled_count=0)
         self.records.run_steps(t, h)
         self._go_on(t, h)
         return self.records.answer("unit") == BEYOND
@@ -96,7 +96,7 @@ class Machine:
             self.note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
             records.ask(
-                first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0, look_count=0
+                first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0, sampled_count=0
             )
             records.run_steps(t, h)
 
@@ -118,16 +118,16 @@ class Machine:
                 unit.stepped(integers[taken], numbers[time])
                 integers[taken] = 0
 
-    def space(self, times: np.ndarray, looks: np.ndarray) -> Space:
-        """Room for macro steps from each of `times`, s; looks: as of `Master.run_steps`."""
+    def space(self, times: np.ndarray, sampled: np.ndarray) -> Space:
+        """Room for macro steps from each of `times`, s; sampled: as of `Master.run_steps`."""
         n, memory = times.size, self.records.memory
         return Space(
             times,
-            looks,
+            sampled,
             Steps(
                 np.empty((n, memory.inverse.size)),
                 np.empty((n, memory.bonded.size, 4)),
-                np.empty((looks.size, 2, self.records.driven)),
+                np.empty((sampled.size, 2, self.records.driven)),
                 np.empty((n, self._watched.size)),
             ),
         )
@@ -135,15 +135,15 @@ class Machine:
     def run_steps(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
         """The macro steps up to the `last`, in one call; returns why there are fewer."""
         records, steps, first = self.records, space.steps, space.done
-        seen = int(np.searchsorted(space.looks, first))
-        times, looks = space.times[first:last], space.looks[seen:] - first
+        before = int(np.searchsorted(space.sampled, first))
+        times, sampled = space.times[first:last], space.sampled[before:] - first
         into = {
             "rows": steps.rows[first:],
             "given": steps.given[first:],
-            "inputs": steps.inputs[seen:],
+            "inputs": steps.inputs[before:],
             "outputs": steps.outputs[first:],
             "times": times,
-            "looks": looks,
+            "sampled": sampled,
             "watched": self._watched,
         }
         try:
@@ -154,7 +154,7 @@ class Machine:
                 steps=times.size,
                 begin=0,
                 whole=1,
-                look_count=looks.size,
+                sampled_count=sampled.size,
                 driven=records.driven,
                 watches=self._watched.size,
                 **{n: a.ctypes.data for n, a in into.items()},
@@ -185,7 +185,7 @@ class Machine:
         steps, memory = space.steps, self.records.memory
         steps.rows[space.done] = memory.signals[: memory.inverse.size]
         steps.given[space.done] = self.given()
-        steps.inputs[space.looks == space.done] = self.inputs()
+        steps.inputs[space.sampled == space.done] = self.inputs()
         steps.outputs[space.done] = [c_double.from_address(address).value for address in self._watched.tolist()]
 
     def watch(self, addresses: Sequence[int]) -> slice:
@@ -200,7 +200,7 @@ class Machine:
         return np.stack([links[name] for name in GIVEN], axis=1)
 
     def inputs(self) -> np.ndarray:
-        """All inputs behind the last step, in the order of the nodes' links, and where they were led to, (2, L)."""
+        """All inputs behind the last step, in the order of the nodes' links, and the ends of their polynomials, (2, L)."""
         links = self.records.memory.links[: self.records.driven]
         return np.stack([links["now"], links["reached"]])
 

@@ -19,11 +19,11 @@ from ...units.component import ComponentSimulator
 from ..coupling import Coupling, Endpoint, Link
 from ..coupling.graph import Loop, is_discrete
 from .initial import RUNAWAY, Group, InitializationResult
-from .layout import ROUNDING, Program, lay_out
+from .layout import UNMOVED, Program, lay_out
 from .loops import LoopSolver
 from .machine import Machine, Space, Steps, singly
 from .node import Node, Samples, samples_of
-from .records import FOLLOW, FORESEE, GUESSED, LED, LOOK, PUSH
+from .records import EXTRAPOLATED, FOLLOW, FORESEE, INTERPOLATED, LOOK, PUSH
 from .texts import Texts
 
 Acts = Sequence[tuple[int, Sequence[Node]]]  # rows of the program: what is done with which units
@@ -102,10 +102,12 @@ class Master:
         self._rows |= {solver.loop.text: program.add(*solver.acts()) for solver in self.loops}
         self._follow = {id(part): program.add((FOLLOW, part)) for part in following}
         for node in self.nodes:
-            node.looks = program.add((LOOK, [node]))
+            node.look_rows = program.add((LOOK, [node]))
         bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
         table = len(read) + len(guessed)
-        self.records = records = lay_out(self.nodes, self.late, program, self.weights, bonded, table, smoothing, end)
+        self.records = records = lay_out(
+            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end
+        )
         self.signals: np.ndarray = records.memory.signals[:table]
         self.sample = self.signals[: len(read)].tolist
         self.machine = Machine(self.nodes, records)
@@ -127,7 +129,7 @@ class Master:
         return self.batched and not self.loops and self.texts is None
 
     @property
-    def late(self) -> list[int]:
+    def extrapolated_links(self) -> list[int]:
         """Of each node, how many of its links have their values extrapolated: those come first."""
         return [len(node.links) for node in self.nodes]
 
@@ -208,7 +210,7 @@ class Master:
             exact = interface.input_degree >= self.degree
             for k, link in enumerate(node.links):
                 if link.target[1] in at_once:
-                    node.direct.append((k, ROUNDING if exact or k in node.held else -inf))
+                    node.direct.append((k, UNMOVED if exact or k in node.held else -inf))
         return plan
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
@@ -252,7 +254,7 @@ class Master:
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
         for node in self.nodes:
-            if node.unit_record["ends"][0] == LED:
+            if node.unit_record["ends"][0] == INTERPOLATED:
                 node.jump()
         self._solve(t)
 
@@ -266,16 +268,16 @@ class Master:
                 part.solve(t)
                 self.records.ask(updated=1)
 
-    def run_steps(self, times: np.ndarray, h: float, looks: np.ndarray = NONE, keep: Sequence[int] = ()) -> Steps:
+    def run_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
         """Macro steps from each of `times`, s, of length h, in as few calls as possible.
 
-        looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved. Both,
+        sampled: (m,), steps counted from 0 behind which `inputs` are wanted; saved: those behind which the master is saved. Both,
         and all but `rows` and `failure` of what is returned, where steps are taken `in_batches`.
         """
         if not self.in_batches:
             return singly(self, self, times, h)
-        steps, kept = self.machine.space(times, looks), list[Any]()
-        for last in (*(step + 1 for step in keep), times.size):
+        steps, states = self.machine.space(times, sampled), list[Any]()
+        for last in (*(step + 1 for step in saved), times.size):
             before = steps.done
             failure = self.machine.run_steps(self._rows["step"], steps, h, last)
             self.steps += steps.done - before
@@ -284,9 +286,9 @@ class Master:
             if steps.done < last or failure is not None:
                 break
             if last < times.size:
-                kept.append(self.save())
+                states.append(self.save())
         self.records.ask(halt=0)
-        return steps.completed(kept, failure)
+        return steps.completed(states, failure)
 
     def _beyond(self, steps: Space, h: float) -> BaseException | None:
         """What is wrong with the signals behind the last step, which counts only where that is nothing."""
@@ -324,9 +326,9 @@ class Master:
             if any(link in bond.links for bond in self.coupling.bonds for link in node.links):
                 units["corrected"][node.index] = 1
 
-    def led(self) -> np.ndarray:
-        """Of all inputs whether extrapolation has led them, (L,)."""
-        return np.array([node.unit_record["ends"][0] == GUESSED for node in self.nodes for _ in node.links], dtype=bool)
+    def extrapolated(self) -> np.ndarray:
+        """Of all inputs whether they were extrapolated, (L,)."""
+        return np.array([node.unit_record["ends"][0] == EXTRAPOLATED for node in self.nodes for _ in node.links], dtype=bool)
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
@@ -386,18 +388,34 @@ class Master:
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
         self.records.block.memory[:] = saved.cells
-        self._come_back(saved)
-
-    def adopt(self, saved: Saved) -> None:
-        """As `restore`, of another master of the same scene; raises `ValueError` where it is of another size."""
-        self.records.adopt(saved.cells)
-        self._come_back(saved)
-
-    def _come_back(self, saved: Saved) -> None:
-        self.steps = saved.steps
         for node, state in zip(self.nodes, saved.units, strict=True):
             node.unit.restore(state)
-        for loop, jacobian in zip(self.loops, saved.jacobians, strict=True):
+        self._take_counts(saved.steps, saved.jacobians)
+
+    def state(self) -> dict[str, Any]:
+        """The same for a file, or for another master of the same scene: numbers, arrays, and of units bytes."""
+        units = []
+        for node in self.nodes:
+            saved = node.unit.save()
+            try:
+                units.append(node.unit.pack(saved))
+            finally:
+                node.unit.release(saved)
+        jacobians = [loop.jacobian for loop in self.loops]
+        return {"units": units, "records": self.records.state(), "steps": self.steps, "jacobians": jacobians}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`; raises `ValueError` where the master is of another size."""
+        self.records.take(state["records"])
+        for node, packed in zip(self.nodes, state["units"], strict=True):
+            saved = node.unit.unpack(packed)
+            node.unit.restore(saved)
+            node.unit.release(saved)
+        self._take_counts(state["steps"], state["jacobians"])
+
+    def _take_counts(self, steps: int, jacobians: Sequence[np.ndarray | None]) -> None:
+        self.steps = steps
+        for loop, jacobian in zip(self.loops, jacobians, strict=True):
             loop.jacobian = jacobian
 
     def check_finite(self, t: float) -> None:

@@ -95,20 +95,27 @@ class Records:
         if self._run_steps(t, h) == RAISED:
             raise RuntimeError("a kernel of the loop has raised an exception")
 
-    def adopt(self, cells: np.ndarray) -> None:
-        """What changes as in `cells`, of another master of the same scene; raises `ValueError` for one of another size."""
-        if cells.shape != self.block.memory.shape:
-            raise ValueError(f"a master of {cells.size} cells, not {self.block.memory.size}")
-        mine, before = self.memory, self.block.memory.copy()
-        self.block.memory[:] = cells
-        theirs = [array.copy() for array in (mine.units, mine.links, mine.pasts)]
-        signals = mine.signals.copy()
-        self.block.memory[:] = before
-        states = UNIT_STATE, LINK_STATE, PAST_STATE
-        for array, given, names in zip((mine.units, mine.links, mine.pasts), theirs, states, strict=True):
-            for name in names:
-                array[name] = given[name]
-        mine.signals[:] = signals
+    def state(self) -> np.ndarray:
+        """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""
+        return self.block.memory.view(np.int64)[self._changing]
+
+    def take(self, state: np.ndarray) -> None:
+        """Go on from a `state` of the same scene; raises `ValueError` for one of another size."""
+        if state.dtype != np.int64 or state.shape != self._changing.shape:
+            raise ValueError(f"a master of {state.size} cells, not {self._changing.size}")
+        self.block.memory.view(np.int64)[self._changing] = state
+
+    @property
+    def _changing(self) -> np.ndarray:
+        """Places of these cells, (n,)."""
+        memory, states = self.memory, {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
+        places = [
+            self.place(array, 0, name) + np.arange(getattr(memory, array).size) * (getattr(memory, array).dtype.itemsize // CELL)
+            for array, names in states.items()
+            for name in names
+            if getattr(memory, array).size
+        ]
+        return np.concatenate([*places, self.block.cell("s", "signals") + np.arange(memory.signals.size)])
 
 
 def _cells(array: Any) -> Any:

@@ -11,7 +11,7 @@ from ...units import Simulator
 from ...units.interface import PortValues, port_values
 from ..coupling import Link
 from .memory import Records
-from .records import GIVEN, NOWHERE, OVERRIDDEN, SHIFTED, UNALTERED
+from .records import GIVEN, OVERRIDDEN, SHIFTED, UNALTERED, UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Node:
     """One unit in the graph.
 
     place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
-    between steps and never change inside one; follows: inputs end where they are led to: the unit takes polynomials, and none
+    between steps and never change inside one; follows: inputs end where their polynomials do: the unit takes these, and none
     of them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to
     one of its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells
-    of what others go by. looks: rows of the program that look at its inputs.
+    of what others go by. look_rows: rows of the program that note its inputs.
     """
 
     unit: Simulator
@@ -58,7 +58,7 @@ class Node:
     every: int = 1
     estimates: slice | None = None
     direct: list[tuple[int, float]] = field(default_factory=list)
-    looks: tuple[int, int] = (0, 0)
+    look_rows: tuple[int, int] = (0, 0)
 
     def bind(self, records: Records, k: int) -> None:
         """The node's records: the k-th unit, its links and their samples, and those of its other two units if it has a rate."""
@@ -82,7 +82,7 @@ class Node:
         return port_values(self.link_records["looked"])
 
     def _look(self) -> None:
-        self._records.take_rows(*self.looks, 0.0, 0.0)
+        self._records.take_rows(*self.look_rows, 0.0, 0.0)
 
     def foreseen(self) -> np.ndarray:
         """Where extrapolation will have taken the inputs, as of the last `FORESEE`, (n,)."""
@@ -101,18 +101,18 @@ class Node:
         return None if row["lost"] or row["count"] else self.unit.event
 
     @property
-    def kept(self) -> int:
+    def n_samples(self) -> int:
         """Samples of the inputs that there are."""
         return int(self.sample_records["samples"].max(initial=0))
 
     @property
     def spans(self) -> tuple[float, ...]:
         """Between the samples of the inputs, s, the newest first."""
-        return tuple(float(self.sample_records[name][0]) for name in ("h1", "h2")[: self.kept - 1])
+        return tuple(float(self.sample_records[name][0]) for name in ("h1", "h2")[: self.n_samples - 1])
 
     @property
     def ends(self) -> np.ndarray:
-        """The inputs behind the last step, and where they were led to, (2, n)."""
+        """The inputs behind the last step, and the ends of their polynomials, (2, n)."""
         return np.stack([self.link_records["now"], self.link_records["reached"]])
 
     def restart(self) -> None:
@@ -129,8 +129,8 @@ class Node:
             restart()
 
     def jump(self) -> None:
-        """Where the inputs were led to is no guess of where they are."""
-        self.unit_record["ends"] = NOWHERE
+        """The ends of the polynomials are no guess of the inputs any more."""
+        self.unit_record["ends"] = UNKNOWN
 
     def lose(self) -> None:
         """The unit takes no more steps and no inputs, and its outputs stay as they are, those that others go by, too."""

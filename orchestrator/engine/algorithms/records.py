@@ -13,11 +13,12 @@ import numpy as np
 from ....components.core.kernels import kernel_tuple
 from ...units.call_names import OF_ENTRIES, OF_FMU
 
-NOWHERE, LED, GUESSED = range(3)  # where inputs end: not known; at values that were known; where extrapolation has taken them
+# where inputs end: not known; at values that were known; where extrapolation has taken them
+UNKNOWN, INTERPOLATED, EXTRAPOLATED = range(3)
 CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump between steps; are held beside a place that moves on
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(8)  # what a row of the program does, see `kernels`
-GIVEN = "value", "slope", "half", "degree"  # of a link, over a step
+GIVEN = "value", "slope", "quadratic", "degree"  # of a link, over a step
 BEYOND = -2  # in the place of a unit: signals have left the limit
 
 
@@ -34,97 +35,97 @@ def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
 UNIT, UNIT_STATE = _record(
     "\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES))
     + """
-    way          i  in which it gets inputs, see `call_names`
-    first_link   i  its links
-    links        i  their number
-    late         i  of which so many have their values extrapolated; those come first
-    led          i  whether all are led to values that are known
-    first_signal i  its outputs in the table of signals
-    signals      i  their number
-    first_past   i  its samples
-    pasts        i  their number
-    apart        i  links an FMU is handed only when they change
-    smooth       i  whether inputs begin where they ended
-    pressed      i  whether some are the force of a contact
-    corrected    i  whether something may be owed to some
-    every        i  macro steps to one of the unit
-    slow         i  of a unit with a rate of its own, the first of its other two records
-    stop         f  s, end of the run
-    no_return    i  no state before a step will be taken back
-    degree       i  of what an FMU is handed
-    ends         i* of its inputs: `NOWHERE`, ...
-    taken        i* steps since the unit was told
-    lost         i* it takes no more steps
-    count        i* macro steps since it stepped
-    start        f* s, where they began
-    length       f* s, of all of them
-    time         f* s, reached; of an FMU the start of its last step
+    input_mode       i  how the unit gets inputs, see `call_names`
+    first_link       i  its links
+    links            i  their number
+    n_extrapolated   i  so many of them have their values extrapolated; these come first
+    all_interpolated i  whether all end at values that are known
+    first_signal     i  its outputs in the table of signals
+    signals          i  their number
+    first_past       i  its samples
+    pasts            i  their number
+    n_set_on_change  i  links that an FMU is handed only when they change
+    smooth           i  whether inputs begin where they ended
+    pressed          i  whether some are the force of a contact
+    corrected        i  whether something may be owed to some
+    every            i  macro steps to one of the unit
+    slow             i  of a unit with a rate of its own, the first of its other two records
+    stop             f  s, end of the run
+    no_return        i  no state before a step will be taken back
+    degree           i  of what an FMU is handed
+    ends             i* of its inputs: `UNKNOWN`, ...
+    taken            i* steps since the unit was told
+    lost             i* it takes no more steps
+    count            i* macro steps since it stepped
+    start            f* s, where they began
+    length           f* s, of all of them
+    time             f* s, reached; of an FMU the start of its last step
 """
 )
 LINK, LINK_STATE = _record("""
-    at         i  address of a component's input
-    apart      i  whether an FMU is handed it only when it changes
-    source     i  in the table of signals
-    past       i  its samples
-    converted  i  whether it has another factor than 1, or an offset
-    factor     f  of the connection
-    offset     f  of the connection
-    direct     i  whether an output follows it within an instant
-    change     f  unless it has moved by no more than this part
-    held       i  `CHANGES`, ...
-    fault      i* `UNALTERED`, ...
-    alteration f* by the fault
-    pressed    i* whether a contact gives a line in place of its source
-    force      f* value of that line
-    rate       f* and slope
-    now        f* value behind the last step
-    looked     f  value at the last `LOOK`
-    foreseen   f  value at the last `FORESEE`
-    present    f* newest sample
-    before     f* the one before
-    earlier    f* and before that
-    known      f* what it is led to
-    value      f* given over the last step
-    slope      f* given
-    half       f* given, half of the second derivative
-    degree     f* of what was given
-    reached    f* where that ends
-    owed       f* its integral over time that is still to be given
+    at               i  address of a component's input
+    set_on_change    i  whether an FMU is handed it only when it changes
+    source           i  in the table of signals
+    past             i  its samples
+    converted        i  whether it has another factor than 1, or an offset
+    factor           f  of the connection
+    offset           f  of the connection
+    direct           i  whether an output follows it within an instant
+    change           f  unless it has moved by no more than this part
+    held             i  `CHANGES`, ...
+    fault            i* `UNALTERED`, ...
+    alteration       f* by the fault
+    pressed          i* whether a contact gives a line in place of its source
+    force            f* value of that line
+    rate             f* and slope
+    now              f* value behind the last step
+    looked           f  value at the last `LOOK`
+    foreseen         f  value at the last `FORESEE`
+    present          f* newest sample
+    before           f* the one before
+    earlier          f* and before that
+    known            f* value at which its polynomial ends
+    value            f* given over the last step
+    slope            f* given
+    quadratic        f* given, half of the second derivative
+    degree           f* of what was given
+    reached          f* where that ends
+    owed             f* its integral over time that is still to be given
 """)
 PAST, PAST_STATE = _record("""
-    degree  i  of the polynomial
-    every   i  macro steps from one sample to the next
-    samples i* that are kept, up to degree + 1
-    left    i* macro steps to come before the one that ends at a sample
-    h1      f* s, between the newest samples
-    h2      f* s, between those before
-    elapsed f* s, since the newest one
+    degree           i  of the polynomial
+    every            i  macro steps from one sample to the next
+    samples          i* that are kept, up to degree + 1
+    left             i* macro steps to come before the one that ends at a sample
+    h1               f* s, between the newest samples
+    h2               f* s, between those before
+    elapsed          f* s, since the newest one
 """)
 REQUEST, _ = _record("""
-    first      i rows of the program, from this one
-    last       i to before this one
-    steps      i macro steps
-    times      i address of the times at which they begin; 0: the one that is handed over
-    begin      i units of the first row that are done already
-    started    i whether the next unit has started already
-    whole      i whether the rows are a macro step
-    updated    i whether outputs have moved
-    rows       i address for the signals behind each, (steps, S); 0: none of what follows is wanted
-    given      i address for what bonded links were given in each, (steps, B, 4)
-    watched    i address of addresses of further numbers
-    watches    i how many
-    outputs    i address for them, (steps, watches)
-    looks      i address of steps behind which inputs are wanted
-    look_count i how many
-    looked     i steps so far that inputs were wanted of
-    driven     i inputs
-    inputs     i address for them and where they were led to, (looks, 2, driven)
-    halt       i end behind the present step
-    done       i answer: macro steps that were completed
-    unit       i answer: the unit whose call failed, -1, or `BEYOND`
-    status     i answer: of the call
-    row        i answer: row of the program in which it failed
-    place      i answer: units of it that were done
+    first            i  rows of the program, from this one
+    last             i  to before this one
+    steps            i  macro steps
+    times            i  address of the times at which they begin; 0: the one that is handed over
+    begin            i  units of the first row that are done already
+    started          i  whether the next unit has started already
+    whole            i  whether the rows are a macro step
+    updated          i  whether outputs have moved
+    rows             i  address for the signals behind each, (steps, S); 0: none of what follows is wanted
+    given            i  address for what bonded links were given in each, (steps, B, 4)
+    watched          i  address of addresses of further numbers
+    watches          i  how many
+    outputs          i  address for them, (steps, watches)
+    sampled          i  address of steps behind which inputs are wanted
+    sampled_count    i  how many
+    sampled_done     i  steps so far that inputs were wanted of
+    driven           i  inputs
+    inputs           i  address for them and the ends of their polynomials, (sampled_count, 2, driven)
+    halt             i  end behind the present step
+    done             i  answer: macro steps that were completed
+    unit             i  answer: the unit whose call failed, -1, or `BEYOND`
+    status           i  answer: of the call
+    row              i  answer: row of the program in which it failed
+    place            i  answer: units of it that were done
 """)
 
 # outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output; bonded: links that are noted; buffer: what

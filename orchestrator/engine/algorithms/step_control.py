@@ -22,7 +22,7 @@ SHRINK, GROW = 0.2, 2.0  # limits of one change
 HOLD_BELOW, HOLD_ABOVE = 0.8, 1.5  # of the present step: a wish between them leaves it as it is
 INTEGRAL, PROPORTIONAL = 0.3, 0.4  # gains of the controller, over the order: Soederlind's PI.3.4 (ACM TOMS 29, 2003)
 NEGLIGIBLE = 1e-9  # an error that cannot be distinguished from none
-LED = 0.1  # of the predictor's miss: an input that ended nearer to its value was led there
+INTERPOLATED_MISS = 0.1  # of the predictor's miss: an input that ended nearer to its value was interpolated
 
 
 class Estimate(Protocol):
@@ -62,14 +62,14 @@ class Milne:
             extrapolated, interpolated = shares(h, *node.spans)
             if node.unit_record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
                 extrapolated += 0.5
-            self._predicted.append((node.foreseen()[at], node.kept, (extrapolated, interpolated)))
+            self._predicted.append((node.foreseen()[at], node.n_samples, (extrapolated, interpolated)))
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
         worst, order = 0.0, 3
         for (node, at, nominal), (predicted, count, weights) in zip(self._nodes, self._predicted, strict=True):
             present, ends = node.ends[:, at]
             missed = np.abs(present - predicted)
-            interpolated = np.abs(present - ends) < LED * missed
+            interpolated = np.abs(present - ends) < INTERPOLATED_MISS * missed
             allowed = self._settings.absolute * nominal + self._settings.relative * np.abs(present)
             worst = max(worst, float(np.max(np.where(interpolated, weights[1], weights[0]) * missed / allowed)))
             order = min(order, count)
@@ -109,7 +109,7 @@ class Doubling:
         self._counts = 1
 
     def prepare(self, h: float) -> None:
-        self._counts = max((node.kept for node in self._master.nodes if node.sources), default=1)
+        self._counts = max((node.n_samples for node in self._master.nodes if node.sources), default=1)
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
         whole = np.array(self._master.signals)[self._at]

@@ -16,13 +16,13 @@ from ...settings.algorithms import ALGORITHMS
 from ...units import Interface, describe
 from ...units.interface import Signal
 from .bonds import Bond, bond
+from .checks import check_stepping, targets
 from .contacts import check_contacts, connections, describe_contact
-from .demands import check_stepping
-from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discrete, smooth
 
-LONGEST = 100  # elements of an array that are recorded without being named
+LONGEST_RECORDED = 100  # elements of an array that are recorded without being named
 SHOWN = 8  # names in a message
+SHOWN_CHARACTERS = 100  # of a unit of measure
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
         except (ArithmeticError, ValueError) as error:  # a power beyond the range of numbers
             raise BadInput(
                 where,
-                f"units {source.unit[:LONGEST]!r} and {target.unit[:LONGEST]!r} ({type(error).__name__})",
+                f"units {source.unit[:SHOWN_CHARACTERS]!r} and {target.unit[:SHOWN_CHARACTERS]!r} ({type(error).__name__})",
                 "units of measure whose factors are numbers",
             ) from None
     if target.kind != "real" and (factor, offset) != (1.0, 0.0):
@@ -252,11 +252,13 @@ def _recorded_by_default(scene: SceneSettings, interfaces: Mapping[str, Interfac
 
     Raises `BadInput` where a result would have no column.
     """
-    short = {(u, n) for u, i in interfaces.items() for names in i.arrays.values() if len(names) <= LONGEST for n in names}
+    short = {
+        (u, n) for u, i in interfaces.items() for names in i.arrays.values() if len(names) <= LONGEST_RECORDED for n in names
+    }
     numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
     recorded = tuple(end for end in numbers if "[" not in end[1] or end in short)
     if not recorded and not scene.record.snapshots:
-        recorded = tuple(numbers[:LONGEST])
+        recorded = tuple(numbers[:LONGEST_RECORDED])
     if not recorded and not scene.record.snapshots:
         names = [f"{u}.{n}" for u, i in interfaces.items() for n in (*i.outputs, *i.recordable)]
         shown = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")

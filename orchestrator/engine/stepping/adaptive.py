@@ -1,8 +1,8 @@
-"""Steps that follow what happens in them: step control, events, and steps that are repeated."""
+"""Steps that follow what happens in them: step control, events between the units, and steps that are repeated."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ....components.core.errors import StepFailed
@@ -13,14 +13,71 @@ from ..algorithms.energy import EnergyAccount
 from ..algorithms.node import Node
 from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
 from ..coupling import Coupling
-from .batch import BatchStepping
+from ..coupling.graph import Endpoint, is_discrete
 from .clock import Clock
-from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
 SHORT = 1000  # parts of a step: what is shorter is nothing to extrapolate from
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none
+TRIALS = 40  # of the end of a step, after which the bracket is halved; for a smooth signal ten are enough
+
+
+class Crossings:
+    """Watches signals for changes of sign, and finds the first instant behind one.
+
+    A signal that is 0 has the sign it had before; one that starts at 0 has none yet. Truth values change sign about 1/2. Of
+    two changes within one step nothing is seen.
+    """
+
+    def __init__(self, master: Master, ends: Sequence[Endpoint], coupling: Coupling):
+        self._signals, self._places = master.signals, [master.positions[end] for end in ends]
+        self._levels = [0.5 if is_discrete(coupling.interfaces[u].outputs[n]) else 0.0 for u, n in ends]
+        self.signs = [0.0] * len(ends)
+        self.start = [0.0] * len(ends)
+
+    def values(self) -> list[float]:
+        """The signals now, from where they change their sign."""
+        return [self._signals[k] - level for k, level in zip(self._places, self._levels, strict=True)]
+
+    def start_step(self) -> None:
+        """A new step starts here."""
+        self.start = self.values()
+        self.signs = [
+            sign if value == 0.0 else (1.0 if value > 0.0 else -1.0) for sign, value in zip(self.signs, self.start, strict=True)
+        ]
+
+    def changed(self) -> bool:
+        """Whether a signal has another sign than when the step started."""
+        return any(sign * value < 0.0 for sign, value in zip(self.signs, self.values(), strict=True))
+
+    def first(self, tick: int, ahead: int, resolution: int, step: Callable[[int], None]) -> tuple[int, int]:
+        """Ticks before and behind the first change in a step that has been made from `tick` to `ahead`.
+
+        `step(tick)` makes the step again, to another end; the last such call is for the tick behind the change. The two are not
+        more than `resolution` apart. Regula falsi, Illinois variant (Dowell, Jarratt, BIT 11, 1971).
+        """
+        low, high, before, behind, at, trials = tick, ahead, self.start, self.values(), ahead, 0
+        lighter = [1.0, 1.0]  # weights of the values at the two ends
+        while high - low > resolution:
+            shares = [
+                lighter[0] * a / (lighter[0] * a - lighter[1] * b)
+                for sign, a, b in zip(self.signs, before, behind, strict=True)
+                if sign * b < 0.0
+            ]
+            guess = low + round(min(shares) * (high - low)) if trials < TRIALS else (low + high) // 2
+            margin = min(resolution, (high - low) // 2)
+            was, at, trials = at, min(max(guess, low + margin), high - margin), trials + 1
+            step(at)
+            if self.changed():
+                lighter = [lighter[0] / 2.0 if was == high else 1.0, 1.0]
+                high, behind = at, self.values()
+            else:
+                lighter = [1.0, lighter[1] / 2.0 if was == low else 1.0]
+                low, before = at, self.values()
+        if at != high:
+            step(high)
+        return low, high
 
 
 class AdaptiveStepping(Stepping):
@@ -59,16 +116,7 @@ class AdaptiveStepping(Stepping):
         self._behind_event = False  # the tick is no multiple of the stride, because an event ended the last step
         self.shortest, self.longest = end, 0  # ticks of the steps that were kept, but for those that a stop or an event has cut
 
-    def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
-        while self.tick < stop:
-            self._advance(stop)
-            if self.tick < stop:
-                t = self.clock.seconds(self.tick)
-                for observe in observers:
-                    observe(self.tick, t)
-        self._arrive(observers)
-
-    def _advance(self, stop: int) -> None:
+    def _advance(self, stop: int, observers: Sequence[Observer]) -> None:
         """One step that is kept."""
         control = self.control
         if self._rollback:
@@ -242,11 +290,10 @@ def stepping_of(
     stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
     early = [node for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
-        if not (account or master).in_batches:
-            return Stepping(steppable, clock, stride, end, stops)
         # whether components keep their state where it belongs is known of those of the catalogue only
         trusted = {name for name, unit in scene.units.items() if unit.component and ":" not in unit.component}
-        return BatchStepping(master, account, clock, stride, end, stops, trusted)
+        batches = master if (account or master).in_batches else None
+        return Stepping(steppable, clock, stride, end, stops, batches=batches, trusted=trusted)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:

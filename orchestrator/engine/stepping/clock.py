@@ -9,7 +9,7 @@ from math import gcd
 
 import numpy as np
 
-ROUNDING = 1e-12  # relative
+NEAR_MULTIPLE = 1e-12  # relative
 
 
 def _written(seconds: float) -> Fraction:
@@ -44,7 +44,7 @@ class Clock:
     def multiple(self, duration: float, unit: float) -> int:
         """`ticks` of a duration (s), or of the whole multiple of a unit (s) that it is but for rounding."""
         count = round(duration / unit)
-        near = count and abs(duration - count * unit) <= ROUNDING * duration
+        near = count and abs(duration - count * unit) <= NEAR_MULTIPLE * duration
         return count * self.ticks(unit) if near else self.ticks(duration)
 
     def not_before(self, t: float) -> int:

@@ -1,13 +1,18 @@
-"""The stepping loop: from tick to tick, to the end and never past it."""
+"""The stepping loop: from tick to tick, to the end and never past it; and who watches the steps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 
+from ...units.component import ComponentSimulator
+from ..algorithms import Master
+from ..algorithms.energy import EnergyAccount
 from ..algorithms.machine import Steps
+from ..algorithms.master import NONE
 from ..coupling import Endpoint
 from .clock import Clock
 
@@ -15,9 +20,55 @@ Action = Callable[[], None]
 Stops = Mapping[int, Sequence[Action]]
 Observer = Callable[[int, float], None]  # is called with the tick and the time
 
+FOREVER = 1_000_000  # steps
+BATCH_STEPS = 4096  # at most in one batch, whose rows are in memory
+BATCH_SECONDS = 0.1  # that a batch may last: so long Ctrl-C and the progress bar have to wait
+NO_STEP = 1_000_000_000  # less than this part of a stride is no step of its own: 3 * 1e-4 is 3.0000000000000003e-4
+
+
+class BatchObserver:
+    """An observer that need not be called at every step, see `steps_not_needed`. This one is called at none."""
+
+    finds_violations = False  # at any step: where steps can be taken back, batches need not end for this observer
+
+    def steps_not_needed(self, tick: int, length: int) -> int:
+        """How many of the coming steps of `length` ticks the observer need not see."""
+        return FOREVER
+
+    def first_violation(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
+        """The first of the steps `at` at which the observer must be called. The steps are repeated up to this one.
+
+        Arguments as of `observe_inputs`.
+        """
+        return None
+
+    def sampled_steps(self, n: int) -> range:
+        """Of the coming n steps, counted from 0, those behind which the observer wants all inputs."""
+        return range(0)
+
+    def saved_steps(self, n: int) -> Iterable[int]:
+        """Of the coming n steps, counted from 0, those behind which the observer wants the master saved."""
+        return ()
+
+    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
+        """Ticks, times (s) and states of the master behind the `saved_steps` of all observers; before `observe_batch`."""
+
+    def observe_inputs(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Inputs of steps at which the observer was not called; before `observe_batch`.
+
+        at: (m,), the `sampled_steps` of all observers.  inputs: (m, 2, links), their values behind these steps and those which
+        they were given for that instant.  outputs: (n, columns), what `Stepping.watch` was asked for, behind every step.
+        """
+
+    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
+        """Steps at which the observer was not called.
+
+        ticks, times (s): reached by the steps.  rows: the master's sample there, (n, signals).
+        """
+
 
 class Steppable(Protocol):
-    """What steps all units: a master, or one whose steps are audited."""
+    """What steps all units: a master, or a master whose steps are audited."""
 
     def step(self, t: float, h: float) -> None:
         """One step of all units from t to t + h."""
@@ -28,14 +79,14 @@ class Steppable(Protocol):
     def restore(self, saved: Any) -> None:
         """Take back what `save` gave."""
 
-    def adopt(self, saved: Any) -> None:
-        """As `restore`, of another one of the same scene; raises `ValueError` where it does not fit."""
+    def state(self) -> dict[str, Any]:
+        """What the next steps depend on, the states of the units included, as numbers, texts, bytes and arrays for a file."""
 
-    def run_steps(self, times: np.ndarray, h: float) -> Steps:
-        """Steps from each of `times` (n,), s, of length h."""
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state` of the same scene; raises `ValueError` or `KeyError` where it does not fit."""
 
-
-ROUNDING = 1_000_000_000  # less than this part of a stride is no step of its own: 3 * 1e-4 is 3.0000000000000003e-4
+    def run_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
+        """Steps from each of `times` (n,), s, of length h; see `Master.run_steps`."""
 
 
 class Stepping:
@@ -45,16 +96,31 @@ class Stepping:
     tick, its actions are called in their order, and after them the observers, which therefore see what the actions left; those
     of tick 0 come after the initialization. Ticks beyond the end are never met. An action that makes inputs jump restarts
     their history (`Node.restart`), so that the steps behind it extrapolate nothing of what was before.
+
+    `batches`: a master `in_batches`, of whose steps many are one call; observers are `BatchObserver`s then, and see what they
+    would have seen step by step. `trusted`: components that save their whole state. Of other components all that kernels write
+    is kept, if their steps are nothing else.
     """
 
-    # Where in the outputs that batches of steps leave to observers those of units will stand; None where observers have to ask
-    watch: Callable[[Sequence[Endpoint]], slice | None] = staticmethod(lambda ends: None)
     rewinds = False  # whether all units stand at the tick again behind a step that was not completed
 
-    def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None):
+    def __init__(
+        self,
+        master: Steppable,
+        clock: Clock,
+        stride: int,
+        end: int,
+        stops: Stops | None = None,
+        *,
+        batches: Master | None = None,
+        trusted: Collection[str] = (),
+    ):
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})
         self.tick = 0
+        self._batches, self._trusted = batches, trusted
+        self._pace = BATCH_SECONDS  # s of a step, as in the last batch
+        self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
 
     def run(self, observers: Sequence[Observer]) -> None:
         """Step to the end; observers see every instant after all units have reached it, a resumed run the new ones."""
@@ -62,13 +128,47 @@ class Stepping:
             self._arrive(observers)
         for stop in sorted({self.end, *self.stops}):
             if self.tick < stop <= self.end:
-                self._approach(stop, observers)
+                while self.tick < stop:
+                    self._advance(stop, observers)
+                    if self.tick < stop:
+                        self._observe(observers)
+                self._arrive(observers)
 
-    def rescue(self, observers: Sequence[Any]) -> None:
-        """This process is about to end inside of a step: let the observers have what was completed before it."""
+    def _advance(self, stop: int, observers: Sequence[Any]) -> None:
+        """One step or several, at most to the tick `stop`; observers see all but the last one."""
+        length, count = next(lengths(self.tick, stop, self.stride, stop == self.end))
+        if self._batches is not None:
+            self._take_batch(self._batches, length, self.tick + length * count, observers)
+            return
+        seconds, step, tick = self.clock.seconds, self.master.step, self.tick
+        t, h = seconds(tick), seconds(length)
+        for k in range(count):
+            if k:
+                t = seconds(tick)
+                for observe in observers:
+                    observe(tick, t)
+            step(t, h)
+            self.tick = tick = tick + length
+
+    def _observe(self, observers: Sequence[Observer]) -> None:
+        t = self.clock.seconds(self.tick)
+        for observe in observers:
+            observe(self.tick, t)
+
+    def _arrive(self, observers: Sequence[Observer]) -> None:
+        """Do what is to be done at the tick that has been reached, and let the observers see it."""
+        for act in self.stops.get(self.tick, ()):
+            act()
+        self._observe(observers)
+
+    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
+        """Where in the `outputs` of batches these outputs will stand; None where observers have to ask the units."""
+        return None if self._batches is None else self._batches.watch(ends)
 
     def halt(self) -> None:
         """Let the observers see the next instant that is reached, even where they need not."""
+        if self._batches is not None:
+            self._batches.halt()
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
@@ -81,29 +181,92 @@ class Stepping:
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`."""
 
-    def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
-        """Step until the tick `stop` is reached, and arrive there."""
-        seconds, step, tick = self.clock.seconds, self.master.step, self.tick
-        t = seconds(tick)
-        for length, count in lengths(tick, stop, self.stride, stop == self.end):
-            h = seconds(length)
-            for _ in range(count):
-                step(t, h)
-                self.tick = tick = tick + length
-                if tick == stop:
-                    break
-                t = seconds(tick)
-                for observe in observers:
-                    observe(tick, t)
-        self._arrive(observers)
+    # -- batches -----------------------------------------------------------------------------------------------------
+    def _take_batch(self, master: Master, length: int, last: int, observers: Sequence[Any]) -> None:
+        """Steps of one length up to the next one that has to be looked at, at most to the tick `last`."""
+        tick, h = self.tick, self.clock.seconds(length)
+        finding = [o for o in observers if o.finds_violations]
+        needed = [1 + o.steps_not_needed(tick, length) for o in observers if not o.finds_violations]
+        needed_to_find = [1 + o.steps_not_needed(tick, length) for o in finding]
+        n = min((last - tick) // length, 1 + int(BATCH_SECONDS / self._pace), BATCH_STEPS, *needed)
+        before = None
+        if n > min(needed_to_find, default=n):
+            if self._saves(master):
+                before = self._save(master)
+            else:
+                n = min(needed_to_find)
+        ticks = range(tick, tick + (n + 1) * length, length)
+        times = self.clock.times(ticks)
+        started = perf_counter()
+        sampled = np.array(sorted({k for o in observers for k in o.sampled_steps(n)}), dtype=np.int64)
+        saved_steps = sorted({k for o in observers for k in o.saved_steps(n - 1)})
+        self._under_way = ticks, times
+        taken = self.master.run_steps(times[:-1], h, sampled, saved_steps)
+        self._under_way = None
+        self._pace = max((perf_counter() - started) / n, 1e-7)
+        done = len(taken.rows)
+        unseen = done if taken.failure is not None else done - 1
+        at = sampled[sampled < unseen]
+        inputs, outputs = taken.inputs[: at.size], taken.outputs[:unseen]
+        violations = [o.first_violation(at, inputs) for o in finding] if before is not None else []
+        if steps := [step for step in violations if step is not None]:
+            self._restore(before)
+            self._take_batch(master, length, tick + (min(steps) + 1) * length, observers)
+            return
+        if unseen > 0:
+            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(saved_steps, taken.saved, strict=False)]
+            for observe in observers:
+                observe.observe_saved(saved)
+                observe.observe_inputs(at, inputs, outputs)
+                observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], taken.rows[:unseen])
+        self.tick = ticks[done]
+        if taken.failure is not None:
+            raise taken.failure
 
-    def _arrive(self, observers: Sequence[Observer]) -> None:
-        """Do what is to be done at the tick that has been reached, and let the observers see it."""
-        for act in self.stops.get(self.tick, ()):
-            act()
-        t = self.clock.seconds(self.tick)
-        for observe in observers:
-            observe(self.tick, t)
+    def rescue(self, observers: Sequence[Any]) -> None:
+        """This process is about to end inside of a step: let the observers have the steps of a batch that were completed."""
+        if self._batches is None or self._under_way is None:
+            return
+        taken, (ticks, times) = self._batches.so_far(), self._under_way
+        n = len(taken.rows)
+        for observe in observers if n else ():
+            observe.observe_inputs(np.zeros(0, dtype=np.int64), taken.inputs[:0], taken.outputs)
+            observe.observe_batch(ticks[1 : n + 1], times[1 : n + 1], taken.rows)
+
+    def _saves(self, master: Master) -> bool:
+        """Whether steps can be taken back: all units are components whose whole state is known."""
+        components = _components(master)
+        return len(components) == len(master.nodes) and all(u.name in self._trusted or u.written is not None for u in components)
+
+    def _save(self, master: Master) -> Any:
+        """All that the next steps depend on, and counters of the components."""
+        components = _components(master)
+        arrays = [unit.component.counts for unit in components]
+        arrays += [array for unit in components if unit.name not in self._trusted for array in unit.written or ()]
+        return self.master.save(), [(array, array.copy()) for array in arrays]
+
+    def _restore(self, saved: Any) -> None:
+        """Take back what `_save` gave."""
+        state, arrays = saved
+        self.master.restore(state)
+        for array, values in arrays:
+            array[...] = values
+
+
+def _components(master: Master) -> list[ComponentSimulator]:
+    return [unit for node in master.nodes if isinstance(unit := node.unit, ComponentSimulator)]
+
+
+def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
+    """What of a scene keeps its macro steps from being one call of the kernels, in the scene's own words."""
+    present = {
+        "connections of texts": master.texts is not None,
+        "master.algorithm": not master.batched,
+        "master.energy_correction": account is not None and account.correction,
+    }
+    yield from (words for words, there in present.items() if there)
+    for solver in master.loops:
+        yield f"the algebraic loop {solver.loop.text}"
 
 
 def lengths(tick: int, stop: int, stride: int, last: bool) -> Iterator[tuple[int, int]]:
@@ -123,7 +286,7 @@ def lengths(tick: int, stop: int, stride: int, last: bool) -> Iterator[tuple[int
             length = distance // 2
         elif head == stride and last:
             length, count = stride, distance // stride
-            if 0 < ROUNDING * (distance % stride) < stride:
+            if 0 < NO_STEP * (distance % stride) < stride:
                 length, count = (stride, count - 1) if count > 1 else (distance, 1)
         elif head == stride:
             length, count = stride, (2 * distance - 3 * stride) // (2 * stride) + 1

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,8 +21,7 @@ import numpy as np
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import Master, master_of
-from ...engine.algorithms.master import Saved
-from ...open_all import open_units
+from ...open_units import open_units
 from ...scene.scene import Scene
 from ...units.component import ComponentSimulator
 from .quantities import Quantity
@@ -57,11 +55,11 @@ class Windows:
                 raise BadInput(f"{scene.name}: indicator", "a unit that does not save its state", "units that do")
             self._components = _components(master)
             self._places = [master.positions[end] for end in self._signals]
-            self._saved: dict[int, Saved] = {}
+            self._saved: dict[int, dict[str, Any]] = {}  # by the step behind which they begin
             rows = [self._row(master)]
             for k in range(count):
-                if k in starts:
-                    self._saved[k] = master.save()
+                if k in starts and self._alike(master):
+                    self._saved[k] = master.state()
                 master.step(k * self._step, self._step)
                 rows.append(self._row(master))
         self._rows = np.array(rows)
@@ -131,12 +129,14 @@ class Windows:
             and all(isinstance(n.unit, ComponentSimulator) for n in master.nodes)
         )
 
-    def _restore(self, master: Master, saved: Saved, changed: Sequence[str], others: Mapping[str, Component], t: float) -> None:
+    def _restore(
+        self, master: Master, saved: Mapping[str, Any], changed: Sequence[str], others: Mapping[str, Component], t: float
+    ) -> None:
         states = [
             _translated(state, self._components[n], others[n]) if (n := node.unit.name) in changed else state
-            for node, state in zip(master.nodes, saved.units, strict=True)
+            for node, state in zip(master.nodes, saved["units"], strict=True)
         ]
-        master.adopt(replace(saved, units=states))
+        master.take({**saved, "units": states})
         for node in master.nodes:
             if node.unit.name in changed:
                 others[node.unit.name].refresh()

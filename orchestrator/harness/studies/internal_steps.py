@@ -19,7 +19,7 @@ from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
-from ...judgement.disturbance import Growth, Own, growth_of, longest_stable, sizes
+from ...judgement.disturbance import GrowthRate, IntrinsicGrowth, growth_of, longest_stable, sizes
 from ...output import write_table
 from ..journal import once
 from ..many.measures import tracked
@@ -124,7 +124,7 @@ def _measured(
             raise BadInput(present.name, "no inputs", "a component that can be pushed")
         own = present.stable_step()
         usual = own if math.isfinite(own) else _usual(present)
-        by_itself = Own(_sizes(make, usual / FINE, int(FINE * steps))[0], usual / FINE)
+        by_itself = IntrinsicGrowth(_sizes(make, usual / FINE, int(FINE * steps))[0], usual / FINE)
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
     longest, seen, tried = longest_stable(
@@ -139,12 +139,12 @@ def _usual(component: Component) -> float:
     return step if math.isfinite(step) else component.default_step
 
 
-def _growth(make: Making, h: float, steps: int) -> Growth:
+def _growth(make: Making, h: float, steps: int) -> GrowthRate:
     """Of a push of the inputs, in so many internal steps of length h, s."""
     try:
         differences, count = _sizes(make, h, steps)
     except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
-        return Growth(math.inf, steps * h, 0, str(error))
+        return GrowthRate(math.inf, steps * h, 0, str(error))
     return growth_of(differences, h, count)
 
 

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...judgement.disturbance import FEWEST, Disturbed, Growth, Own, longest_stable
-from ...judgement.probing import contacts
+from ...judgement.disturbance import FEWEST, Disturbed, GrowthRate, IntrinsicGrowth, longest_stable
+from ...judgement.probing import pair_limits
 from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
@@ -138,11 +138,11 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of(scene)]
     limits: list[Limit] = []
     messages: dict[str, None] = {}
-    own: dict[tuple[float, ...], Own] = {}  # what grows by itself, by point
+    own: dict[tuple[float, ...], IntrinsicGrowth] = {}  # what grows by itself, by point
     for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
         place = tuple(point.values())
         if place not in own:
-            own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: Own(**kept))
+            own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: IntrinsicGrowth(**kept))
             messages |= dict.fromkeys(_remarks(one, own[place]))
         limits.append(
             once(
@@ -165,17 +165,17 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
     return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
 
 
-def _own(scene: Scene, steps: int) -> Own:
+def _own(scene: Scene, steps: int) -> IntrinsicGrowth:
     """What disturbances do where the coupling hardly takes part: with short steps and quadratic inputs."""
     step = scene.master.step
     with ExitStack() as stack:
         try:
-            return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).own(step / FINE, AHEAD * steps * step)
+            return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).intrinsic_growth(step / FINE, AHEAD * steps * step)
         except (BadInput, StepFailed):
-            return Own(np.zeros(0), step)  # what cannot start is listed with each scheme
+            return IntrinsicGrowth(np.zeros(0), step)  # what cannot start is listed with each scheme
 
 
-def _remarks(scene: Scene, own: Own) -> Iterator[str]:
+def _remarks(scene: Scene, own: IntrinsicGrowth) -> Iterator[str]:
     master = scene.master
     if not own.sizes.size:
         yield f"a run with a macro step of {own.h:g} s ends early: what grows by itself is not known"
@@ -190,7 +190,7 @@ def _remarks(scene: Scene, own: Own) -> Iterator[str]:
         yield "closed forms are for inputs that are not smoothed"
 
 
-def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own, steps: int) -> Limit:
+def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: IntrinsicGrowth, steps: int) -> Limit:
     algorithm, degree = scheme
     with ExitStack() as stack:
         try:
@@ -201,7 +201,7 @@ def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own
             return Limit(point, algorithm, degree, math.nan, math.nan, str(error), math.nan, 0)
         step_counts: list[int] = []
 
-        def growth(h: float) -> Growth:
+        def growth(h: float) -> GrowthRate:
             measured = disturbed.growth(h, steps)
             step_counts.append(measured.steps)
             return measured
@@ -216,5 +216,5 @@ def _closed_form(disturbed: Disturbed, degree: int) -> float:
     scene = disturbed.scene
     if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces
-    pairs, _ = contacts(scene, scene.coupling, disturbed.master, disturbed.units)
+    pairs, _ = pair_limits(scene, scene.coupling, disturbed.master, disturbed.units)
     return min((contact.longest[degree] for contact in pairs), default=math.nan)

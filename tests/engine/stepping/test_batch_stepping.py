@@ -7,16 +7,16 @@ from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.stateless import nothing
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms import Master
-from cosimo.orchestrator.engine.stepping.batch import BatchStepping
+from cosimo.orchestrator.engine.stepping.loop import Stepping
 from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.orchestrator.units.callback import Callback
+from cosimo.orchestrator.units.call_table import Callback
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.native import native_fmu
 
 ALGORITHMS = ("jacobi", "gauss-seidel")
-BATCH = "cosimo.orchestrator.engine.stepping.batch"
+BATCH = "cosimo.orchestrator.engine.stepping.loop"
 
 
 def both_ways(data, monkeypatch, **options):
@@ -32,7 +32,7 @@ def both_ways(data, monkeypatch, **options):
     together = run(scene, **options)
     batches = lengths.copy()
     lengths.clear()
-    monkeypatch.setattr(f"{BATCH}.LONGEST", 1)
+    monkeypatch.setattr(f"{BATCH}.BATCH_STEPS", 1)
     apart = run(scene, **options)
     assert max(batches) > 1
     assert set(lengths) == {1}
@@ -211,7 +211,7 @@ def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(step, changes, monk
     """Up to the step at which the monitor would have ended the run, with all that was recorded and counted by then."""
     scene = load_scene("mass-on-spring").with_changes({"master.step": step, "stop_time": 200.0, **changes})
     restored = []
-    monkeypatch.setattr(BatchStepping, "_restore", counted(BatchStepping._restore, restored))
+    monkeypatch.setattr(Stepping, "_restore", counted(Stepping._restore, restored))
     together, apart, _ = both_ways(scene, monkeypatch, in_process=True)
     assert (together.outcome, len(restored)) == ("unstable", 1)
     assert_alike(together, apart)
@@ -277,8 +277,8 @@ def test_all_that_kernels_of_a_users_component_write_is_taken_back(step, monkeyp
         "master": {"algorithm": "jacobi", "step": step},
     }
     restored = []
-    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
-    monkeypatch.setattr(BatchStepping, "_restore", counted(BatchStepping._restore, restored))
+    monkeypatch.setattr(f"{BATCH}.BATCH_SECONDS", 1e3)
+    monkeypatch.setattr(Stepping, "_restore", counted(Stepping._restore, restored))
     together, apart, batches = both_ways(data, monkeypatch)
     assert (together.outcome, len(restored)) == (("unstable", 1) if step > 0.03 else ("done", 0)), together.message
     assert_alike(together, apart)
@@ -290,7 +290,7 @@ def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
     """Recorders and the monitor of instability look at steps within a batch: of 20 000 steps a few dozen ends are left."""
     batches = []
     data = two_masses("gauss-seidel", 1e-3, 1) | {"stop_time": 20.0, "record": {"signals": ["b.x_out"], "interval": interval}}
-    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
+    monkeypatch.setattr(f"{BATCH}.BATCH_SECONDS", 1e3)
     monkeypatch.setattr(Master, "run_steps", counted(Master.run_steps, batches))
     assert run(read_scene(data), in_process=True).outcome == "done"
     assert len(batches) <= 2 + 20_000 // (LOOKS * InstabilityMonitor.EVERY * InstabilityMonitor.RARELY)
@@ -302,7 +302,7 @@ def test_batches_end_where_faults_begin_and_end(monkeypatch):
         {"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
         {"signal": "a.x_out", "kind": "freeze", "begin": 0.7},
     ]
-    monkeypatch.setattr(f"{BATCH}.PATIENCE", 1e3)
+    monkeypatch.setattr(f"{BATCH}.BATCH_SECONDS", 1e3)
     together, apart, batches = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch)
     assert_alike(together, apart)
     assert {333, 500, 700, 1000} <= set(np.cumsum(batches).tolist())

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.judgement import advise, step_cost
+from cosimo.orchestrator.judgement import advise, probing
 from cosimo.orchestrator.judgement.dry_run import lines
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -93,7 +93,7 @@ def spring(m=2.0, k=100.0, d=2.0, **master):
 
 @pytest.mark.parametrize(("m", "k", "d"), [(2.0, 100.0, 2.0), (0.1, 5e4, 3.0), (50.0, 10.0, 0.0)])
 def test_stiffness_damping_and_mass_are_found(m, k, d):
-    (contact,) = advise(read_scene(spring(m, k, d))).contacts
+    (contact,) = advise(read_scene(spring(m, k, d))).limits
     assert contact.pair == "m against s"
     assert contact.omega2 == pytest.approx(k / m, rel=1e-6)
     assert contact.damping == pytest.approx(d / m, rel=1e-6, abs=1e-9)
@@ -102,7 +102,7 @@ def test_stiffness_damping_and_mass_are_found(m, k, d):
 
 def test_the_mass_behind_a_force_is_what_answers_it_at_once():
     """a has a spring of its own and b a mass of its own: the contact is kc, cc on the mass of a alone."""
-    (contact,) = advise(read_scene(two_masses("gauss-seidel", 1e-2, 1))).contacts
+    (contact,) = advise(read_scene(two_masses("gauss-seidel", 1e-2, 1))).limits
     assert contact.pair == "a against b"
     # its own spring bends the answer to a step of a tenth of the macro step by ω² h²/12
     assert contact.omega2 == pytest.approx(100.0, rel=1e-4)
@@ -129,7 +129,7 @@ def test_a_spring_between_two_bodies_counts_with_their_reduced_mass():
             "master": {"algorithm": "jacobi", "step": 1e-3, "extrapolation": 0},
         }
     )
-    (contact,) = advise(scene).contacts
+    (contact,) = advise(scene).limits
     assert contact.pair == "a and b against s"
     assert contact.omega2 == pytest.approx(300.0 * (1.0 / 2.0 + 1.0 / 6.0), rel=1e-6)
     assert contact.damping == pytest.approx(0.6 * (1.0 / 2.0 + 1.0 / 6.0), rel=1e-6)
@@ -144,7 +144,7 @@ def test_dampers_and_heat_have_the_limit_of_first_order():
         "units": {"w": component(Dashpot), "s": component("cosimo.tests.support:SpringDamper", k=1e3, d=0.0)},
         "master": {"algorithm": "jacobi", "step": 1e-3},
     }
-    (contact,) = advise(read_scene(scene)).contacts
+    (contact,) = advise(read_scene(scene)).limits
     assert (contact.omega2, contact.longest[0]) == (0.0, pytest.approx(2.0 * 50.0 / 1e3, rel=1e-6))
     scene = {
         "stop_time": 100.0,
@@ -152,7 +152,7 @@ def test_dampers_and_heat_have_the_limit_of_first_order():
         "units": {"h": component(Heavy), "w": component(Wall)},
         "master": {"algorithm": "jacobi", "step": 0.1},
     }
-    (contact,) = advise(read_scene(scene)).contacts
+    (contact,) = advise(read_scene(scene)).limits
     assert (contact.omega2, contact.longest[0]) == (0.0, pytest.approx(2.0 * 20.0 / 5.0, rel=1e-6))
     for factor, grows in ((0.98, False), (1.02, True)):
         step = factor * contact.longest[0]
@@ -163,7 +163,7 @@ def test_dampers_and_heat_have_the_limit_of_first_order():
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_the_limit_is_the_one_that_a_run_has(degree):
-    contact = advise(read_scene(spring(m=1.0))).contacts[0]
+    contact = advise(read_scene(spring(m=1.0))).limits[0]
     for factor, grows in ((0.98, False), (1.02, True)):
         step = round(factor * contact.longest[degree], 9)
         result = run(read_scene({**spring(m=1.0, step=step, extrapolation=degree), "stop_time": 600 * step}))
@@ -188,12 +188,12 @@ def test_what_cannot_be_told_is_said():
     }
     for word, scene in told.items():
         advice = advise(read_scene(scene))
-        assert advice.contacts == ()
+        assert advice.limits == ()
         assert word in advice.unknown[0]
 
 
 def test_stale_outputs_have_the_shorter_limit():
-    (contact,) = advise(read_scene(spring(m=1.0, feedthrough="delayed"))).contacts
+    (contact,) = advise(read_scene(spring(m=1.0, feedthrough="delayed"))).limits
     assert contact.longest == pytest.approx((0.0131753, 0.0194849, 0.0200274), rel=1e-4)  # ω = 10 rad/s, D = 0.1
 
 
@@ -205,7 +205,7 @@ def test_steps_are_counted_to_the_end_with_the_shorter_last_one():
 
 def test_fmus_tell_what_components_tell():
     scene = load_scene("lumped-catenary").with_changes({"stop_time": 0.1})
-    (fmu,), (here,) = advise(scene).contacts, advise(scene, in_process=True).contacts
+    (fmu,), (here,) = advise(scene).limits, advise(scene, in_process=True).limits
     assert fmu.omega2 == here.omega2 > 0.0
 
 
@@ -220,12 +220,12 @@ def test_a_macro_step_of_millions_of_internal_steps_is_probed_over_a_part_of_it(
     """The limit is the same, the work is bounded, and the answer says that and how it was cut."""
     Fine.calls = 0
     advice = advise(fine(1e-9))
-    assert Fine.calls < 20 * step_cost.MOST_CALLS
+    assert Fine.calls < 20 * probing.MOST_CALLS
     (text,) = advice.cut
     assert text.startswith("the probe was cut: m takes ")
     assert "about 1e+08 for a whole one" in text
     assert text in [*lines(fine(1e-9), fine(1e-9).coupling, advice)]
-    assert advice.contacts[0].omega2 == pytest.approx(100.0, rel=1e-4)
+    assert advice.limits[0].omega2 == pytest.approx(100.0, rel=1e-4)
     whole = advise(fine(1e-3))
     assert whole.cut == ()
-    assert whole.contacts[0].omega2 == pytest.approx(100.0, rel=1e-4)
+    assert whole.limits[0].omega2 == pytest.approx(100.0, rel=1e-4)

@@ -106,7 +106,7 @@ def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
         looked(self, tick, t)
 
     scene = spring(0.01, 1, steps=6000)
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e6)  # no batch ends for its duration
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.loop.BATCH_SECONDS", 1e6)  # no batch ends for its duration
     monkeypatch.setattr(Master, "run_steps", counted)
     monkeypatch.setattr(InstabilityMonitor, "__call__", seen)
     run(scene)

@@ -1,4 +1,4 @@
-"""Numbers, texts and arrays in a file of their own, with a digest: for checkpoints, and what a study has computed so far.
+"""Numbers, texts and arrays in a file with a digest that shows damage: checkpoints, and what a study has computed so far.
 
 Nothing in such a file is ever executed, and nothing in it names a class.
 """
@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_STORED, ZipFile
@@ -18,12 +17,15 @@ import numpy as np
 from ..components.core.store import replaced
 
 
-class DamagedContent(ValueError):
+class DamagedFile(ValueError):
     """The digest of a file does not fit its content."""
 
 
-def write_content(path: Path, content: Any) -> None:
-    """Plain data, arrays, and objects as their attributes; the file appears as a whole or not at all. Raises `OSError`."""
+def write_verified(path: Path, content: Any) -> None:
+    """Write plain data and arrays; the file appears as a whole or not at all.
+
+    Raises `OSError`, and `TypeError` for any other object.
+    """
     arrays: dict[str, np.ndarray] = {}
     arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
     arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
@@ -31,10 +33,10 @@ def write_content(path: Path, content: Any) -> None:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
-def read_content(path: Path) -> Any:
-    """What `write_content` was given, with `ObjectContent` in the place of objects.
+def read_verified(path: Path) -> Any:
+    """What `write_verified` was given.
 
-    Raises `OSError` for what cannot be read, `ValueError` for what is none of its files, and for a damaged one `DamagedContent`.
+    Raises `OSError` for what cannot be read, `ValueError` for what is none of its files, and for a damaged one `DamagedFile`.
     """
     try:
         arrays = _read_arrays(path)
@@ -45,7 +47,7 @@ def read_content(path: Path) -> Any:
     if not {"text", "digest"} <= arrays.keys():
         raise ValueError(f"{path} holds no content with a digest")
     if arrays.pop("digest").tobytes() != content_digest(arrays):
-        raise DamagedContent(str(path))
+        raise DamagedFile(str(path))
     return _arrayed(json.loads(arrays["text"].tobytes()), arrays)
 
 
@@ -67,7 +69,7 @@ def content_digest(arrays: Mapping[str, np.ndarray]) -> bytes:
     return whole.digest()
 
 
-# -- objects as plain data: numbers and texts as they are, arrays and bytes beside the text, the rest as tagged mappings ---------
+# -- numbers and texts as they are, arrays and bytes beside the text, tuples and mappings as tagged mappings ------------------
 def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     if value is None or isinstance(value, bool | int | float | str):
         return value
@@ -83,24 +85,11 @@ def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
         return {"tuple": [_plain(item, arrays) for item in value]}
     if isinstance(value, Mapping):
         return {"mapping": [[_plain(key, arrays), _plain(item, arrays)] for key, item in value.items()]}
-    if callable(value) or isinstance(value, type) or not hasattr(value, "__dict__"):
-        return {"kept": None}  # a function or a class: the one that is there
-    return {"object": {key: _plain(item, arrays) for key, item in vars(value).items()}}
-
-
-@dataclass(frozen=True)
-class ObjectContent:
-    """The attributes of an object in a file."""
-
-    attributes: Mapping[str, Any]
-
-
-class KeptObject:
-    """Stands for what is taken from the object that is filled."""
+    raise TypeError(f"{type(value).__name__} {value!r} is neither number, text, array, list nor mapping")
 
 
 def _arrayed(data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
-    """What `_plain` was given, with `ObjectContent` in the place of objects."""
+    """What `_plain` was given."""
     if isinstance(data, list):
         return [_arrayed(item, arrays) for item in data]
     if not isinstance(data, dict):
@@ -110,8 +99,4 @@ def _arrayed(data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
         return arrays[content] if kind == "array" else arrays[content].tobytes()
     if kind == "tuple":
         return tuple(_arrayed(item, arrays) for item in content)
-    if kind == "mapping":
-        return {_arrayed(key, arrays): _arrayed(item, arrays) for key, item in content}
-    if kind == "object":
-        return ObjectContent({key: _arrayed(item, arrays) for key, item in content.items()})
-    return KeptObject()
+    return {_arrayed(key, arrays): _arrayed(item, arrays) for key, item in content}
