@@ -5,12 +5,14 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 from .engine.stepping.loop import BatchObserver
 from .units.channel import STOPPING
+
+T = TypeVar("T")
 
 
 class Interrupt(BatchObserver):
@@ -93,3 +95,13 @@ class Progress(BatchObserver):
         if self._bar is not None and (now := perf_counter()) >= self._next:
             self._next = now + self.REFRESH
             self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))
+
+
+def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
+    """The items one by one, with a progress bar on a terminal."""
+    if not (progress and sys.stderr.isatty()):
+        return items
+    from rich.console import Console
+    from rich.progress import track
+
+    return iter(track(items, description=title, console=Console(stderr=True), transient=True))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class System:
-    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (functions and tables), figures/, fronts/*.csv,
-    summary.py.
+    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (questions and tables), figures.py or
+    figures/, fronts/*.csv, summary.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
@@ -33,8 +33,8 @@ class System:
 
     @property
     def cases(self) -> tuple[Case, ...]:
-        """Validation cases, in the order of their list in the package `cases`."""
-        return import_module(".cases", self.package).CASES
+        """Validation cases of this system, in the order of their list in the package `cases`."""
+        return tuple(replace(case, system=self.name) for case in import_module(".cases", self.package).CASES)
 
     @property
     def figures(self) -> Callable[..., list[Block]]:

@@ -153,23 +153,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....harness.validation.case import Case, Findings, Options, compare
-from ....harness.validation.reference import load_table
-from ....run import run
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....scene.scene import Scene
 from ... import load_scene
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """The scene as shipped."""
+    return {"bounce": load_scene("bounce")}
+
+
+def measure(runs: Runs) -> Evidence:
     """Mean period between upward passages of the rest."""
-    result = run(load_scene("bounce"), in_process=options.in_process)
+    result = runs["bounce"]
     stretch = result["pendulum.stretch"] - 9.80665 / 100.0
     up = np.flatnonzero((stretch[:-1] < 0.0) & (stretch[1:] >= 0.0))
     passed = result.time[up] - stretch[up] * np.diff(result.time)[up] / np.diff(stretch)[up]
     measured = {"frequency": 2.0 * np.pi / float(np.diff(passed).mean())}
-    return Findings(compare(load_table("bounce").rows, measured), {"bounce": result})
+    return Evidence(measured, shown=runs)
 
 
-CASE = Case("bounce", "Bounce of a pendulum on a spring", "The closed form of the frequency.", "spring_pendulum", findings)
+CASE = Case("bounce", "Bounce of a pendulum on a spring", "The closed form of the frequency.", (Question(measure, scenes),))
 ''',
     "orchestrator/systems/spring_pendulum/cases/bounce.toml": """title = "Bounce of a pendulum on a spring"
 text = "A mass of 1 kg on 100 N/m."
@@ -180,20 +184,20 @@ closed = "sqrt(k/m)"
     "orchestrator/systems/spring_pendulum/cases/bounce.csv": """quantity,measure,condition,unit,low,high,standing,source
 angular frequency,frequency,bounce,rad/s,9.999,10.001,computed,closed
 """,
-    "orchestrator/systems/spring_pendulum/figures/__init__.py": '''"""Figures of the pendulum on a spring."""
+    "orchestrator/systems/spring_pendulum/figures.py": '''"""Figures of the pendulum on a spring."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ....harness.charts.blocks import Block
-from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.charts.charts import draw_chart
+from ...harness.charts.blocks import Block
+from ...harness.charts.chart import Chart, Panel, Series
+from ...harness.charts.charts import draw_chart
 
 if TYPE_CHECKING:
-    from ....harness.validation.case import Row
-    from ....results import Result
+    from ...harness.validation.case import Row
+    from ...results import Result
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:

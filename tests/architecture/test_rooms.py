@@ -37,8 +37,10 @@ def test_a_system_has_folders_of_its_name(name):
     for folder in (
         f"components/{name}",
         f"orchestrator/systems/{name}/cases",
-        f"orchestrator/systems/{name}/figures",
         f"orchestrator/systems/{name}/scenes",
         f"tests/systems/{name}",
     ):
         assert (ROOT / folder).is_dir(), folder
+    assert (ROOT / f"orchestrator/systems/{name}/figures.py").is_file() or (
+        ROOT / f"orchestrator/systems/{name}/figures"
+    ).is_dir()

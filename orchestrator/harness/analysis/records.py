@@ -1,8 +1,9 @@
-"""What the figures of every system need of a run: samples after the transient, recorded columns, what drives an input."""
+"""What the figures of every system need of a run: samples after the transient, and what was recorded of its units."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,6 +34,69 @@ def after_transient(result: Result) -> slice:
     return slice(first, None)
 
 
+class RecordedUnit:
+    """A unit of a run, its recorded variables by their names, and the units that it is connected with.
+
+    A variable is recorded where the result has a column of it, or of the output that drives it.
+    """
+
+    def __init__(self, result: Result, name: str):
+        self.result, self.name, self.time = result, name, result.time
+        self._drivers = {link.target[1]: link.source for link in result.scene.coupling.links if link.target[0] == name}
+
+    def __getitem__(self, variable: str) -> np.ndarray:
+        """A recorded variable, (n,); raises `BadInput` where it was not recorded."""
+        if not (column := self.column(variable)):
+            driver = f" or {self.source(variable)}, which drives it" if variable in self._drivers else ""
+            where, missing = f"{self.result.scene.name}: record.signals", f"no {self.name}.{variable}"
+            raise BadInput(where, missing, f"{self.name}.{variable}{driver}", "Add it, or leave out [record].")
+        return np.asarray(self.result.columns[column], dtype=float)
+
+    def optional(self, variable: str) -> np.ndarray | None:
+        """A variable, (n,); None where it was not recorded."""
+        return self[variable] if self.column(variable) else None
+
+    def recorded(self, variables: Iterable[str] | Mapping[str, str]) -> dict[str, np.ndarray]:
+        """Those of the variables that were recorded, (n,) each, by their names; variables given by other names, by those."""
+        names = variables if isinstance(variables, Mapping) else {variable: variable for variable in variables}
+        return {name: self[variable] for name, variable in names.items() if self.column(variable)}
+
+    def has(self, *outputs: str) -> bool:
+        """Whether the result has columns of all these variables of the unit itself."""
+        return all(f"{self.name}.{output}" in self.result.columns for output in outputs)
+
+    def column(self, variable: str) -> str:
+        """Name of the column of a variable, its own or that of the output that drives it; "" if neither was recorded."""
+        own, driving = f"{self.name}.{variable}", self.source(variable)
+        return own if own in self.result.columns else driving if driving in self.result.columns else ""
+
+    def source(self, input_: str) -> str:
+        """ "unit.output" that drives an input; "" if nothing does."""
+        return ".".join(self._drivers[input_]) if input_ in self._drivers else ""
+
+    def driven_by(self, input_: str) -> RecordedUnit | None:
+        """The unit that drives an input; None if nothing does."""
+        return RecordedUnit(self.result, self._drivers[input_][0]) if input_ in self._drivers else None
+
+    def driving(self, output: str, input_: str) -> RecordedUnit | None:
+        """The first unit whose input of this name the output drives; None if there is none."""
+        links, source = self.result.scene.coupling.links, (self.name, output)
+        targets = [link.target[0] for link in links if link.source == source and link.target[1] == input_]
+        return RecordedUnit(self.result, targets[0]) if targets else None
+
+    @cached_property
+    def component(self) -> Component | None:
+        """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
+        given = self.result.scene.units[self.name]
+        return make(self.name, given) if given.component else None
+
+
+def recorded_units(result: Result, *outputs: str) -> list[RecordedUnit]:
+    """The units of a run of which all these outputs were recorded, in the order of the scene; all units for none."""
+    units = [RecordedUnit(result, name) for name in result.scene.units]
+    return [unit for unit in units if unit.has(*outputs)]
+
+
 def component_of(scene: Scene, unit: str) -> Component | None:
     """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
     given = scene.units[unit]
@@ -46,8 +110,4 @@ def source(scene: Scene, unit: str, name: str) -> str:
 
 def recorded(result: Result, unit: str, name: str) -> str:
     """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
-    own = f"{unit}.{name}"
-    if own in result.columns:
-        return own
-    driving = source(result.scene, unit, name)
-    return driving if driving in result.columns else ""
+    return RecordedUnit(result, unit).column(name)

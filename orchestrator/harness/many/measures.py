@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from signal import Signals
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from .plan import changes
 if TYPE_CHECKING:
     from ..summary import Summary
 
-T = TypeVar("T")
 log = logging.getLogger("cosimo")
 OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 
@@ -205,13 +203,3 @@ def check_analysis(scene: Scene) -> None:
         raise BadInput(
             f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.stop_time:g} s"
         )
-
-
-def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
-    """The items one by one, with a progress bar on a terminal."""
-    if not (progress and sys.stderr.isatty()):
-        return items
-    from rich.console import Console
-    from rich.progress import track
-
-    return iter(track(items, description=title, console=Console(stderr=True), transient=True))

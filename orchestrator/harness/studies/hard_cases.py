@@ -20,8 +20,8 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
 from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
 from ...output import write_table
+from ...progress import tracked
 from ..journal import once
-from ..many.measures import tracked
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
 from ...judgement.disturbance import GrowthRate, IntrinsicGrowth, growth_of, longest_stable, sizes
 from ...output import write_table
+from ...progress import tracked
 from ..journal import once
-from ..many.measures import tracked
 from .full_model import with_required
 
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized

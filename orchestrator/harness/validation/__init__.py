@@ -8,7 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .case import Case, CaseResult, Options, to_json
+from .case import Case, CaseResult, to_json
+from .questions import Evidence, Options, Question, Runs, done
+
+__all__ = ["Case", "CaseResult", "Evidence", "Options", "Question", "Runs", "done", "run_cases", "to_json"]
 
 if TYPE_CHECKING:
     from ...judgement.verification import Wish

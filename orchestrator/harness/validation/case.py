@@ -1,79 +1,26 @@
-"""What a validation case is, and how its outcome follows from its rows."""
+"""What a validation case is, what it finds, and how its outcome follows from its rows."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ....components.core.errors import StepFailed
+from ...progress import tracked
 from ..charts.chart import Chart, Grid
 from ..summary import with_error
 from .claims import ROLES, VERDICTS, Claim
-from .reference import TableRow
+from .questions import Evidence, Options, Question, RunFailed
+from .reference import Row, compare, load_table
 
 if TYPE_CHECKING:
     from ...results import Result
 
 
 FIRM = ("verbatim", "measured", "computed")  # provenance of ranges that decide
-
-
-@dataclass(frozen=True)
-class Row:
-    """A row of a reference table beside what was measured, in the row's unit."""
-
-    reference: TableRow
-    measured: float
-    error: float = math.nan  # of the macro steps; NaN where it is not known
-
-    @property
-    def margin(self) -> float:
-        """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
-        low = -math.inf if self.reference.low is None else self.reference.low
-        high = math.inf if self.reference.high is None else self.reference.high
-        return min(self.measured - low, high - self.measured) if math.isfinite(self.measured) else math.nan
-
-    @property
-    def inside(self) -> bool:
-        """Whether the measured number lies in the range, its ends included."""
-        return bool(self.margin >= 0.0)  # the numbers may be those of NumPy
-
-    @property
-    def undecided(self) -> bool:
-        """Whether an end of the range lies within the error of a number inside: with shorter steps it may be outside."""
-        return self.inside and bool(self.error > self.margin)
-
-    @property
-    def answer(self) -> str:
-        """ "yes", "NO" or "undecided": whether the number is inside."""
-        return "undecided" if self.undecided else "yes" if self.inside else "NO"
-
-    def to_json(self) -> dict[str, Any]:
-        """The row of the machine-readable output."""
-        r = self.reference
-        return {
-            "quantity": r.quantity,
-            "condition": r.condition,
-            "unit": r.unit,
-            "measured": self.measured if math.isfinite(self.measured) else None,
-            "error": self.error if math.isfinite(self.error) else None,
-            "low": r.low,
-            "high": r.high,
-            "standing": r.standing,
-            "confidence": r.confidence or None,
-            "source": r.source,
-            "inside": self.inside,
-            "undecided": self.undecided,
-            **({"claim": r.claim, "role": r.role} if r.claim else {}),
-        }
-
-
-def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[Row, ...]:
-    """Rows beside the measured numbers, by the rows' `measure`; what was not measured is NaN, and so not inside."""
-    return tuple(Row(r, float(measured.get(r.measure, math.nan))) for r in rows)
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
@@ -155,16 +102,8 @@ def claim_results(
 
 
 @dataclass(frozen=True)
-class Options:
-    """How a case runs its scenes."""
-
-    in_process: bool = False
-    progress: bool = False
-
-
-@dataclass(frozen=True)
 class Findings:
-    """What a case's function gives: rows against references, runs worth showing, charts of studies, sentences."""
+    """What a case finds: rows against references, runs worth showing, charts of studies, sentences."""
 
     rows: tuple[Row, ...]
     runs: Mapping[str, Result] = field(default_factory=dict)  # label -> result
@@ -178,14 +117,93 @@ class Findings:
 
 @dataclass(frozen=True)
 class Case:
-    """A comparison with a reference: what it shows, the function that gives its rows, and one for studies that explain them."""
+    """A comparison with a reference: questions that are asked one after the other, and studies that explain their answers.
+
+    name: of the case and its table.  text: what it shows, and what it cannot show.  studies: give charts, once; they are not
+    repeated for errors.  system: filled in by the system whose case it is.
+    """
 
     name: str
     title: str
-    text: str  # what it shows, and what it cannot show
-    system: str
-    function: Callable[[Options], Findings]
-    studies: Callable[[Options], tuple[Chart | Grid, ...]] | None = None  # of complete findings; not repeated for errors
+    text: str
+    questions: tuple[Question, ...]
+    studies: tuple[Question, ...] = ()
+    system: str = ""
+
+    def findings(self, options: Options) -> Findings:
+        """The evidence of all questions beside the rows of the table. A run that fails ends the case; what was measured stays.
+
+        Two questions that measure the same, and figures of a claim that the table does not have, are defects of the case
+        (ValueError).
+        """
+        evidence, failure = _ask(self.questions, self.name, options)
+        measured = {measure: number for e in evidence for measure, number in e.measured.items()}
+        if len(measured) < sum(len(e.measured) for e in evidence):
+            twice = [m for m in measured if sum(m in e.measured for e in evidence) > 1]
+            raise ValueError(f"case {self.name}: {', '.join(sorted(twice))} measured by two questions")
+        charts: dict[str, tuple[Chart | Grid, ...]] = {}
+        for e in evidence:
+            charts[e.claim] = (*charts.get(e.claim, ()), *e.charts)
+        rows, claims = tuple(row for e in evidence for row in e.rows), ()
+        if measured:
+            table = load_table(self.name)
+            rows += compare(table.rows, measured)
+            if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
+                raise ValueError(f"case {self.name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
+            claims = claim_results(table.claims, rows, charts)
+        return Findings(
+            rows,
+            {label: result for e in evidence for label, result in e.shown.items()} | (failure.runs if failure else {}),
+            charts.get("", ()),
+            (*(note for e in evidence for note in e.notes), *(failure.notes if failure else ())),
+            {condition: text for e in evidence for condition, text in e.settings.items()},
+            failure is None,
+            claims,
+        )
+
+    def with_studies(self, findings: Findings, options: Options) -> Findings:
+        """Findings with the charts of the studies; of incomplete ones there is nothing to explain."""
+        if not findings.complete:
+            return findings
+        evidence, failure = _ask(self.studies, self.name, options)
+        notes = findings.notes + (failure.notes if failure else ())
+        return replace(findings, charts=findings.charts + tuple(c for e in evidence for c in e.charts), notes=notes)
+
+
+def _ask(questions: tuple[Question, ...], title: str, options: Options) -> tuple[list[Evidence], Findings | None]:
+    """(evidence of the questions up to one whose run fails, the failed run and its message or None)."""
+    evidence = []
+    several = options.progress and len(questions) > 1  # one bar over the questions, none over each run
+    try:
+        for question in tracked(questions, title, several):
+            evidence.append(question.ask(replace(options, progress=options.progress and not several)))
+    except RunFailed as failed:
+        return evidence, Findings((), {failed.label: failed.result}, notes=(failed.result.message,))
+    except StepFailed as failed:
+        return evidence, Findings((), notes=(str(failed),))
+    return evidence, None
+
+
+@dataclass(frozen=True)
+class FunctionCase(Case):
+    """A case whose findings a function gives."""
+
+    questions: tuple[Question, ...] = ()
+    function: Callable[[Options], Findings] = lambda options: Findings(())
+    explained: Callable[[Options], tuple[Chart | Grid, ...]] | None = None
+
+    def findings(self, options: Options) -> Findings:
+        return self.function(options)
+
+    def with_studies(self, findings: Findings, options: Options) -> Findings:
+        if self.explained is None or not findings.complete:
+            return findings
+        return replace(findings, charts=(*findings.charts, *self.explained(options)))
+
+
+def function_case(name: str, title: str, text: str, system: str, function: Any, explained: Any = None) -> FunctionCase:
+    """Such a case."""
+    return FunctionCase(name, title, text, system=system, function=function, explained=explained)
 
 
 @dataclass(frozen=True)

@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING
 from pydantic import ValidationError
 
 from ....components.core.errors import BadInput, nearest
-from ...run import run
 from ...scene.files import read_toml
 from ...settings.case import COMPARED, CaseSettings, CurveSettings
 from ...settings.messages import one_message
 from ...settings.study import wanted
-from ..charts.chart import Chart
 from ..studies.quantities import TimeHistory, quantities_of, recording
-from .case import Case, Findings, Options, Row, compare
+from .case import Case, Row, compare
 from .curves import Comparison, compare_curve, read_curve
+from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
 
 if TYPE_CHECKING:
@@ -56,10 +55,13 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
     curves = tuple(c.model_copy(update={"condition": c.condition or only}) for c in settings.curves)
     for curve in curves:
         _check_curve(curve, settings, scenes, path.parent, name)
-    scenes = {condition: _recording(one, rows, curves, condition) for condition, one in scenes.items()}
-    function = partial(_findings, settings.sources, rows, curves, scenes, path.parent, summarize)
+    questions = []
+    for condition, one in scenes.items():
+        mine, drawn = tuple(r for r in rows if r.condition == condition), tuple(c for c in curves if c.condition == condition)
+        measure = partial(_measure, condition, mine, drawn, settings.sources, path.parent, summarize)
+        questions.append(Question(measure, partial(dict, {condition: _recording(one, mine, drawn)})))
     text = settings.text or f"The scene {settings.scene} against the ranges and curves of {path.name}."
-    return Case(name, settings.title, text, scene.analysis.system, function)
+    return Case(name, settings.title, text, tuple(questions), system=scene.analysis.system)
 
 
 def _in_run(row: TableRow, scenes: dict[str, Scene], where: str) -> TableRow:
@@ -80,43 +82,35 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     read_curve(curve, folder)
 
 
-def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...], condition: str) -> Scene:
-    """The scene with what rows and curves of a condition need among its recorded signals; checks the signals."""
-    needed = [s for c in curves if c.condition == condition for s in (c.signal, c.over) if s]
+def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...]) -> Scene:
+    """The scene with what its rows and curves need among its recorded signals; checks the signals."""
+    needed = [s for c in curves for s in (c.signal, c.over) if s]
     recorded = [".".join(end) for end in scene.coupling.signals]
     if missing := [s for s in dict.fromkeys(needed) if s not in recorded]:
         scene = scene.with_changes({"record.signals": [*recorded, *missing]})
-    kinds = [r.measure for r in rows if r.condition == condition and "," in r.measure]
+    kinds = [r.measure for r in rows if "," in r.measure]
     return recording(scene.with_changes({"study.quantities": kinds})) if kinds else scene
 
 
-def _findings(
-    sources: dict[str, str],
+def _measure(
+    condition: str,
     rows: tuple[TableRow, ...],
     curves: tuple[CurveSettings, ...],
-    scenes: dict[str, Scene],
+    sources: dict[str, str],
     folder: Path,
     summarize: Summarize,
-    options: Options,
-) -> Findings:
-    """Every run, its rows beside the numbers of its summary, its curves beside the measured ones."""
-    rows_of_runs: list[Row] = []
-    runs: dict[str, Result] = {}
-    charts: list[Chart] = []
-    notes: list[str] = []
-    for condition, scene in scenes.items():
-        result = run(scene, in_process=options.in_process, progress=options.progress).unless_stopped()
-        runs[condition] = result
-        if result.outcome != "done":
-            return Findings(tuple(rows_of_runs), runs, notes=(result.message,), complete=False)
-        notes += [f"{condition}: {warning}" for warning in result.info["warnings"]]
-        mine = tuple(r for r in rows if r.condition == condition)
-        rows_of_runs += compare(mine, _measured(mine, result, summarize))
-        for curve in (c for c in curves if c.condition == condition):
-            comparison = compare_curve(curve, folder, result)
-            rows_of_runs += _curve_rows(comparison, sources[curve.source])
-            charts.append(comparison.chart())
-    return Findings(tuple(rows_of_runs), runs, tuple(charts), tuple(notes))
+    runs: Runs,
+) -> Evidence:
+    """Of the run of a condition: its rows beside the numbers of its summary, its curves beside the measured ones."""
+    result = runs[condition]
+    comparisons = [compare_curve(curve, folder, result) for curve in curves]
+    curve_rows = (row for c in comparisons for row in _curve_rows(c, sources[c.curve.source]))
+    return Evidence(
+        rows=(*compare(rows, _measured(rows, result, summarize)), *curve_rows),
+        charts=tuple(c.chart() for c in comparisons),
+        shown=runs,
+        notes=tuple(f"{condition}: {warning}" for warning in result.info["warnings"]),
+    )
 
 
 def _measured(rows: tuple[TableRow, ...], result: Result, summarize: Summarize) -> dict[str, float]:

@@ -8,9 +8,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ....components.core.errors import StepFailed
+from ...progress import tracked
 from ..charts.chart import Chart, Grid
-from ..many.measures import tracked
-from .case import Case, Findings, Options, claim_results, compare
+from .case import Case, Findings, claim_results, compare, function_case
+from .questions import Options
 from .reference import load_table
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def paper(name: str, title: str, text: str, system: str, studies: Sequence[Study
 
     Two studies that measure the same thing are a defect of the case (ValueError).
     """
-    return Case(name, title, text, system, partial(_findings, name, studies))
+    return function_case(name, title, text, system, partial(_findings, name, studies))
 
 
 def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings:

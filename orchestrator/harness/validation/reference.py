@@ -1,4 +1,4 @@
-"""Reference tables: ranges as data, each row with its standing and its source.
+"""Reference tables: ranges as data, each row with its standing and its source, and rows beside what was measured.
 
 A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its title, its text and its sources in words.
 """
@@ -6,6 +6,7 @@ A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its tit
 from __future__ import annotations
 
 import csv
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -64,6 +65,66 @@ class TableRow:
             raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
         if not self.source.strip():
             raise BadInput(where, "no source", "where the range was read")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a reference table beside what was measured, in the row's unit."""
+
+    reference: TableRow
+    measured: float
+    error: float = math.nan  # of the macro steps; NaN where it is not known
+
+    @property
+    def margin(self) -> float:
+        """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
+        low = -math.inf if self.reference.low is None else self.reference.low
+        high = math.inf if self.reference.high is None else self.reference.high
+        return min(self.measured - low, high - self.measured) if math.isfinite(self.measured) else math.nan
+
+    @property
+    def inside(self) -> bool:
+        """Whether the measured number lies in the range, its ends included."""
+        return bool(self.margin >= 0.0)  # the numbers may be those of NumPy
+
+    @property
+    def undecided(self) -> bool:
+        """Whether an end of the range lies within the error of a number inside: with shorter steps it may be outside."""
+        return self.inside and bool(self.error > self.margin)
+
+    @property
+    def answer(self) -> str:
+        """ "yes", "NO" or "undecided": whether the number is inside."""
+        return "undecided" if self.undecided else "yes" if self.inside else "NO"
+
+    def to_json(self) -> dict[str, Any]:
+        """The row of the machine-readable output."""
+        r = self.reference
+        return {
+            "quantity": r.quantity,
+            "condition": r.condition,
+            "unit": r.unit,
+            "measured": self.measured if math.isfinite(self.measured) else None,
+            "error": self.error if math.isfinite(self.error) else None,
+            "low": r.low,
+            "high": r.high,
+            "standing": r.standing,
+            "confidence": r.confidence or None,
+            "source": r.source,
+            "inside": self.inside,
+            "undecided": self.undecided,
+            **({"claim": r.claim, "role": r.role} if r.claim else {}),
+        }
+
+
+def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[str, float]]) -> tuple[Row, ...]:
+    """Rows beside the numbers of their `measure`, which may be those of their condition; NaN, and so not inside, for none."""
+
+    def number(row: TableRow) -> Any:
+        of_condition = measured.get(row.condition)
+        return (of_condition if isinstance(of_condition, Mapping) else measured).get(row.measure, math.nan)
+
+    return tuple(Row(row, float(number(row))) for row in rows)
 
 
 @dataclass(frozen=True)

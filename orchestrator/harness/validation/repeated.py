@@ -12,7 +12,8 @@ from ...judgement.thresholds import ORDER_UNSURE, SECONDS
 from ...judgement.verification import NOT_ASKED, Wish
 from ...run_info import CompileTime
 from ...shorter_steps import shorter_steps
-from .case import Case, Findings, Options, Row
+from .case import Case, Findings, Row
+from .questions import Options
 
 
 def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
@@ -23,10 +24,9 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     """
     begun = process_time()
     with CompileTime() as compiling:
-        findings = case.function(options)
+        findings = case.findings(options)
     cost = 2.0 * (process_time() - begun - compiling.spent[1])
-    if case.studies is not None and findings.complete:
-        findings = replace(findings, charts=(*findings.charts, *case.studies(options)))
+    findings = case.with_studies(findings, options)
     if wish == "no" or not findings.complete:
         return replace(findings, unverified=NOT_ASKED if wish == "no" else "a run did not reach its end")
     if wish == "auto" and cost > SECONDS:
@@ -38,7 +38,7 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
 def _with_errors(findings: Findings, case: Case, options: Options) -> Findings:
     try:
         with shorter_steps(2):
-            finer = case.function(replace(options, in_process=True))
+            finer = case.findings(replace(options, in_process=True))
     except (BadInput, StepFailed) as error:
         return replace(findings, unverified=f"the case cannot be repeated with half of its macro steps: {error}")
     if not finer.complete or len(finer.rows) != len(findings.rows):

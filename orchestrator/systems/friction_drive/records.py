@@ -14,14 +14,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import component_of, recorded
+from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.analysis.signals import accumulated
 
 if TYPE_CHECKING:
+    from ....components.core.component import Component
     from ...results import Result
 
 AXES = ("feed", "rotation")
 WHEELS = ("first", "second")
+ELECTRICAL = ("voltage", "current", "electrical_power")  # of a motor
+OF_DRIVE = ("margin", "contact_power", "mechanical_energy", "electrical_power")
 BANDS = {"feed": 1e-4, "rotation": 0.01}  # m, rad
 NEGLIGIBLE_CHANGE = 1e-9  # of the largest set point: changes below it are none
 STAYS = 0.02  # s, a set point that stands shorter is still on its way
@@ -79,53 +82,35 @@ class Move:
 
 def drives(result: Result) -> list[Drive]:
     """The drives of a run whose feed and rotation were recorded, in the order of the scene."""
-    return [_drive(result, unit) for unit in result.scene.units if all(f"{unit}.{axis}" in result.columns for axis in AXES)]
+    return [_drive(unit) for unit in recorded_units(result, *AXES)]
 
 
-def _drive(result: Result, unit: str) -> Drive:
-    def column(owner: str, name: str) -> np.ndarray | None:
-        place = recorded(result, owner, name) if owner else ""
-        return np.asarray(result.columns[place], dtype=float) if place else None
-
-    def known(group: Mapping[str, np.ndarray | None]) -> dict[str, np.ndarray]:
-        return {n: v for n, v in group.items() if v is not None}
-
-    links = result.scene.coupling.links
-    controller = next((link.target[0] for link in links if link.source == (unit, "feed") and link.target[1] == "feed"), "")
+def _drive(unit: RecordedUnit) -> Drive:
     wheels, rests = [], {}
     for name in WHEELS:
-        motor = next((link.source[0] for link in links if link.target == (unit, f"{name}_rate")), "")
-        signals = known({"rate": column(unit, f"{name}_rate"), "torque": column(unit, f"{name}_torque"),
-                         "voltage": column(motor, "voltage"), "current": column(motor, "current"),
-                         "electrical_power": column(motor, "electrical_power")})  # fmt: skip
-        if not motor:  # the whole drive in one unit
-            signals |= known({n: column(unit, f"{name}_{n}") for n in ("voltage", "current")})
-        pairs = [[column(unit, f"{name}_{what}_{way}") for way in ("axial", "around")] for what in ("slip", "traction")]
-        slip, traction = (np.array(p) if all(v is not None for v in p) else None for p in pairs)
-        wheels.append(Wheel(name, signals, slip, traction))
-        rests[f"{name} contact"] = column(unit, f"exact_slip.{name}_stuck")
-        shaft = column(motor, "shaft_friction.stuck")
-        rests[f"{name} shaft"] = shaft if shaft is not None else column(unit, f"shaft_friction.{name}_stuck")
-    rests["seal"] = column(unit, "trocar_friction.stuck")
-    wanted = known({axis: column(controller, f"wanted_{axis}") for axis in AXES})
-    way = {axis: np.asarray(result.columns[f"{unit}.{axis}"], dtype=float) for axis in AXES}
-    signals = known({n: column(unit, n) for n in ("margin", "contact_power", "mechanical_energy", "electrical_power")})
-    return Drive(
-        unit,
-        result.time,
-        way,
-        wanted,
-        {axis: wanted[axis] - way[axis] for axis in wanted},
-        (wheels[0], wheels[1]),
-        *_levels(result, unit),
-        known(rests),
-        signals,
-    )
+        motor = unit.driven_by(f"{name}_rate")  # None where the whole drive is one unit
+        signals = unit.recorded({n: f"{name}_{n}" for n in ("rate", "torque")})
+        signals |= motor.recorded(ELECTRICAL) if motor else unit.recorded({n: f"{name}_{n}" for n in ELECTRICAL[:2]})
+        wheels.append(Wheel(name, signals, *(_pair(unit, f"{name}_{what}") for what in ("slip", "traction"))))
+        shaft = f"{name} shaft"
+        rests |= unit.recorded({f"{name} contact": f"exact_slip.{name}_stuck", shaft: f"shaft_friction.{name}_stuck"})
+        rests |= motor.recorded({shaft: "shaft_friction.stuck"}) if motor else {}
+    rests |= unit.recorded({"seal": "trocar_friction.stuck"})
+    controller, way = unit.driving("feed", "feed"), unit.recorded(AXES)
+    wanted = controller.recorded({axis: f"wanted_{axis}" for axis in AXES}) if controller else {}
+    error = {axis: wanted[axis] - way[axis] for axis in wanted}
+    level, static = _levels(unit.component)
+    return Drive(unit.name, unit.time, way, wanted, error, (wheels[0], wheels[1]), level, static, rests, unit.recorded(OF_DRIVE))
 
 
-def _levels(result: Result, unit: str) -> tuple[float, float]:
+def _pair(unit: RecordedUnit, name: str) -> np.ndarray | None:
+    """Components of a vector in the plane of contact, (2, n): along the axis, around it; None where one was not recorded."""
+    recorded = unit.recorded((f"{name}_axial", f"{name}_around"))
+    return np.array(list(recorded.values())) if len(recorded) == 2 else None
+
+
+def _levels(component: Component | None) -> tuple[float, float]:
     """Kinetic friction of a contact, N, and the static one over it; NaN for a law without a limit, and for what is not known."""
-    component = component_of(result.scene, unit)
     law = next((e for e in ("smoothed_slip", "lugre_slip", "exact_slip") if component is not None and e in component.on), "")
     if component is None or not law:
         return float("nan"), float("nan")

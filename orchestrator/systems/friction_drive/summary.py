@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...harness.summary import Summary, rows
-from .keys import FrictionDriveKeys
+from . import FrictionDriveKeys
 from .records import AXES, Drive, drives, energies, moves
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ....components.catalogue import component_class
 from ...harness.analysis.signals import Filter
-from ...harness.validation.case import Options
+from ...harness.validation.questions import Options
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...harness.analysis.records import component_of, recorded, source
+from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -68,43 +68,32 @@ class Vehicle:
 
 def vehicles(result: Result) -> list[Vehicle]:
     """The vehicles of a run whose position was recorded, in the order of the scene."""
-    return [_vehicle(result, u) for u in result.scene.units if all(f"{u}.{n}" in result.columns for n in POSITION)]
+    return [_vehicle(unit) for unit in recorded_units(result, *POSITION)]
 
 
-def _vehicle(result: Result, unit: str) -> Vehicle:
-    def own(names: tuple[str, ...]) -> dict[str, np.ndarray]:
-        return {n: np.asarray(result.columns[f"{unit}.{n}"]) for n in names if f"{unit}.{n}" in result.columns}
-
-    signals = own((*ANGLES, *SPEEDS, *RATES, *ACCELERATIONS))
-    valid = own(("attitude_valid",)).get("attitude_valid")
+def _vehicle(unit: RecordedUnit) -> Vehicle:
+    signals = unit.recorded((*ANGLES, *SPEEDS, *RATES, *ACCELERATIONS))
+    valid = unit.optional("attitude_valid")
     if valid is not None:
         signals |= {n: np.where(valid > 0.5, signals[n], np.nan) for n in ("roll", "yaw") if n in signals}
-    thrusts, commands, controllers = {}, {}, []
-    for k, name in enumerate(THRUSTS, 1):
-        driving = source(result.scene, unit, name)
-        if column := recorded(result, unit, name):
-            thrusts[k] = _arrived(result, np.asarray(result.columns[column], dtype=float), {driving, f"{unit}.{name}"})
-        thruster = driving.partition(".")[0]
-        if thruster and (column := recorded(result, thruster, "command")):
-            commands[k] = np.asarray(result.columns[column])
-        controllers += [source(result.scene, thruster, "command").partition(".")[0]] if thruster else []
-    controller = next((c for c in controllers if c), "")
-    errors = {n: np.asarray(result.columns[c]) for n in ERRORS if (c := f"{controller}.{n}") in result.columns}
-    scale = result.columns.get(f"{controller}.scale")
-    sources = {a: source(result.scene, unit, f"current.velocity_{a}") for a in WATER}
-    water = {a: np.asarray(result.columns[c]) for a, c in sources.items() if c in result.columns}
-    position, quaternion = np.array(list(own(POSITION).values())), own(QUATERNION)
+    thrusts = {k: _arrived(unit, name) for k, name in enumerate(THRUSTS, 1) if unit.column(name)}
+    thrusters = {k: thruster for k, name in enumerate(THRUSTS, 1) if (thruster := unit.driven_by(name))}
+    commands = {k: thruster["command"] for k, thruster in thrusters.items() if thruster.column("command")}
+    controller = next((c for thruster in thrusters.values() if (c := thruster.driven_by("command"))), None)
+    errors, scale = (controller.recorded(ERRORS), controller.optional("scale")) if controller else ({}, None)
+    water = unit.recorded({axis: f"current.velocity_{axis}" for axis in WATER})
+    position, quaternion = np.array(list(unit.recorded(POSITION).values())), unit.recorded(QUATERNION)
     axes = _axes(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
-    constants = {} if axes is None else _constants(result, unit, position, axes, signals)
-    return Vehicle(unit, result.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
+    constants = {} if axes is None else _constants(unit, position, axes, signals)
+    return Vehicle(unit.name, unit.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
 
 
-def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:
-    """What arrives of a signal that is recorded where it begins: faults change it on its way from one of `ends` to the other."""
-    arrived, t = values.copy(), np.asarray(result.time)
-    for fault in result.scene.faults:
+def _arrived(unit: RecordedUnit, input_: str) -> np.ndarray:
+    """What arrives at an input that is recorded where it begins: faults change it on its way."""
+    arrived, t = unit[input_].copy(), unit.time
+    for fault in unit.result.scene.faults:
         inside = (t >= fault.begin) & (t < (np.inf if fault.end is None else fault.end))
-        if fault.signal not in ends or not inside.any():
+        if fault.signal not in (unit.source(input_), f"{unit.name}.{input_}") or not inside.any():
             continue
         if fault.kind == "offset":
             arrived[inside] += fault.value
@@ -125,14 +114,14 @@ def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndar
 
 
 def _constants(
-    result: Result, unit: str, position: np.ndarray, axes: np.ndarray, signals: Mapping[str, np.ndarray]
+    unit: RecordedUnit, position: np.ndarray, axes: np.ndarray, signals: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Kinetic energy, (1, n), impulse and its moment about the origin of the world's axes, (3, n), of a body in a perfect fluid.
 
     Empty for a vehicle with drag, weight, current, or anything driven, and where velocities were not recorded.
     """
-    component: Any = component_of(result.scene, unit)
-    driven = any(source(result.scene, unit, n) for n in component.inputs) if component is not None else True
+    component: Any = unit.component
+    driven = any(unit.source(n) for n in component.inputs) if component is not None else True
     if driven or "coriolis" not in component.on or not set(component.on) <= CONSERVING or component.u.any():
         return {}
     if not {*SPEEDS, *RATES} <= signals.keys() or not hasattr(component, "masses"):

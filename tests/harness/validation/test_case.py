@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
+from cosimo.orchestrator.harness.validation.questions import Evidence, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.systems import cases, validate
 
@@ -66,7 +67,7 @@ def test_what_was_not_measured_is_not_inside():
 
 
 def case_result(rows, complete=True):
-    case = Case("a-case", "A case", "text", "railway", lambda options: Findings(()))
+    case = Case("a-case", "A case", "text", ())
     return CaseResult(case, Findings(tuple(rows), complete=complete))
 
 
@@ -94,7 +95,8 @@ def test_rows_outside_of_recalled_ranges_are_a_warning_that_names_them():
 
 @pytest.mark.parametrize(("measured", "strict", "code"), [(5, False, 0), (5, True, 0), (50, False, 0), (50, True, 1)])
 def test_strict_counts_rows_outside_of_recalled_ranges(measured, strict, code, tmp_path, monkeypatch, capsys):
-    case = Case("a-case", "A case", "text", "", lambda options: Findings((row(5), row(measured, "recalled"))))
+    rows = (row(5), row(measured, "recalled"))
+    case = Case("a-case", "A case", "text", (Question(lambda runs: Evidence(rows=rows)),))
     monkeypatch.setitem(cases(), "a-case", case)
     try:
         main(["validate", "a-case", "-o", str(tmp_path), *(["--strict"] if strict else [])])

@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Options, Row, compare
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Row, compare
+from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.run import run
@@ -26,12 +28,12 @@ def position(step=STEP):
 
 
 def case(low, high, standing="computed", measure=position, counted=None):
-    def function(options):
+    def measured(runs):
         if counted is not None:
-            counted.append(options)
-        return Findings(compare((table_row(low, high, standing),), {"x": measure()}))
+            counted.append(runs)
+        return Evidence(rows=compare((table_row(low, high, standing),), {"x": measure()}))
 
-    return Case("c", "A case", "It shows.", "", function)
+    return Case("c", "A case", "It shows.", (Question(measured),))
 
 
 def test_the_error_of_a_row_is_at_least_half_of_the_true_one():
@@ -81,7 +83,7 @@ def test_what_takes_long_is_repeated_only_when_asked_for(monkeypatch):
 
 def test_studies_are_made_once():
     made = []
-    with_studies = replace(case(-10.0, 10.0), studies=lambda options: made.append(options) or ())
+    with_studies = replace(case(-10.0, 10.0), studies=(Question(lambda runs: made.append(runs) or Evidence()),))
     assert find(with_studies, Options()).rows[0].error > 0.0
     assert len(made) == 1
 
@@ -104,11 +106,13 @@ def test_kept_runs_are_kept_apart_for_shorter_steps():
 
 
 def test_a_repetition_that_fails_says_why():
-    def fails_with_short_steps(options):
-        result = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
-        return Findings((Row(table_row(0.0, 2.0), 1.0),), complete=result.scene.master.step == STEP)
+    def fails_with_short_steps(runs):
+        step = runs.run(read_scene(two_masses("jacobi", STEP, 0))).scene.master.step
+        if step != STEP:
+            raise StepFailed("a", 0.1, "a short step")
+        return Evidence(rows=(Row(table_row(0.0, 2.0), 1.0),))
 
-    found = find(Case("c", "A case", "It shows.", "", fails_with_short_steps), Options())
+    found = find(Case("c", "A case", "It shows.", (Question(fails_with_short_steps, in_process=True),)), Options())
     assert found.complete
     assert "did not reach its end" in found.unverified
 

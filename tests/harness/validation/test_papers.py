@@ -12,7 +12,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.charts.chart import Chart, Panel, Series
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, ClaimResult, Findings, Row, claim_results
 from cosimo.orchestrator.harness.validation.claims import Claim
-from cosimo.orchestrator.harness.validation.papers import Evidence, paper
+from cosimo.orchestrator.harness.validation.questions import Evidence, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow, load_table, parse_table
 from cosimo.orchestrator.systems import cases, papers, validate
 
@@ -65,7 +65,7 @@ def test_what_was_not_measured_shows_nothing():
 
 
 def test_a_paper_fails_when_a_verdict_is_not_the_reviewed_one():
-    case = Case("paper-x", "X", "text", "railway", lambda options: Findings(()))
+    case = Case("paper-x", "X", "text", ())
 
     def outcome(reviewed, *rows, complete=True):
         found = claim_results([claim(verdict=reviewed)], rows, {})
@@ -119,11 +119,9 @@ def test_a_broken_table_is_refused(old, new, named):
 
 
 def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE, ROWS))
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.case.load_table", lambda name: parse_table(name, TABLE, ROWS))
     drawn = Chart("Force over the way", "way, m", (Panel("force, N", (Series("run", [0.0, 1.0], [0.0, 0.25]),)),))
-    made = paper(
-        "paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 0.25}, (drawn,), claim="X1"),)
-    )
+    made = Case("paper-x", "A paper", "it shows", (Question(lambda runs: Evidence({"force": 0.25}, (drawn,), claim="X1")),))
     monkeypatch.setitem(cases(), "paper-x", made)
     assert "paper-x" in papers()
     with pytest.raises(SystemExit) as ended:
@@ -138,27 +136,27 @@ def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch,
     places = [main_part.index(text) for text in ("below 1 N, as one spring", "Force over the way", "X2: model")]
     assert places == sorted(places)
 
-    made = paper("paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 7.0}),))
+    made = Case("paper-x", "A paper", "it shows", (Question(lambda runs: Evidence({"force": 7.0})),))
     monkeypatch.setitem(cases(), "paper-x", made)
     (result,) = validate(["paper-x"], tmp_path)
     assert result.outcome == "failed"
     assert "X1 was shown" in result.verdict
 
 
-def test_two_studies_may_not_measure_the_same(tmp_path, monkeypatch):
-    made = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 1.0}),) * 2)
+def test_two_questions_may_not_measure_the_same(tmp_path, monkeypatch):
+    made = Case("paper-x", "A paper", "", (Question(lambda runs: Evidence({"force": 1.0})),) * 2)
     monkeypatch.setitem(cases(), "paper-x", made)
-    with pytest.raises(ValueError, match="force measured by two studies"):
+    with pytest.raises(ValueError, match="force measured by two questions"):
         validate(["paper-x"], tmp_path)
 
 
 def test_a_run_that_fails_fails_the_case_and_keeps_what_was_measured(tmp_path, monkeypatch):
-    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE, ROWS))
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.case.load_table", lambda name: parse_table(name, TABLE, ROWS))
 
-    def broken(options):
+    def broken(runs):
         raise StepFailed("rotor", 0.5, "a ball left its groove")
 
-    case = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 0.25}), broken))
+    case = Case("paper-x", "A paper", "", (Question(lambda runs: Evidence({"force": 0.25})), Question(broken)))
     monkeypatch.setitem(cases(), "paper-x", case)
     (result,) = validate(["paper-x"], tmp_path)
     assert result.outcome == "failed"
@@ -167,8 +165,8 @@ def test_a_run_that_fails_fails_the_case_and_keeps_what_was_measured(tmp_path, m
 
 
 def test_figures_belong_to_a_claim_of_the_table(tmp_path, monkeypatch):
-    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE, ROWS))
-    made = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 0.5}, claim="X7"),))
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.case.load_table", lambda name: parse_table(name, TABLE, ROWS))
+    made = Case("paper-x", "A paper", "", (Question(lambda runs: Evidence({"force": 0.5}, claim="X7")),))
     monkeypatch.setitem(cases(), "paper-x", made)
     with pytest.raises(ValueError, match="figures of X7"):
         validate(["paper-x"], tmp_path)

@@ -30,7 +30,7 @@ def middle(name: str, measure: str) -> float:
 @pytest.mark.parametrize("name", NAMES)
 def test_friction_drive_cases_pass(name):
     case = cases()[name]
-    found = case.function(Options(in_process=True))
+    found = case.findings(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete
     assert case.system == "friction_drive"
@@ -73,7 +73,7 @@ def test_another_friction_is_another_speed_under_load(monkeypatch):
     given = friction_drive.wheels
     rougher = {"friction": 0.404}
     monkeypatch.setattr(friction_drive, "wheels", lambda p, e=("exact_slip",): given({**p, **(rougher if e else {})}, e))
-    inside = {r.reference.measure: r.inside for r in friction_drive.findings(Options(in_process=True)).rows}
+    inside = {r.reference.measure: r.inside for r in friction_drive.CASE.findings(Options(in_process=True)).rows}
     assert not inside["loaded_500.rate"]
     assert not inside["skewed_feed.power"]
     assert not inside["axial.above"]  # 1 % above the limit of before

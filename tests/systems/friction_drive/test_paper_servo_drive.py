@@ -85,6 +85,6 @@ def test_a_force_turns_back_the_shafts_at_their_torque():
 @pytest.mark.full
 def test_the_claims_have_the_verdicts_of_the_last_review():
     case = cases()["paper-servo-drive"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     assert [r.reference.measure for r in result.findings.rows if not r.inside] == []

@@ -82,6 +82,6 @@ def test_tasks_and_losses_are_checked_scenes():
 @pytest.mark.full
 def test_the_claims_have_the_verdicts_of_the_last_review():
     case = cases()["paper-underwater-vehicle"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     assert [r.reference.measure for r in result.findings.rows if not r.inside] == ["saturation.eight"]

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.harness.validation.case import outcome
+from cosimo.orchestrator.harness.validation.questions import Options, Question
+from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rov.cases import added_mass as rov_added_mass
 from cosimo.orchestrator.systems.rov.cases import allocation as rov_allocation
@@ -15,7 +19,7 @@ from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_for
 )
 def test_rov_cases_pass(name):
     case = cases()[name]
-    found = case.function(Options(in_process=True))
+    found = case.findings(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete
     assert case.system == "rov"
@@ -25,7 +29,7 @@ def test_rov_cases_pass(name):
 
 def test_columns_as_printed_would_fail(monkeypatch):
     monkeypatch.setattr(rov_allocation, "wrench_matrix", lambda *_: rov_allocation.printed())
-    found = rov_allocation.findings(Options())
+    found = rov_allocation.CASE.findings(Options())
     inside = {r.reference.measure: r.inside for r in found.rows}
     assert not inside["determinant"]
     assert not inside["N.plus"]
@@ -41,19 +45,19 @@ def test_columns_as_printed_would_fail(monkeypatch):
         ("roll", "added_mass.roll", 0.19, {"roll"}),
     ],
 )
-def test_another_vehicle_fails(monkeypatch, name, parameter, value, rows):
+def test_another_vehicle_fails(name, parameter, value, rows):
     """Its own rows, and no others."""
     scenes = rov_closed_forms.scenes()
     scenes[name] = scenes[name].with_changes({f"units.hull.parameters.{parameter}": value})
-    monkeypatch.setattr(rov_closed_forms, "scenes", lambda: scenes)
-    found = rov_closed_forms.findings(Options(in_process=True))
+    case = replace(rov_closed_forms.CASE, questions=(Question(rov_closed_forms.measure, lambda: scenes),))
+    found = case.findings(Options(in_process=True))
     assert {r.reference.measure for r in found.rows if not r.inside} == rows
 
 
 @pytest.mark.full
 def test_a_force_told_once_a_step_ends_the_run_and_keeps_what_was_computed():
     scene = rov_added_mass.load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
-    result = rov_added_mass.run(scene, in_process=True)
+    result = run(scene, in_process=True)
     assert result.outcome == "unstable"
     assert "water failed at" in result.message
     assert result.time.size > 100

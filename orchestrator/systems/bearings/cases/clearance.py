@@ -9,7 +9,8 @@ import numpy as np
 
 from .....components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ..statics import at_rest
 
@@ -86,7 +87,7 @@ def _chart(clearance: np.ndarray, held: np.ndarray, free: np.ndarray) -> Chart:
     )  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "clearance-lowers-frequency",
     "Clearance lowers the natural frequencies",
     "Linearises the bearing in its equilibrium under the weight of a rigid mass, over the clearance. It shows the "

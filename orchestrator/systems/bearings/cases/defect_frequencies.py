@@ -11,7 +11,8 @@ from ....harness.analysis.records import after_transient, component_of
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.charts.chart import Chart, Lines, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -155,7 +156,7 @@ def _lines(bearing: str, pit: str) -> dict[str, float]:
     }[pit]
 
 
-CASE = Case(
+CASE = function_case(
     "defect-frequencies",
     "Frequencies of bearing defects",
     "Reads the lines of pits in the outer race, in the inner race and on a ball off the envelope spectrum of the simulated "

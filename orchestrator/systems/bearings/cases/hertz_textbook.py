@@ -10,7 +10,8 @@ from .....components.bearings.film import Lubricant, entrainment_speed, film_thi
 from .....components.bearings.geometry import BallGeometry
 from .....components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, point_contact
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 
 RATIOS = (1.0001, 2.0, 5.0, 10.0, 20.0, 32.35, 100.0)  # Ry / Rx
@@ -93,7 +94,7 @@ def _fit_chart() -> Chart:
     )  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "hertz-textbook",
     "Hertz contacts and films of textbook bearings",
     "Evaluates elliptic contacts, curvature sums, stiffnesses, contact ellipses and oil films of bearings that textbooks "

@@ -9,7 +9,8 @@ import numpy as np
 from .....components.bearings.deep_groove import DeepGrooveBearing
 from .....components.bearings.six_dof import constants
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ..statics import at_rest
 from .hertz_textbook import NEWTON_PER_MM
@@ -67,7 +68,7 @@ def _curves(tight: DeepGrooveBearing, loose: DeepGrooveBearing) -> Chart:
     )  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "iso16281",
     "Displacements of a deep groove bearing after ISO/TS 16281",
     "Solves the static equilibrium of the published example under radial and axial load. It shows that geometry, contact "

@@ -12,7 +12,8 @@ from ....harness.analysis.lyapunov import Lyapunov, lyapunov_spectrum
 from ....harness.analysis.sections import distinct
 from ....harness.charts.chart import Band, Chart, Panel, Series
 from ....harness.report.bifurcation import bifurcation_chart
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 
 SPEED = 1000.0 * 2.0 * math.pi / 60.0  # rad/s
@@ -86,7 +87,7 @@ def _diagram(by_gap: dict[float, Lyapunov]) -> Chart:
     )  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "lyapunov-sum",
     "Lyapunov exponents of a ball bearing",
     "Computes the four exponents of the ball bearing's motion. Their sum is known exactly and tests integration and method "

@@ -11,7 +11,8 @@ from scipy.stats import norm
 
 from ....harness.analysis.recurrence import Quantification, embed, line_survival, quantify, recurrence_matrix
 from ....harness.charts.chart import Chart, Panel, Picture, Series
-from ....harness.validation.case import Case, Findings, Options, Row
+from ....harness.validation.case import Findings, Row, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import TableRow
 
 STATES = 2000
@@ -198,7 +199,7 @@ def _survival(noise: np.ndarray, chaos: np.ndarray) -> Chart:
     return Chart("Lengths of the diagonal lines", "length, samples", (panel,), text)
 
 
-CASE = Case(
+CASE = function_case(
     "recurrence",
     "Recurrence quantification against closed forms",
     "Counts, rates and line lengths of recurrence plots where they are known exactly. It shows that the measures are counted as "

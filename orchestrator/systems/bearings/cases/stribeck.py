@@ -9,7 +9,8 @@ import numpy as np
 from .....components.bearings.deep_groove import DeepGrooveBearing
 from .....components.bearings.load_zone import load_integrals, stribeck_number
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ..statics import at_rest
 
@@ -59,7 +60,7 @@ def _over_clearance() -> Chart:
     )  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "stribeck",
     "Distribution of a load over the balls",
     "Compares the loads of the balls in static equilibrium with closed forms, discrete sums and Sjövall's integrals. It "

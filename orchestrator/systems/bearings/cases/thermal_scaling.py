@@ -12,7 +12,8 @@ from scipy.special import ellipkm1
 from .....components.bearings.conductance import AngularContactConductance
 from .....components.bearings.constriction import constriction
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, Row, compare
+from ....harness.validation.case import Findings, Row, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import TableRow, load_table
 from ..heat_path import Surroundings, solve_bearing
 
@@ -171,7 +172,7 @@ def _notes(studies: list[Study]) -> tuple[str, ...]:
     )
 
 
-CASE = Case(
+CASE = function_case(
     "thermal-scaling",
     "Heat resistance of angular contact bearings",
     "Holds the resistance through the contacts against the law R ~ F^(-1/3) and against an independent computation under axial "

@@ -13,7 +13,8 @@ from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
 from ....harness.analysis.bifurcation import Bifurcation, bifurcation
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....run import run
 from ... import load_scene
@@ -161,7 +162,7 @@ def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
     return solve_ivp(right_hand_side, (0.0, end), model.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]
 
 
-CASE = Case(
+CASE = function_case(
     "varying-compliance",
     "Varying compliance of a ball bearing",
     "Holds the static deflection, the resonances that the passing balls excite and the motion over the clearance against an "

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 RATE = 20.0  # rad/s of the wheels
 RADIUS, SLEEVE, ANGLE = 0.01, 0.005, math.pi / 6.0
@@ -29,19 +28,24 @@ ROLLERS = {"layout": "skewed_free_rollers"}
 
 def wheels(parameters: Mapping[str, Any], effects: tuple[str, ...] = ("exact_slip",)) -> dict[str, Any]:
     """The wheels' unit."""
-    return {"component": "FrictionWheels", "effects": list(effects), "parameters": dict(parameters)}
+    return unit("FrictionWheels", effects=effects, **parameters)
 
 
-def scene() -> Scene:
+def scenes() -> dict[str, Scene]:
+    """All wheels side by side, the whole drive, and its parts with three macro steps."""
+    return {"wheels": side_by_side(), "whole": drive(False, STEPS[0]), **{f"split {h:g}": drive(True, h) for h in STEPS}}
+
+
+def side_by_side() -> Scene:
     """Wheels that turn at a given rate under many loads, and wheels that stand under loads about the limit."""
     units: dict[str, Any] = {}
     for layout in ("skewed", "skewed_free_rollers", "orthogonal"):
         for way, sign in (("feed", 1.0), ("rotation", -1.0)):
             second = RATE if layout == "orthogonal" else sign * RATE
-            pair = {"first_rate": RATE if way == "feed" or layout != "orthogonal" else 0.0,
-                    "second_rate": second if way == "rotation" or layout != "orthogonal" else 0.0}  # fmt: skip
+            first = RATE if way == "feed" or layout != "orthogonal" else 0.0
+            second = second if way == "rotation" or layout != "orthogonal" else 0.0
             if layout != "skewed" or way == "feed":  # unloaded plain wheels that turn against each other leave the feed open
-                units[f"{layout}_{way}"] = wheels({"layout": layout, **pair})
+                units[f"{layout}_{way}"] = wheels({"layout": layout, "first_rate": first, "second_rate": second})
     for share in SHARES[1:]:
         units[_loaded(share)] = wheels({"first_rate": RATE, "second_rate": RATE, "external_force": -share * LIMIT})
     for name, (force, torque) in LOADS.items():
@@ -49,55 +53,42 @@ def scene() -> Scene:
             load = {"external_force": share * force * LIMIT, "external_torque": share * torque * LIMIT * SLEEVE}
             units[f"{name}_{way}"] = wheels({"exact_slip.static_ratio": 1.0, **load})
     signals = [f"{u}.{s}" for u in units for s in ("feed", "rotation", "feed_rate", "rotation_rate", "contact_power")]
-    data = {"title": "Wheels on a sleeve", "stop_time": 0.5, "units": units, "master": {"step": 1e-3},
-            "record": {"signals": signals}}  # fmt: skip
-    return read_scene(data, "friction-drive")
+    return build_scene(units, stop_time=0.5, step=1e-3, name="friction-drive", record={"signals": signals})
 
 
 def _loaded(share: float) -> str:
     return f"loaded_{round(1e3 * share)}"
 
 
-def whole(split: bool, step: float) -> Scene:
+def drive(split: bool, step: float) -> Scene:
     """The drive at constant voltages, contacts that creep: two motors and wheels, or one unit."""
-    motor = {f"{k}_motor": {"component": "ServoMotor", "parameters": {"voltage": VOLTAGES[f"{k}_voltage"]}}
-             for k in ("first", "second")}  # fmt: skip
-    if not split:
-        units = {"drive": {"component": "FrictionDrive", "parameters": {**ROLLERS, **VOLTAGES}}}
-        links: list[str] = []
-    else:
-        units = {**motor, "drive": wheels(ROLLERS, ())}
+    units, links = {"drive": unit("FrictionDrive", **ROLLERS, **VOLTAGES)}, []
+    if split:
+        units = {f"{k}_motor": unit("ServoMotor", voltage=VOLTAGES[f"{k}_voltage"]) for k in ("first", "second")}
+        units["drive"] = wheels(ROLLERS, ())
         links = [f"{k}_motor.rate -> drive.{k}_rate" for k in ("first", "second")]
         links += [f"drive.{k}_torque -> {k}_motor.load_torque" for k in ("first", "second")]
-    data = {"title": "The drive", "stop_time": 0.1, "units": units, "connections": links, "master": {"step": step},
-            "record": {"signals": ["drive.feed", "drive.rotation"], "interval": STEPS[0]}}  # fmt: skip
-    return read_scene(data, "friction-drive-split" if split else "friction-drive-whole")
+    record = {"signals": ["drive.feed", "drive.rotation"], "interval": STEPS[0]}
+    name = "friction-drive-split" if split else "friction-drive-whole"
+    return build_scene(units, links, stop_time=0.1, step=step, name=name, record=record)
 
 
-def findings(options: Options) -> Findings:
-    """One run of all wheels, one of the whole drive, three of its parts."""
-    scenes = {"wheels": scene(), "whole": whole(False, STEPS[0]), **{f"split {h:g}": whole(True, h) for h in STEPS}}
-    runs = {name: run(s, in_process=options.in_process) for name, s in scenes.items()}
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
+def measure(runs: Runs) -> Evidence:
+    """Rates and powers at the end, and how the split drive comes near the whole one as steps become shorter."""
     result = runs["wheels"]
     measured: dict[str, float] = {}
-    for unit in ("skewed_feed", "skewed_free_rollers_feed", "orthogonal_feed"):
-        measured[f"{unit}.rate"] = float(result[f"{unit}.feed_rate"][-1])
-        measured[f"{unit}.power"] = float(result[f"{unit}.contact_power"][-1])
-    for unit in ("skewed_free_rollers_rotation", "orthogonal_rotation"):
-        measured[f"{unit}.rate"] = float(result[f"{unit}.rotation_rate"][-1])
-    for share in SHARES[1:]:
-        measured[f"{_loaded(share)}.rate"] = float(result[f"{_loaded(share)}.feed_rate"][-1])
-        measured[f"{_loaded(share)}.power"] = float(result[f"{_loaded(share)}.contact_power"][-1])
+    for name in ("skewed_feed", "skewed_free_rollers_feed", "orthogonal_feed", *map(_loaded, SHARES[1:])):
+        measured[f"{name}.rate"] = result[f"{name}.feed_rate"][-1]
+        measured[f"{name}.power"] = result[f"{name}.contact_power"][-1]
+    for name in ("skewed_free_rollers_rotation", "orthogonal_rotation"):
+        measured[f"{name}.rate"] = result[f"{name}.rotation_rate"][-1]
     for name in LOADS:
         for way in ("below", "above"):
             rates = result[f"{name}_{way}.feed_rate"][-1], SLEEVE * result[f"{name}_{way}.rotation_rate"][-1]
             measured[f"{name}.{way}"] = float(np.hypot(*rates))
     apart = [_apart(runs[f"split {h:g}"], runs["whole"]) for h in STEPS]
     measured["split.order"] = float(np.polyfit(np.log(STEPS), np.log(apart), 1)[0])
-    return Findings(compare(load_table("friction-drive").rows, measured), {}, (_chart(measured), _paths(runs)))
+    return Evidence(measured, (_chart(measured), _paths(runs)))
 
 
 def _apart(split: Result, reference: Result) -> float:
@@ -134,6 +125,5 @@ CASE = Case(
     "Feed and rotation of the three layouts without load, speed and loss of plain skewed wheels under load up to where the "
     "sleeve slides back, loads just inside and outside what the contacts bear, and the drive in three units against the one in "
     "one. Frączak's drive (2013) is known by its abstract: layouts and numbers are ours, and no measurement of it is in here.",
-    "friction_drive",
-    findings,
+    (Question(measure, scenes),),
 )

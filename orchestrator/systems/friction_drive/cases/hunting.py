@@ -9,12 +9,11 @@ import numpy as np
 
 from .....components.core.pulled_mass import IDEAL, LUGRE, SAMPLE, pulled
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 from ..records import starts
 
 TARGET, RADIUS = 2e-4, 0.01  # m
@@ -44,16 +43,15 @@ def scene(stop: float = 14.0) -> Scene:
     links, order = [], []
     for name, (gain, ratio) in KINDS.items():
         friction = {"level": LEVEL, "static_ratio": ratio, "gear_loss": 0.0}
-        units[name] = {"component": "ServoMotor", "effects": ["shaft_friction"], "parameters": {"shaft_friction": friction}}
-        units[f"{name}_controller"] = {"component": "ServoController", "parameters": {**GAINS, "feed_integral_gain": gain}}
+        units[name] = unit("ServoMotor", effects=["shaft_friction"], shaft_friction=friction)
+        units[f"{name}_controller"] = unit("ServoController", **GAINS, feed_integral_gain=gain)
         links += [f"{name}.{what} -> {name}_controller.first_{what}" for what in ("angle", "rate")]
         links.append(f"{name}_controller.first_voltage -> {name}.voltage")
         order += [name, f"{name}_controller"]
-    signals = [f"{n}{s}" for n in KINDS for s in (".angle", ".shaft_friction.stuck", "_controller.feed_error",
-                                                  "_controller.first_voltage")]  # fmt: skip
-    data = {"title": "A motor under its controller, with dry friction", "stop_time": stop, "units": units, "connections": links,
-            "master": {"step": 1e-3, "extrapolation": 0, "order": order}, "record": {"signals": signals}}  # fmt: skip
-    return read_scene(data, "hunting")
+    of_drive = (".angle", ".shaft_friction.stuck", "_controller.feed_error", "_controller.first_voltage")
+    record = {"signals": [f"{name}{signal}" for name in KINDS for signal in of_drive]}
+    master = {"extrapolation": 0, "order": order}
+    return build_scene(units, links, stop_time=stop, step=1e-3, name="hunting", master=master, record=record)
 
 
 def standing_errors(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -62,11 +60,9 @@ def standing_errors(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
     return result.time[left], TARGET - RADIUS * result[f"{name}.angle"][left]
 
 
-def findings(options: Options) -> Findings:
-    """The run of three drives, and the two masses."""
-    result = run(scene(), in_process=options.in_process)
-    if result.outcome != "done":
-        return Findings((), {"drives": result}, notes=(result.message,), complete=False)
+def drives(runs: Runs) -> Evidence:
+    """Where three drives stand, and when they break loose."""
+    result = runs["drives"]
     times, errors = standing_errors(result, "seeking")
     late = times > SETTLED
     measured = {
@@ -78,31 +74,35 @@ def findings(options: Options) -> Findings:
     }
     _, falling = standing_errors(result, "without_drop")
     measured |= {f"falling.{k + 1}": float(abs(falling[k + 1] / falling[k])) for k in range(min(2, falling.size - 1))}
+    return Evidence(measured, (_drives_chart(result),))
+
+
+def masses(runs: Runs) -> Evidence:
+    """Nothing is coupled: first slip, period and greatest velocity of a mass that a spring pulls."""
+    measured: dict[str, float] = {}
     bristles, ideal = pulled(LUGRE, END), pulled(IDEAL, END)
     for name, rows, above in (("bristles", bristles, MOVING), ("ideal", ideal, 0.0)):
         begins = slips(rows, above)
-        measured |= {f"{name}.first": float(begins[0]), f"{name}.period": float(begins[1] - begins[0]),
-                     f"{name}.fastest": float(rows[:, 2].max())}  # fmt: skip
+        measured |= {f"{name}.first": begins[0], f"{name}.period": begins[1] - begins[0], f"{name}.fastest": rows[:, 2].max()}
     ends = ideal[1:][(ideal[1:, 2] == 0.0) & (ideal[:-1, 2] > 0.0), 0]
-    measured["ideal.slip"] = float(ends[0]) - measured["ideal.first"]
-    return Findings(compare(load_table("hunting").rows, measured), charts=_charts(result, bristles, ideal))
+    measured["ideal.slip"] = ends[0] - measured["ideal.first"]
+    lines = [Series(text, rows[:, 0], rows[:, 2]) for text, rows in (("bristles (LuGre)", bristles), ("rigid contact", ideal))]
+    text = "1 kg at a spring of 2 N/m whose end moves at 0.1 m/s."
+    chart = Chart("A mass pulled by a spring", "time, s", (Panel("velocity, m/s", tuple(lines)),), text)
+    return Evidence(measured, (chart,))
 
 
-def _charts(result: Result, bristles: np.ndarray, ideal: np.ndarray) -> tuple[Chart, ...]:
+def _drives_chart(result: Result) -> Chart:
     names = {"seeking": "integral, friction falls", "without_drop": "integral, no drop", "standing": "no integral"}
     errors = [Series(text, result.time, 1e6 * (TARGET - RADIUS * result[f"{n}.angle"])) for n, text in names.items()]
     voltages = [Series(text, result.time, result[f"{n}_controller.first_voltage"]) for n, text in names.items()]
-    limits = (-1.5, 1.5)
-    drives = Chart("Three controllers", "time, s", (Panel("error, µm", tuple(errors), y_range=(-75.0, 75.0)),
-                                                   Panel("voltage, V", tuple(voltages), y_range=limits)),
-                   "With an integral of the way and friction that falls once the shaft moves, the drive goes past its set point "
-                   "again and again. Without that drop each error is a fixed share of the one before, and the stands become "
-                   "longer; without the integral the drive stays where friction holds it. The start goes beyond the "
-                   "axes.")  # fmt: skip
-    masses = [Series(text, rows[:, 0], rows[:, 2]) for text, rows in (("bristles (LuGre)", bristles), ("rigid contact", ideal))]
-    pull = Chart("A mass pulled by a spring", "time, s", (Panel("velocity, m/s", tuple(masses)),),
-                 "1 kg at a spring of 2 N/m whose end moves at 0.1 m/s.")  # fmt: skip
-    return drives, pull
+    panels = (Panel("error, µm", tuple(errors), y_range=(-75.0, 75.0)), Panel("voltage, V", tuple(voltages), y_range=(-1.5, 1.5)))
+    text = (
+        "With an integral of the way and friction that falls once the shaft moves, the drive goes past its set point again and "
+        "again. Without that drop each error is a fixed share of the one before, and the stands become longer; without the "
+        "integral the drive stays where friction holds it. The start goes beyond the axes."
+    )
+    return Chart("Three controllers", "time, s", panels, text)
 
 
 CASE = Case(
@@ -112,6 +112,5 @@ CASE = Case(
     "of stick and slip; with an integral alone, errors that die out; without an integral, rest within what friction holds. A "
     "mass that a spring pulls, with bristles (LuGre) and with a rigid contact. Shows that friction holds exactly and lets go "
     "where it should; the drives are ours, and nothing measured is in it.",
-    "friction_drive",
-    findings,
+    (Question(drives, lambda: {"drives": scene()}), Question(masses)),
 )

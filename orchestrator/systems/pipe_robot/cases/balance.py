@@ -8,7 +8,8 @@ import numpy as np
 
 from ....harness.analysis.signals import accumulated
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -108,7 +109,7 @@ def _phase_chart(result: Result) -> Chart:
     )
 
 
-CASE = Case(
+CASE = function_case(
     NAME,
     "Balances and thresholds of a pipe robot",
     "Over a period of the steady motion the mean friction is weight and load, and what the exciter gives is what friction, "

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -192,7 +193,7 @@ def _slope_chart(measured: Mapping[str, float]) -> Chart:
     return Chart("Mean speed on a slope", "", panels, "The robot turns back where the line passes zero.", columns=2)
 
 
-CASE = Case(
+CASE = function_case(
     NAME,
     "Mean speed of a pipe robot",
     "Robots whose friction is weaker forwards than backwards, with a prescribed motion of the inner mass and with a harmonic "

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -147,7 +148,7 @@ def _motor_chart(measured: Mapping[str, float]) -> Chart:
     )
 
 
-CASE = Case(
+CASE = function_case(
     NAME,
     "Resonance of a pipe robot and capture of its motor",
     "The inner mass resonates against the free body and against one that sticks: amplitudes against closed forms, mean speeds "

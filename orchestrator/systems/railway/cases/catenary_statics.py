@@ -12,7 +12,8 @@ from .....components.railway.contact import wire_height
 from .....components.railway.mesh import GRAVITY
 from .....components.railway.statics import elasticity, messenger_shape
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, Row, compare
+from ....harness.validation.case import Findings, Row, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import TableRow, load_table
 from ... import load_scene
 
@@ -153,7 +154,7 @@ def _row(scene: str, quantity: str, unit: str, expected: float, measured: float)
     return Row(reference, float(measured))
 
 
-CASE = Case(
+CASE = function_case(
     "catenary-statics",
     "Statics of the reference catenaries",
     "Holds the elasticity along the span against an independent solver, and dropper tensions and sags against closed forms. "

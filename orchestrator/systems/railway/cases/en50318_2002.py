@@ -7,7 +7,8 @@ from typing import Any
 
 from ....harness.analysis.signals import Filter
 from ....harness.charts.chart import Band, Chart, Grid, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, Row, compare
+from ....harness.validation.case import Findings, Row, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import Table, load_table
 from ....run import run
 from ....scene.scene import Scene
@@ -178,7 +179,7 @@ def _notes(rows: tuple[Row, ...]) -> tuple[str, ...]:
     )
 
 
-CASE = Case(
+CASE = function_case(
     "en50318-2002",
     "EN 50318:2002 reference model",
     "Holds the distributed catenary and the two-mass pantograph against the published ranges of the reference model at 250 and "

@@ -12,7 +12,8 @@ import numpy as np
 from .....components.catalogue import component_class
 from .....components.railway.contact import contact_compliance, wire_height
 from .....components.railway.statics import Statics, elasticity
-from ....harness.validation.case import Case, Findings, Options, Row, compare
+from ....harness.validation.case import Findings, Row, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ... import load_scene
@@ -173,4 +174,4 @@ MODELS = (
         "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here.",
     ),
 )
-AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (Case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)
+AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (function_case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)

@@ -6,7 +6,8 @@ import math
 from dataclasses import replace
 
 from ....harness.charts.chart import Grid
-from ....harness.validation.case import Case, Findings, Options, Row, compare
+from ....harness.validation.case import Findings, Row, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import TableRow, load_table
 from ....results import Result
 from ..records import measured, passages, statistics
@@ -71,7 +72,7 @@ def measures(result: Result) -> dict[str, float]:
     )
 
 
-CASE = Case(
+CASE = function_case(
     "en50367",
     "Rules of EN 50367, EN 50119 and TSI ENE",
     "Applies the rules on mean force, scatter, force limits, wave speed and arcing to the runs of both reference models. The "

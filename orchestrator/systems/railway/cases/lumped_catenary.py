@@ -9,7 +9,8 @@ import numpy as np
 from .....components.railway.contact import wire_height
 from ....harness.analysis.signals import Filter, uniform, window
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, Row
+from ....harness.validation.case import Findings, Row, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import TableRow
 from ....results import Result
 from ....run import run
@@ -135,7 +136,7 @@ def _notes(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> tup
     )
 
 
-CASE = Case(
+CASE = function_case(
     "lumped-against-distributed",
     "Lumped against distributed catenary",
     "Runs the same pantograph under a mass on a spring that varies along the span, with and without an inerter, and under the "

@@ -11,7 +11,8 @@ from .....components.rotor.beam import BeamRotor
 from .....components.rotor.modal import campbell, critical_speeds, modes
 from ....harness.analysis.spectra import peak
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -96,7 +97,7 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
                  "Lines: eigenvalues. Points: lines in the spectrum of x + i y of the runs.")  # fmt: skip
 
 
-CASE = Case(
+CASE = function_case(
     "friswell-5.9.1",
     "Whirl frequencies of a rotor with two disks",
     "A Timoshenko shaft of six elements with two disks on isotropic springs: whirl frequencies at rest, at 1000 and 4000 rpm, "

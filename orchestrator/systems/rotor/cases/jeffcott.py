@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -91,7 +92,7 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Unbalance response", "speed / critical speed", tuple(panels), "Runs: last turn after 24 time constants.")
 
 
-CASE = Case(
+CASE = function_case(
     "jeffcott",
     "Unbalance response and stability of the Jeffcott rotor",
     "Amplitude and phase of the unbalance response below, at and above the critical speed, its peak, and the speed from which on "

@@ -9,8 +9,7 @@ import numpy as np
 from .....components.rov.allocation import allocate, allocation_of
 from .....components.rov.arrangement import HORIZONTAL_HEIGHT, HORIZONTAL_RADIUS, VERTICAL_RADIUS, wrench_matrix, y_arrangement
 from ....harness.charts.chart import Grid
-from ....harness.validation.case import Case, Findings, Options, compare
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 
 FORWARD, REVERSE = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
 AXES = ("X", "Y", "Z", "K", "M", "N")
@@ -19,7 +18,7 @@ ASKED = 1e3  # N or N.m, beyond every limit
 ALL = 2**6 - 1  # thrusters that are available, as bits
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Nothing is simulated: the matrix from thrusts to the wrench, its inverse and its limits."""
     matrix = wrench_matrix(*y_arrangement())
     values = np.linalg.svd(matrix, compute_uv=False)
@@ -43,7 +42,7 @@ def findings(options: Options) -> Findings:
         "The columns as the article prints them, with the magnitudes of its table, are no arrangement of 120 degrees: their "
         "condition is three times worse. The matrix is built from positions and directions instead.",
     )
-    return Findings(compare(load_table("rov-allocation").rows, measured), charts=(grid,), notes=notes)
+    return Evidence(measured, (grid,), notes=notes)
 
 
 def largest(matrix: np.ndarray, axis: int, sign: float) -> float:
@@ -77,6 +76,5 @@ CASE = Case(
     "Determinant, singular values and rank of the matrix from six thrusts to the wrench, and the largest force or moment "
     "along each axis within the limits of a T200 thruster, against closed forms. Six thrusters give six degrees of freedom; "
     "without any one of them it is five. Says nothing on the water: thrusters that draw each other's wake are not in it.",
-    "rov",
-    findings,
+    (Question(measure),),
 )

@@ -11,12 +11,11 @@ import numpy as np
 from .....components.rov.hull import WATER, RovHull
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import load_scene, read_scene
+from ... import build_scene, load_scene
 from ..records import QUATERNION, vehicles
 
 BENZON = RovHull.presets["von Benzon 2022, BlueROV2 Heavy"].parameters
@@ -27,12 +26,8 @@ FLOW = {"north": 0.4, "east": -0.7, "down": 0.2}  # m/s
 THRUSTS = [2.0, -1.5, 3.0, 1.0, -2.5, 1.5]  # N
 
 
-def findings(options: Options) -> Findings:
-    """One run for each closed form."""
-    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
+def measure(runs: Runs) -> Evidence:
+    """A run for each closed form."""
     measured: dict[str, float] = {}
     for force in FORCES:
         result = runs[f"{force:g} N ahead"]
@@ -53,7 +48,7 @@ def findings(options: Options) -> Findings:
     measured["munk"] = float(np.polyfit(munk.time, np.log(munk["hull.pitch_rate"]), 1)[0])
     measured["galileo"] = apart(runs["in still and in moving water"])
     shown = {name: runs[name] for name in ("roll from 90 degrees", "tumbling")}
-    return Findings(compare(load_table("rov-closed-forms").rows, measured), shown, (_start_chart(runs), _munk_chart(munk)))
+    return Evidence(measured, (_start_chart(runs), _munk_chart(munk)), shown)
 
 
 def scenes() -> dict[str, Scene]:
@@ -84,35 +79,20 @@ def scenes() -> dict[str, Scene]:
     )
     pose = {"start_roll": 0.0, "start_pitch": 0.0, "start_yaw": 0.0, "start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
     signals = ["position_north", "position_east", "depth", "roll", "pitch"]
-    still = _unit(list(WATER), pose)
+    still = unit("RovHull", effects=WATER, **pose)
     drift = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
-    moved = _unit([*WATER, "current"], {**pose, **drift, **{f"current.velocity_{n}": v for n, v in FLOW.items()}})
-    cases["in still and in moving water"] = read_scene(
-        {
-            "title": "The same thrusts in still and in moving water",
-            "stop_time": 20.0,
-            "units": {"still": still, "moved": moved},
-            "master": {"step": 0.02},
-            "record": {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]},
-        },
-        "rov",
-    )
+    current = {f"current.velocity_{n}": v for n, v in FLOW.items()}
+    moved = unit("RovHull", effects=[*WATER, "current"], **pose, **drift, **current)
+    record = {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]}
+    units = {"still": still, "moved": moved}
+    cases["in still and in moving water"] = build_scene(units, stop_time=20.0, step=0.02, name="rov", record=record)
     return cases
 
 
-def _unit(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, Any]:
-    return {"component": "RovHull", "effects": list(effects), "parameters": dict(parameters)}
-
-
 def _scene(stop: float, step: float, effects: Sequence[str], parameters: Mapping[str, Any], signals: Sequence[str]) -> Scene:
-    data = {
-        "title": "Hull of an underwater vehicle",
-        "stop_time": stop,
-        "units": {"hull": _unit(effects, parameters)},
-        "master": {"step": step},
-        "record": {"signals": [f"hull.{s}" for s in signals]},
-    }
-    return read_scene(data, "rov")
+    hull, record = unit("RovHull", effects=effects, **parameters), {"signals": [f"hull.{s}" for s in signals]}
+    title = "Hull of an underwater vehicle"
+    return build_scene({"hull": hull}, stop_time=stop, step=step, name="rov", title=title, record=record)
 
 
 def start_up(t: np.ndarray, force: float) -> np.ndarray:
@@ -168,6 +148,5 @@ CASE = Case(
     "of a tumbling body in a perfect fluid, the growth of Munk's instability, and the same motion in still and in moving "
     "water. A check of the equations and their integration. Whether coefficients of drag are those of a vehicle is another "
     "question: published sets of one and the same vehicle differ eightfold.",
-    "rov",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -12,7 +12,8 @@ from .....components.two_axis_joint.chain import TwoLinkChain
 from .....components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -173,7 +174,7 @@ def _friction_chart(result: Result, closed: list[float]) -> Chart:
     return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)
 
 
-CASE = Case(
+CASE = function_case(
     "chain-closed-forms",
     "Chain of two links against closed forms",
     "Frequencies of small motion, eigenvalues and the exact solution of the damped chain, energy and angular momentum of a "

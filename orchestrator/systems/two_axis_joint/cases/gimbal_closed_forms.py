@@ -10,7 +10,8 @@ import numpy as np
 
 from .....components.two_axis_joint.closed_forms import governor
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....run import run
 from ....scene.scene import Scene
@@ -123,7 +124,7 @@ def _chart(measured: Mapping[str, float]) -> Chart:
     return Chart("Governor", "imposed speed, rad/s", tuple(panels), "Above 8.58 rad/s the hanging body swings out.")
 
 
-CASE = Case(
+CASE = function_case(
     "gimbal-closed-forms",
     "Body on two axes against closed forms",
     "Motion without torques (period of the inner axis, momentum and energy), the governor's critical speed, its angles and "

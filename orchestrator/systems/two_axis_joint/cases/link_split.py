@@ -10,7 +10,8 @@ import numpy as np
 
 from .....components.two_axis_joint.chain import TwoLinkChain
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....run import run
 from ....scene.scene import Scene
@@ -178,7 +179,7 @@ def _compliance_chart(differences: list[float]) -> Chart:
     return Chart("What the compliance costs", "stiffness of the joint", (panel,), text)
 
 
-CASE = Case(
+CASE = function_case(
     "link-split",
     "Two links in two units",
     "A double pendulum cut at its second joint, the links in units of their own with a stiff spring and damper between them: the "

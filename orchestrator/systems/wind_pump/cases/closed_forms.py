@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -161,7 +162,7 @@ def _chart(runs: dict[str, Result]) -> Chart:
     return Chart("Power coefficients", "tip speed ratio, 1", (Panel("power coefficient, 1", (betz, *series)),), text)
 
 
-CASE = Case(
+CASE = function_case(
     "wind-pump-closed-forms",
     "Closed forms of a wind pump's parts",
     "Largest power coefficients of the turbine's curves and where they lie, Betz's limit, torque at standstill; mean and peak "

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -88,7 +89,7 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Operating points", "wind, m/s", tuple(panels), "The ratio follows the wind without any control.", columns=2)
 
 
-CASE = Case(
+CASE = function_case(
     "wind-pump-equilibrium",
     "Operating points of a wind pump whose ratio adjusts itself",
     "A farm windmill and the cycle-averaged inertial converter under the mean torque of a piston pump, coupled units that start "

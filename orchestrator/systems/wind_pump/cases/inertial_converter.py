@@ -9,7 +9,8 @@ import numpy as np
 
 from ....harness.analysis.operating_point import SceneRates, operating_line, operating_point
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -220,7 +221,7 @@ def _points(measured: Mapping[str, float]) -> Chart:
     )
 
 
-CASE = Case(
+CASE = function_case(
     "inertial-converter",
     "The inertial converter in full and in the mean",
     "Crank, floating lever and rigid one-way clutches, integrated through up to four engagements a revolution, against the mean "

@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -99,7 +100,7 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
 
 
-CASE = Case(
+CASE = function_case(
     "wind-pump-start",
     "Start and stop wind of a piston pump, fixed ratio against inertial converter",
     "A single-acting piston takes pi times its mean torque at the peak of its stroke, so that a pump that stands needs sqrt(pi) "

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -119,7 +120,7 @@ def _chart(turning: Result, stopped: Result) -> Chart:
     return Chart("Ratio", "", tuple(panels), text, columns=2)
 
 
-CASE = Case(
+CASE = function_case(
     "four-bar",
     "Closed forms of the planar four-bar linkage",
     "Extremes of rocker and transmission angle of a crank-rocker, closure of its loop, virtual work under load and with damped "

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -129,7 +130,7 @@ def _grid(measured: dict[str, float]) -> Grid:
     return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")
 
 
-CASE = Case(
+CASE = function_case(
     "wrist-rules",
     "Row rules, roll, ligaments and energy of the wrist",
     "What the rows do in flexion, extension, radial and ulnar deviation against the rule of the abstract of Sandow (2020), their "

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.case import Findings, compare, function_case
+from ....harness.validation.questions import Options
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
@@ -105,7 +106,7 @@ def _chart(ranges: dict[str, np.ndarray]) -> Chart:
     return Chart("Envelope of the passive wrist", "", (panel,), text, columns=2, height=380)
 
 
-CASE = Case(
+CASE = function_case(
     "wrist-stiffness",
     "Passive stiffness of the wrist against cadaver data",
     "Moments of 2 N.m in 24 directions, as six cadaver wrists were tested: orientation of the envelope, direction and size of "

@@ -12,8 +12,8 @@ from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
 from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 
 RPM = 2.0 * math.pi / 60.0
 SPEED = 3000.0 * RPM

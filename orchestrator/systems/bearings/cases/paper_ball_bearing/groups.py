@@ -13,8 +13,8 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 
 BASE = {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 0.05}  # ten times the set's damping: transients die out
 SPEED, GAP = 0.05, 0.3  # Om, G

@@ -12,8 +12,8 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.recurrence import Quantification, quantify, recurrence_matrix, standardised
 from .....harness.analysis.sections import distinct
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from ..lyapunov_sum import INTERVAL, INTERVALS, SAME, SCALES, SPEED, STATES, TRANSIENT, bearing, passages
 
 GAPS = np.arange(0.0, 30.5, 1.0)  # um, radial

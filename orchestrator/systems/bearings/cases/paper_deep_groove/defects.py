@@ -8,8 +8,8 @@ import numpy as np
 
 from .....harness.analysis.spectra import envelope_spectrum, peak
 from .....harness.charts.chart import Chart, Lines, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....results import Result
 from .shaft import acceleration, bearing, motion, scene
 

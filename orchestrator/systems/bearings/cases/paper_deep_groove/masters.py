@@ -18,8 +18,8 @@ from fmpy.ssp.ssd import Parameter, ParameterSet
 from ......components.bearings.ball_bearing import BallBearing
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.other_masters import as_other_masters
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....scene.scene import Scene
 from .....scene.ssp.write import write
 from .shaft import BEARING, DAMPING, MASS, MOTION, STIFFNESS, WEIGHT, motion, scene

@@ -9,8 +9,8 @@ import numpy as np
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....results import Result
 from .shaft import BALL_PASS, BALLS, LENGTH, motion, scene
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from ...heat_path import ball_path
 from .network import ANGLES, BORES, BULK, ball_conductances, bearing, resistance
 

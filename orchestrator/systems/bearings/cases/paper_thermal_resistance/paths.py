@@ -8,8 +8,8 @@ import numpy as np
 
 from ......components.bearings.radiation import STEFAN_BOLTZMANN
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .network import ANGLES, ANNULUS, BULK, SIDE, bearing, exponent, resistance, shares
 
 HEAVY = 1000.0  # N

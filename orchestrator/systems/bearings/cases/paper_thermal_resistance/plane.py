@@ -8,8 +8,8 @@ import numpy as np
 
 from ......components.bearings.load_zone import load_integrals
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .network import ANGLES, bearing, exponent, resistance
 
 RATIOS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from .....harness.validation.papers import paper
+from .....harness.validation import Case
 from . import accuracy, contact, control, path, power_loss
 
-CASE = paper(
+CASE = Case(
     "paper-servo-drive",
     "Servo drive with friction wheels (Frączak 2013)",
     "Steps and a path in both degrees of freedom under control, against the closed form of the design model and within the "
     "limits; then what matters at the patient: resolution, repeatability, force at the tip, slip, loss of power, and the "
     "friction of the trocar. Layouts and numbers are ours, of the size that such an instrument has; nothing measured is in "
     "it.",
-    "friction_drive",
-    tuple(topic.study for topic in (control, path, accuracy, contact, power_loss)),
+    tuple(topic.QUESTION for topic in (control, path, accuracy, contact, power_loss)),
 )

@@ -8,56 +8,52 @@ import numpy as np
 
 from ......components.friction_drive.kinematics import ANGLE, LAYOUTS, sleeve_rates
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
-from .....run import run
-from .... import read_scene
-from .drive import CONSTANT, COSINE, FULL, GEAR, GEAR_LOSS, RESISTANCE, ROLLERS, SHAFT_STATIC, SLEEVE, VOLTAGE, WHEEL, controlled
+from .....harness.validation import Evidence, Question, Runs
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .drive import (
+    CONSTANT,
+    COSINE,
+    FULL,
+    GEAR,
+    GEAR_LOSS,
+    RESISTANCE,
+    ROLLERS,
+    SHAFT_STATIC,
+    SLEEVE,
+    VOLTAGE,
+    WHEEL,
+    controlled,
+    side_by_side,
+)
 
 COUNTS = 2048  # per turn of a motor: 512 lines, four counts a line
 TARGET = 0.01  # m
-APPROACHES = 50
+AWAY = np.linspace(5e-4, 0.0125, 25)
+STARTS = TARGET + np.concatenate((-AWAY, AWAY))  # m
 GAIN, RATE_GAIN = 20.0, 0.4  # 1/s, V.s/rad
 SEAL_STATIC = 2.6  # N
 STEP = 1e-6  # m, of the sleeve's own sensor
 
 
-def study(options: Options) -> Evidence:
-    """Fifty runs of a second, a run at full voltage, and the counts."""
+def scenes() -> dict[float | str, Scene]:
+    """Fifty approaches of a second by their start in m, and a drive without friction at full voltage."""
+    losses = {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0}
+    full = unit("FrictionDrive", effects=FULL, first_voltage=VOLTAGE, second_voltage=VOLTAGE, **losses)
+    approaches = {float(start): approach(float(start)) for start in STARTS}
+    return {**approaches, "full voltage": side_by_side({"drive": full}, 0.3, ["feed_rate"])}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Where the approaches end, how fast the free drive is, and what a count of the encoders is worth."""
     count = 2.0 * math.pi / (COUNTS * GEAR)
     feed, _ = sleeve_rates(count, count, LAYOUTS.index("skewed"), ANGLE, WHEEL, SLEEVE)
     _, rotation = sleeve_rates(count, -count, LAYOUTS.index("skewed"), ANGLE, WHEEL, SLEEVE)
-    full = run(
-        read_scene(
-            {
-                "title": "Full voltage",
-                "stop_time": 0.3,
-                "master": {"step": 1e-3},
-                "units": {
-                    "drive": {
-                        "component": "FrictionDrive",
-                        "effects": list(FULL),
-                        "parameters": {
-                            "trocar_friction.level": 0.0,
-                            "shaft_friction.level": 0.0,
-                            "shaft_friction.gear_loss": 0.0,
-                            "first_voltage": VOLTAGE,
-                            "second_voltage": VOLTAGE,
-                        },
-                    }
-                },
-                "record": {"signals": ["drive.feed_rate"]},
-            },
-            "friction_drive",
-        ),
-        in_process=True,
-    )
-    starts = TARGET + np.concatenate((-np.linspace(5e-4, 0.0125, APPROACHES // 2), np.linspace(5e-4, 0.0125, APPROACHES // 2)))
-    ends = np.array([approach(float(s)) for s in starts])
+    ends = np.array([runs[float(start)]["drive.feed"][-1] for start in STARTS])
     measured = {
         "resolution.feed": 1e6 * feed,
         "resolution.rotation": math.degrees(rotation),
-        "no_load": float(full["drive.feed_rate"][-1]),
+        "no_load": runs["full voltage"]["drive.feed_rate"][-1],
         "repeatability": 1e6 * float(np.ptp(ends)),
         "repeatability.worst": 1e6 * float(np.abs(ends - TARGET).max()),
         "repeatability.band": 1e6 * band(),
@@ -66,7 +62,7 @@ def study(options: Options) -> Evidence:
     panel = Panel(
         "end less set point, µm",
         (
-            Series("approaches", 1e3 * (starts - TARGET), 1e6 * (ends - TARGET), "points"),
+            Series("approaches", 1e3 * (STARTS - TARGET), 1e6 * (ends - TARGET), "points"),
             Series("band of dry friction", [-12.5, 12.5], [1e6 * band()] * 2, faint=True),
             Series("band of dry friction", [-12.5, 12.5], [-1e6 * band()] * 2, faint=True),
         ),
@@ -80,17 +76,11 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (chart,))
 
 
-def approach(start: float) -> float:
-    """Where the sleeve stands a second after it was sent from `start` to the set point, m."""
-    result = controlled(
-        1.0,
-        ROLLERS,
-        FULL,
-        {"start_feed": start},
-        {"set_feed": TARGET, "rate_integral_gain": 0.0, "quantisation.feed_step": STEP, "quantisation.wheel_step": 1.65e-4},
-        ("quantisation",),
-    )
-    return float(result["drive.feed"][-1])
+def approach(start: float) -> Scene:
+    """The second after the sleeve was sent from `start`, m, to the set point."""
+    sensors = {"quantisation.feed_step": STEP, "quantisation.wheel_step": 1.65e-4}
+    control = {"set_feed": TARGET, "rate_integral_gain": 0.0, **sensors}
+    return controlled(1.0, ROLLERS, FULL, {"start_feed": start}, control, ("quantisation",))
 
 
 def band() -> float:
@@ -103,3 +93,6 @@ def band() -> float:
     voltage = RESISTANCE * torque / (GEAR * CONSTANT)
     wheel_rate = voltage / (GEAR * CONSTANT + RATE_GAIN)
     return wheel_rate * WHEEL / COSINE / GAIN + STEP
+
+
+QUESTION = Question(measure, scenes, in_process=True)

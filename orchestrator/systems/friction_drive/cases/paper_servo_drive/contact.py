@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
-from .....run import run
-from .... import read_scene
-from .drive import COSINE, FRICTION, GRAVITY, MASS, NORMAL, SINE, WHEEL
+from .....harness.validation import Evidence, Question, Runs
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .drive import COSINE, FRICTION, GRAVITY, MASS, NORMAL, SINE, WHEEL, side_by_side
 
 RATE = 20.0  # rad/s of both wheels
 BEARS = 2.0 * FRICTION * NORMAL  # N, both contacts
@@ -27,8 +26,8 @@ TURNING = {"first_rate": RATE, "second_rate": RATE}
 TIP = BEARS * COSINE - TROCAR - MASS * GRAVITY  # N
 
 
-def study(options: Options) -> Evidence:
-    """One run of many sleeves side by side."""
+def scenes() -> dict[str, Scene]:
+    """Many sleeves side by side, each moved by two wheels."""
     level = {"trocar_friction.level": 0.0, "gravity.inclination": 0.0}
     units = {f"load_{i}": _wheels({**TURNING, **level, "external_force": -F}) for i, F in enumerate(LOADS)}
     raised = {**TURNING, "trocar_friction.level": TROCAR, "trocar_friction.static_ratio": 1.0, "gravity.inclination": UPWARDS}
@@ -37,22 +36,15 @@ def study(options: Options) -> Evidence:
         f"over_{n}": _wheels({**level, "exact_slip.static_ratio": 1.0, "external_force": s * BEARS}) for n, s in OVER.items()
     }
     units["wet"] = _wheels({**TURNING, "friction": WET, "trocar_friction.level": WORST_TROCAR, "gravity.inclination": 0.0})
-    result = run(
-        read_scene(
-            {
-                "title": "Wheels on a sleeve at the patient",
-                "stop_time": 1.0,
-                "units": units,
-                "master": {"step": 1e-3},
-                "record": {"signals": [f"{u}.{s}" for u in units for s in ("feed", "feed_rate")]},
-            },
-            "friction_drive",
-        ),
-        in_process=True,
-    )
+    return {"sleeves": side_by_side(units, 1.0, ["feed", "feed_rate"])}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Speed of every sleeve in the second half of its run, and which of them move at all."""
+    result = runs["sleeves"]
     rolled = WHEEL * RATE * COSINE  # m/s, as the wheels' encoders tell
     late = result.time >= 0.5
-    rates = {u: float(np.polyfit(result.time[late], result[f"{u}.feed"][late], 1)[0]) for u in units}
+    rates = {u: float(np.polyfit(result.time[late], result[f"{u}.feed"][late], 1)[0]) for u in result.scene.units}
     lost = np.array([1.0 - rates[f"load_{i}"] / rolled for i in range(len(LOADS))])
     moved = [s for i, s in enumerate(SHARES) if rates[f"tip_{i}"] > 1e-4 * rolled]
     measured = {f"lost.{F:g}": 100.0 * lost[i] for i, F in enumerate(LOADS)}
@@ -107,8 +99,7 @@ def per_metre(force: float) -> float:
 
 
 def _wheels(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "component": "FrictionWheels",
-        "effects": ["exact_slip", "trocar_friction", "gravity"],
-        "parameters": dict(parameters),
-    }
+    return unit("FrictionWheels", effects=["exact_slip", "trocar_friction", "gravity"], **parameters)
+
+
+QUESTION = Question(measure, scenes, in_process=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
+from .....scene.scene import Scene
 from .drive import CONSTANT, FULL, GEAR, RESISTANCE, ROLLERS, controlled, wheel_inertia
 
 SMALL = {"feed": 2e-3, "rotation": np.radians(18.0)}  # m, rad: no limit is reached
@@ -19,16 +19,20 @@ BAND = 0.05
 ALONE = {"both": ("feed", "rotation"), "feed": ("feed",), "rotation": ("rotation",)}
 
 
-def study(options: Options) -> Evidence:
-    """Small steps of the linear drive, then 10 mm and 90 degrees of the whole one; both layouts for the coupling."""
-    runs = {}
+def scenes() -> dict[tuple[str, str], Scene]:
+    """Small steps of the linear drive and of both layouts, 10 mm and 90 degrees of the whole one; both ways and each alone."""
+    without_friction = {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0}
+    steps = {}
     for name, ways in ALONE.items():
-        sets = {f"set_{way}": SMALL[way] for way in ways}
-        runs["linear", name] = controlled(STOP, ROLLERS, (), {}, LINEAR | sets)
-        runs["skewed", name] = controlled(
-            STOP, "skewed", FULL, {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0}, LINEAR | sets
-        )
-        runs["whole", name] = controlled(STOP, ROLLERS, FULL, {}, {f"set_{way}": LARGE[way] for way in ways})
+        small, large = ({f"set_{way}": sizes[way] for way in ways} for sizes in (SMALL, LARGE))
+        steps["linear", name] = controlled(STOP, ROLLERS, (), {}, LINEAR | small)
+        steps["skewed", name] = controlled(STOP, "skewed", FULL, without_friction, LINEAR | small)
+        steps["whole", name] = controlled(STOP, ROLLERS, FULL, {}, large)
+    return steps
+
+
+def measure(runs: Runs) -> Evidence:
+    """How the axes disturb one another, how near the linear drive is to the design model, how fast the whole one is."""
     measured: dict[str, float] = {}
     for way in SMALL:
         for kind in ("linear", "skewed"):
@@ -63,7 +67,7 @@ def response_time(t: np.ndarray, share: np.ndarray) -> float:
     return float(t[outside[-1] + 1]) if outside.size and outside[-1] + 1 < t.size else float("nan")
 
 
-def _linear_chart(runs: dict) -> Chart:
+def _linear_chart(runs: Runs) -> Chart:
     panels = []
     for way in SMALL:
         t = runs["linear", way].time
@@ -86,7 +90,7 @@ def _linear_chart(runs: dict) -> Chart:
     )
 
 
-def _whole_chart(runs: dict) -> Chart:
+def _whole_chart(runs: Runs) -> Chart:
     panels = tuple(
         Panel(
             label,
@@ -102,3 +106,6 @@ def _whole_chart(runs: dict) -> Chart:
         "rate and voltage. Together the two axes share the rate that the wheels may have.",
         columns=2,
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

@@ -8,9 +8,9 @@ from functools import cache
 from typing import Any
 
 from ......components.friction_drive.kinematics import ANGLE
-from .....results import Result
-from .....run import run
-from .... import read_scene
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .... import build_scene
 
 WHEEL, SLEEVE = 0.01, 0.005  # m
 GEAR, RESISTANCE, CONSTANT, VOLTAGE = 19.0, 2.3, 23.4e-3, 12.0  # 1, Ohm, N.m/A, V
@@ -20,7 +20,7 @@ COSINE, SINE = math.cos(ANGLE), math.sin(ANGLE)
 FULL = ("exact_slip", "trocar_friction", "shaft_friction")
 ROLLERS = "skewed_free_rollers"
 INPUTS = ("first_angle", "second_angle", "first_rate", "second_rate", "feed", "rotation")
-SIGNALS = (
+SIGNALS = [
     "drive.feed",
     "drive.rotation",
     "drive.first_rate",
@@ -29,7 +29,7 @@ SIGNALS = (
     "controller.second_voltage",
     "controller.wanted_feed",
     "controller.wanted_rotation",
-)
+]
 
 
 def controlled(
@@ -39,32 +39,22 @@ def controlled(
     drive: Mapping[str, Any],
     control: Mapping[str, Any],
     control_effects: Sequence[str] = (),
-) -> Result:
-    """A run of the whole drive under its controller; `drive`, `control`: parameters; record of `SIGNALS`."""
+) -> Scene:
+    """The whole drive under its controller; `drive`, `control`: parameters; record of `SIGNALS`."""
     units = {
-        "drive": {"component": "FrictionDrive", "effects": list(effects), "parameters": {"layout": layout, **drive}},
-        "controller": {
-            "component": "ServoController",
-            "effects": list(control_effects),
-            "parameters": {"layout": layout, **control},
-        },
+        "drive": unit("FrictionDrive", effects=effects, layout=layout, **drive),
+        "controller": unit("ServoController", effects=control_effects, layout=layout, **control),
     }
     links = [f"controller.{k}_voltage -> drive.{k}_voltage" for k in ("first", "second")]
     links += [f"drive.{name} -> controller.{name}" for name in INPUTS]
-    return run(
-        read_scene(
-            {
-                "title": "Drive with friction wheels under control",
-                "stop_time": stop,
-                "units": units,
-                "connections": links,
-                "master": {"step": 1e-3, "extrapolation": 0, "order": ["drive", "controller"]},
-                "record": {"signals": list(SIGNALS)},
-            },
-            "friction_drive",
-        ),
-        in_process=True,
-    )
+    master = {"extrapolation": 0, "order": ["drive", "controller"]}
+    return build_scene(units, links, stop_time=stop, step=1e-3, name="friction_drive", master=master, record={"signals": SIGNALS})
+
+
+def side_by_side(units: Mapping[str, Any], stop: float, signals: Sequence[str]) -> Scene:
+    """Units without connections; record of these signals of each."""
+    record = {"signals": [f"{name}.{signal}" for name in units for signal in signals]}
+    return build_scene(units, stop_time=stop, step=1e-3, name="friction_drive", record=record)
 
 
 @cache

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.scene import Scene
 from .... import load_scene
 from .drive import FULL, ROLLERS, VOLTAGE, controlled
 
@@ -27,11 +26,18 @@ STEP = {
 END, QUIET = 3.2, 1.0  # s: end of the slow feed's way, and what it has to come to rest
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
     """A path, a step that is far too large, and the slow feed of two drives."""
-    path = controlled(2.5, ROLLERS, FULL, {}, REFERENCE, ("reference",))
-    large = controlled(2.0, ROLLERS, FULL, {}, STEP, ("reference",))
-    slow = run(load_scene("friction-drive-slow-feed"), in_process=True)
+    return {
+        "path": controlled(2.5, ROLLERS, FULL, {}, REFERENCE, ("reference",)),
+        "large": controlled(2.0, ROLLERS, FULL, {}, STEP, ("reference",)),
+        "slow": load_scene("friction-drive-slow-feed"),
+    }
+
+
+def measure(runs: Runs) -> Evidence:
+    """Errors along the path, what is asked of motors and wheels, hunting at rest."""
+    path, large, slow = runs.values()
     measured = {
         "path.feed": 1e3 * _error(path, "feed"),
         "path.rotation": float(np.degrees(_error(path, "rotation"))),
@@ -87,3 +93,6 @@ def _hunting_chart(slow: Result) -> Chart:
         "leaves an error that stays.",
         height=200,
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
-from .....run import run
-from .... import read_scene
-from .drive import CONSTANT, COSINE, FRICTION, FULL, GEAR, NORMAL, RESISTANCE, ROLLERS, SHAFT, SHAFT_STATIC, WHEEL
+from .....harness.validation import Evidence, Question, Runs
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .drive import CONSTANT, COSINE, FRICTION, FULL, GEAR, NORMAL, RESISTANCE, ROLLERS, SHAFT, SHAFT_STATIC, WHEEL, side_by_side
 
 SEAL, SEAL_STATIC = 2.0, 2.6  # N
 GRIP = 2.0 * FRICTION * NORMAL * COSINE  # N, what wheels with free rollers bear along the axis
@@ -21,37 +20,34 @@ STANDS = 1e-3  # mm/s
 EVEN = {"shaft_friction.static_ratio": 1.0, "exact_slip.static_ratio": 1.0, "trocar_friction.static_ratio": 1.0}
 
 
-def study(options: Options) -> Evidence:
-    """Drives without voltage under loads about each limit, with friction that does not fall; then with friction that does."""
-    limits = {
+def limits() -> dict[str, tuple[float, dict[str, float]]]:
+    """What gives way first -> (load at which it does, N; parameters of such a drive)."""
+    return {
         "shafts": (backdrive(SHAFT), {"trocar_friction.level": 0.0}),
         "seal": (backdrive(SHAFT) + SEAL, {}),
         "grip": (GRIP, {"trocar_friction.level": 0.0, "shaft_friction.level": TIGHT}),
     }
+
+
+def scenes() -> dict[str, Scene]:
+    """Drives without voltage under loads about each limit, with friction that does not fall; then with friction that does."""
     units = {
         f"{name}_{way}": _drive({**EVEN, **values, "external_force": -share * limit})
-        for name, (limit, values) in limits.items()
+        for name, (limit, values) in limits().items()
         for way, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR))
     }
     units |= {f"load_{i}": _drive({"external_force": -F}) for i, F in enumerate(LOADS)}
-    result = run(
-        read_scene(
-            {
-                "title": "Drives without voltage",
-                "stop_time": STOP,
-                "master": {"step": 1e-3},
-                "units": units,
-                "record": {"signals": [f"{u}.feed" for u in units]},
-            },
-            "friction_drive",
-        ),
-        in_process=True,
-    )
+    return {"drives": side_by_side(units, STOP, ["feed"])}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Which drives still move at the end."""
+    result = runs["drives"]
     late = result.time >= STOP - LAST
-    speed = {u: 1e3 * float(np.ptp(result[f"{u}.feed"][late])) / LAST for u in units}
+    speed = {u: 1e3 * float(np.ptp(result[f"{u}.feed"][late])) / LAST for u in result.scene.units}
     held = [F for i, F in enumerate(LOADS) if speed[f"load_{i}"] < STANDS]
     limit = float(max(held, default=np.nan))
-    measured = {f"{name}.{way}": speed[f"{name}_{way}"] for name in limits for way in ("below", "above")}
+    measured = {f"{name}.{way}": speed[f"{name}_{way}"] for name in limits() for way in ("below", "above")}
     measured |= {"sudden.limit": limit, "sudden.share": limit / (backdrive(SHAFT_STATIC) + SEAL_STATIC)}
     panel = Panel(
         "speed at the end, mm/s",
@@ -90,4 +86,7 @@ def brake() -> float:
 
 
 def _drive(parameters: dict[str, float]) -> dict:
-    return {"component": "FrictionDrive", "effects": list(FULL), "parameters": {"layout": ROLLERS, **parameters}}
+    return unit("FrictionDrive", effects=FULL, layout=ROLLERS, **parameters)
+
+
+QUESTION = Question(measure, scenes, in_process=True)

@@ -10,8 +10,8 @@ import numpy as np
 from ......components.core.errors import StepFailed
 from ......components.pipe_robot.rolling import RING
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....run import run
 from .... import read_scene
 from ...robots import TURN, last_speed, side_by_side

@@ -8,8 +8,8 @@ import numpy as np
 
 from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....results import Result
 from .....run import run
 from ...robots import TURN, last_speed, side_by_side

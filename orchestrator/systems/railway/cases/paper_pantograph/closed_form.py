@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .lumped import SWING, last_force, lumped_run, relative_deviation
 
 SPEEDS = (160.0, 200.0, 250.0, 300.0, 350.0)  # km/h

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .....harness.charts.chart import Grid
-from .....harness.validation.case import Options, compare
+from .....harness.validation.case import compare
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....harness.validation.reference import load_table
 from .lumped import MASSLESS, lumped_run
 from .table import SPEEDS, cells

@@ -6,8 +6,8 @@ import numpy as np
 
 from ......components.railway.statics import elasticity, stiffness_series
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from ..catenary_statics import RIGID, resting_catenary
 from .lumped import SPAN, STIFFNESS, SWING
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from .....harness.analysis.signals import Filter, uniform, window
 from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
-from .....harness.validation.case import Options, compare
+from .....harness.validation.case import compare
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....harness.validation.reference import load_table
 from .....results import Result
 from ...records import analysis_window, passages

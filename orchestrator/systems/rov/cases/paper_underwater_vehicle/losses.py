@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
 from .....scene.scene import Scene
 from ...records import vehicles
 from .layouts import MATRICES
@@ -19,12 +17,17 @@ AFTER = 40.0  # s, from which on errors are counted
 KEPT = 0.25  # m, rms error up to which the place counts as kept; ours, ten times that of the whole vehicle
 
 
-def study(options: Options) -> Evidence:
-    """Fourteen runs with a loss, and two without."""
+def scenes() -> dict[tuple[str, int], Scene]:
+    """Fourteen runs with a loss, and two without, 0."""
+    return {(layout, k): failing(layout, k) for layout, matrix in MATRICES.items() for k in range(matrix.shape[1] + 1)}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Errors, power and share of the wrench after each loss beside those without one."""
     measured: dict[str, float] = {}
     rows, tracks = [], []
-    for layout, matrix in MATRICES.items():
-        results = {k: run(failing(layout, k), in_process=True) for k in range(matrix.shape[1] + 1)}
+    for layout in MATRICES:
+        results = {k: result for (of, k), result in runs.items() if of == layout}
         numbers = {k: figures(result, AFTER) for k, result in results.items()}
         lost = [n for k, n in numbers.items() if k]
         measured |= {
@@ -83,3 +86,6 @@ def _panel(layout: str, results: dict[int, Result]) -> Panel:
         distance = np.sqrt(sum(vehicle.errors[n] ** 2 for n in ("error_north", "error_east", "error_down")))
         series.append(Series(f"without {k}" if k else "all", result.time[::10], np.maximum(distance[::10], 1e-4), faint=not k))
     return Panel("distance, m", tuple(series), title=f"{layout} thrusters", logarithmic=True)
+
+
+QUESTION = Question(measure, scenes, in_process=True)

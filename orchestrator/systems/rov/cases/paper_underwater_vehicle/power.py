@@ -6,8 +6,7 @@ import numpy as np
 
 from ......components.rov.allocation import allocate, allocation_of
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .layouts import AHEAD, ASTERN, MATRICES, ideal_power
 from .wrench_sets import circle, largest
 
@@ -15,7 +14,7 @@ FORCE = 30.0  # N, that both layouts give in every heading
 ASKED = 1e3  # N, beyond every limit
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Nothing is simulated: thrusts of the controller's table for a force in every heading, and for lift."""
     heave = {name: ideal_power(thrusts(matrix, np.eye(6)[2])) for name, matrix in MATRICES.items()}
     level = {name: flat(matrix) for name, matrix in MATRICES.items()}
@@ -81,3 +80,6 @@ def given(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
     for wrench, result in zip(wrenches, results, strict=True):
         allocate(wrench, per_wrench, matrix, AHEAD, ASTERN, thrust, result)
     return np.linalg.norm(results, axis=1)
+
+
+QUESTION = Question(measure)

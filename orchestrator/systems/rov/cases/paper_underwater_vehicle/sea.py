@@ -9,12 +9,11 @@ import numpy as np
 from ......components.rov.hull import WATER, RovHull
 from ......components.rov.waves import wave_number
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import read_scene
+from .... import build_scene
 
 HEIGHT, PERIOD, DEPTH, BOTTOM = 1.0, 6.0, 5.0, 500.0  # m, s
 SMALL = 0.01  # m, height of the wave that a free vehicle meets: its own motion does not change the wave it sees
@@ -24,10 +23,14 @@ FREQUENCY = 2.0 * math.pi / PERIOD
 SETS = {"wu": "Wu 2018, BlueROV2 Heavy", "benzon": "von Benzon 2022, BlueROV2 Heavy"}
 
 
-def study(options: Options) -> Evidence:
-    """A sea of half an hour, forces on a hull that is held, and the motion of one that is free."""
-    sea = run(_sea_scene(), in_process=True)
-    free = run(free_scene(), in_process=True)
+def scenes() -> dict[str, Scene]:
+    """A sea of half an hour, and a hull that is free in a regular wave."""
+    return {"sea": _sea_scene(), "free": free_scene()}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Height and speed of the sea, forces on a hull that is held, and the motion of the one that is free."""
+    sea, free = runs["sea"], runs["free"]
     elevation, speed = sea["water.waves.elevation"], sea["water.velocity_north"]
     k = wave_number(FREQUENCY, BOTTOM, 0.0)
     orbit = 0.5 * SMALL * math.exp(-k * DEPTH)
@@ -54,54 +57,27 @@ def study(options: Options) -> Evidence:
 
 
 def _sea_scene() -> Scene:
-    return read_scene(
-        {
-            "title": "A sea at the depth of a vehicle",
-            "stop_time": SEA_TIME,
-            "master": {"step": 0.2},
-            "units": {
-                "water": {
-                    "component": "WaterCurrent",
-                    "effects": ["waves", "spectrum"],
-                    "parameters": {
-                        "speed": 0.0,
-                        "waves": {"height": SEA[0], "period": SEA[1], "depth": SEA_DEPTH, "water_depth": BOTTOM},
-                    },
-                }
-            },
-            "record": {"signals": ["water.waves.elevation", "water.velocity_north", "water.velocity_down"]},
-        },
-        "rov",
-    )
+    waves = {"height": SEA[0], "period": SEA[1], "depth": SEA_DEPTH, "water_depth": BOTTOM}
+    water = unit("WaterCurrent", effects=["waves", "spectrum"], speed=0.0, waves=waves)
+    record = {"signals": ["water.waves.elevation", "water.velocity_north", "water.velocity_down"]}
+    return build_scene({"water": water}, stop_time=SEA_TIME, step=0.2, name="rov", record=record)
 
 
 def free_scene() -> Scene:
     """A neutral vehicle without thrust in a regular wave; its drag is linear, so that its response has a closed form."""
-    return read_scene(
+    parameters = {"start_depth": DEPTH, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": NEUTRAL}
+    wave = {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}
+    return build_scene(
         {
-            "title": "A neutral vehicle that drifts in a wave",
-            "stop_time": 90.0,
-            "master": {"step": 0.01, "algorithm": "gauss-seidel"},
-            "connections": [
-                "water.* -> hull.current.*",
-                "hull.position_north -> water.waves.position_north",
-                "hull.depth -> water.waves.depth",
-            ],
-            "units": {
-                "hull": {
-                    "component": "RovHull",
-                    "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
-                    "parameters": {"start_depth": DEPTH, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": NEUTRAL},
-                },
-                "water": {
-                    "component": "WaterCurrent",
-                    "effects": ["waves"],
-                    "parameters": {"speed": 0.0, "waves": {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}},
-                },
-            },
-            "record": {"signals": ["hull.position_north", "hull.depth", "hull.surge", "water.velocity_north"]},
+            "hull": unit("RovHull", effects=["added_mass", "linear_drag", "current", "pressure_gradient"], **parameters),
+            "water": unit("WaterCurrent", effects=["waves"], speed=0.0, waves=wave),
         },
-        "rov",
+        ["water.* -> hull.current.*", "hull.position_north -> water.waves.position_north", "hull.depth -> water.waves.depth"],
+        stop_time=90.0,
+        step=0.01,
+        name="rov",
+        master={"algorithm": "gauss-seidel"},
+        record={"signals": ["hull.position_north", "hull.depth", "hull.surge", "water.velocity_north"]},
     )
 
 
@@ -160,3 +136,6 @@ def _free_chart(free: Result) -> Chart:
         "Inertia, added mass and the pressure gradient together let a neutral vehicle move as the water does.",
         height=200,
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

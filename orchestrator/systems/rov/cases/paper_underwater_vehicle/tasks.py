@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
 from .....scene.scene import Scene
 from .... import load_scene
 from ...records import vehicles
@@ -45,9 +43,13 @@ TASKS: dict[str, dict[str, Any]] = {
 POSITION, ATTITUDE = ("error_north", "error_east", "error_down"), ("error_roll", "error_pitch", "error_yaw")
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[tuple[str, str], Scene]:
     """Four tasks with both layouts."""
-    runs = {(task, layout): run(scene(task, layout), in_process=True) for task in TASKS for layout in SCENES}
+    return {(task, layout): scene(task, layout) for task in TASKS for layout in SCENES}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Mean power, errors and the least share of the wrench: eight thrusters over six."""
     measured: dict[str, float] = {}
     rows = []
     for task in TASKS:
@@ -99,7 +101,7 @@ def figures(result: Result, start: float = TRANSIENT) -> dict[str, float]:
     }
 
 
-def _power_chart(runs: dict[tuple[str, str], Result]) -> Chart:
+def _power_chart(runs: Runs) -> Chart:
     panels = []
     for task in ("current", "waves", "transect"):
         series = []
@@ -115,3 +117,6 @@ def _power_chart(runs: dict[tuple[str, str], Result]) -> Chart:
         "Work of the jets alone; motors and propellers take a multiple of it, the same for both.",
         height=170,
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

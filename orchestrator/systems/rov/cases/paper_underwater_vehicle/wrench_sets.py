@@ -7,8 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation.case import Options
-from .....harness.validation.papers import Evidence
+from .....harness.validation import Evidence, Question, Runs
 from .layouts import AHEAD, ASTERN, AXES, MATRICES
 
 RESIDUAL = 0.01  # N or N.m per N or N.m asked for: what may be left over of a wrench that five thrusters give
@@ -16,7 +15,7 @@ PLANES = ((0, 1, "N"), (0, 2, "N"), (3, 4, "N.m"), (0, 5, "N, N.m"))
 SMALLEST = 1e-9
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Nothing is simulated: ranks, volumes and largest wrenches, of both layouts and after each loss."""
     measured: dict[str, float] = {}
     none = np.zeros_like(sphere())
@@ -159,3 +158,6 @@ def _axes_grid() -> Grid:
         "Of five thrusters 1 % of another component may be left "
         "over: the horizontal ones lie 3.9 mm off the plane of the others.",
     )
+
+
+QUESTION = Question(measure)

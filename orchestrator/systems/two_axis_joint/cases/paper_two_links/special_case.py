@@ -9,8 +9,8 @@ import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....results import Result
 from .....run import run
 from .....scene.scene import Scene

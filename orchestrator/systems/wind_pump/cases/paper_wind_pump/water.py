@@ -17,8 +17,8 @@ from scipy.special import gamma
 
 from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....run import run
 from .... import read_scene
 from ..start import FREE, scene, turning_point

@@ -11,8 +11,8 @@ from ......components.wrist.kinematics import inverse
 from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachments, lengths
 from ......components.wrist.ligaments import LigamentBundle
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....run import run
 from .... import load_scene
 from .postures import CALM, DEGREES, DEVIATIONS, FLEXIONS, STANDARD, axes, held_scene, wrist

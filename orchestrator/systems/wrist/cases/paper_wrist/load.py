@@ -10,8 +10,8 @@ import numpy as np
 from ......components.wrist.kinematics import small_angle_matrix
 from ......components.wrist.ligament_springs import COUNT
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....run import run
 from .... import read_scene
 from .postures import NAME, STANDARD, axes

@@ -10,8 +10,8 @@ import numpy as np
 
 from ......components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, inverse, jacobian, pose, row_rotation
 from .....harness.charts.chart import Chart, Grid, Panel, Picture, Series
-from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
+from .....harness.validation.questions import Options
 from .....run import run
 from .....scene.scene import Scene
 from .... import read_scene

@@ -1,0 +1,94 @@
+"""Questions of a validation case: scenes to run, and what is measured in their results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+from ...run import run
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...scene.scene import Scene
+    from ..charts.chart import Chart, Grid
+    from .reference import Row
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a case runs its scenes."""
+
+    in_process: bool = False
+    progress: bool = False
+
+
+class RunFailed(Exception):
+    """A run of a case did not reach its end."""
+
+    def __init__(self, label: str, result: Result):
+        self.label, self.result = label, result
+        super().__init__(result.message)
+
+
+def done(result: Result, label: str = "") -> Result:
+    """A result that reached its end; raises `RunFailed` for any other. A signal that stopped the run takes its usual effect."""
+    if result.unless_stopped().outcome != "done":
+        raise RunFailed(label or result.scene.name, result)
+    return result
+
+
+class Runs(dict[Any, "Result"]):
+    """Results of a question's scenes by their labels; `run` gives that of a further scene, such as one that depends on them."""
+
+    def __init__(self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[Any] = ()):
+        self.options = options
+        super().__init__()
+        for label, scene in scenes.items():
+            text = ", ".join(map(str, label)) if isinstance(label, tuple) else str(label)
+            self[label] = self.run(scene, may_fail=label in may_fail, label=text)
+
+    def run(self, scene: Scene, *, may_fail: bool = False, label: str = "") -> Result:
+        """The result of a scene; raises `RunFailed` where it does not reach its end and is not expected to fail."""
+        result = run(scene, in_process=self.options.in_process, progress=self.options.progress)
+        return result.unless_stopped() if may_fail else done(result, label)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a question measured, with figures, runs worth showing, and sentences.
+
+    measured: number by the `measure` of the table's rows; of a table with several conditions, such numbers by condition.
+    rows: rows of references that the case computes itself.  shown: label -> result.
+    claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
+    settings: condition -> how its numbers were computed (window, filter).
+    """
+
+    measured: Mapping[str, float | Mapping[str, float]] = field(default_factory=dict)
+    charts: tuple[Chart | Grid, ...] = ()
+    shown: Mapping[str, Result] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    claim: str = ""
+    rows: tuple[Row, ...] = ()
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Question:
+    """One question of a case: `measure(runs)` gives the evidence from the results of the scenes, which the harness runs.
+
+    scenes: function that gives the scenes by label; without it nothing is run before.  may_fail: labels of runs that may end
+    before their end; any other run that does fails the case.
+    in_process: runs are in process whatever is asked for: there are many short ones.
+    """
+
+    measure: Callable[[Runs], Evidence]
+    scenes: Callable[[], Mapping[Any, Scene]] = dict
+    may_fail: Collection[Any] = ()
+    in_process: bool = False
+
+    def ask(self, options: Options) -> Evidence:
+        """Run the scenes and measure. Raises `RunFailed`; `StepFailed` of a component that is stepped alone."""
+        if self.in_process:
+            options = replace(options, in_process=True)
+        return self.measure(Runs(options, self.scenes(), self.may_fail))
