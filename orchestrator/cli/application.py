@@ -2,23 +2,7 @@
 
 from __future__ import annotations
 
-from . import (  # noqa: F401 - each adds its commands
-    accuracy,
-    answers,
-    cache,
-    catalogue,
-    dataset,
-    effects,
-    many,
-    new,
-    packing,
-    railway,
-    run,
-    schema,
-    show,
-    stability,
-    validate,
-)
+from . import catalogue, fmus, many, new, railway, run, show, studies, validate  # noqa: F401 - each adds its commands
 from .common import app
 
 __all__ = ["app"]

@@ -1,28 +1,34 @@
-"""What there is: lists; FMUs built and checked."""
+"""What there is: components, FMUs, scenes, cases, keys of scene files; and what is kept in the user's cache."""
 
 from __future__ import annotations
 
 import json
 import textwrap
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, AsJson, Presets, app, output_width, print_table
-from .completion import components as component_names
-from .completion import kinds_and_systems
+from ...components.core.store import replaced
+from .common import app, output_width, print_table, print_written
+from .completion import kinds_and_systems, scene_files
+from .options import AsJson, refuse
+from .schema import place_of
+
+ACTIONS = ("show", "clear", "prune")
+DAYS = 30.0
 
 
 @app.command("list")
 def list_(
     what: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="[KIND|SYSTEM|WORD]",
             autocompletion=kinds_and_systems,
-            help=("components, fmus, scenes or cases; a system; or a word of names and titles. Without it names only."),
+            help="components, fmus, scenes or cases; a system; or a word of names and titles. Without it names only.",
         ),
     ] = "",
     as_json: AsJson = False,
@@ -119,87 +125,59 @@ def _cases() -> list[dict[str, Any]]:
 
 
 @app.command()
-def build(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(autocompletion=component_names, help="components, or module:Class; without it the catalogue"),
-    ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
-    native: Annotated[bool, typer.Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
-    target: Annotated[
-        str, typer.Option(help=("With --native: linux64, win64, linux-arm64, separated by commas; default: this machine."))
-    ] = "",
-    fmi: Annotated[str, typer.Option(help="With --native: 2, 3 or both; default: 2.")] = "",
-    effects: Annotated[str, typer.Option(help="With --native: effects that are on, separated by commas.")] = "",
-    values: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="PARAMETER=VALUE",
-            help=("With --native: a parameter, or the start value of an input; may be repeated."),
-        ),
-    ] = None,
-    presets: Presets = None,
-    scene: Annotated[str, typer.Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
-    derivatives: Annotated[
-        bool,
-        typer.Option(
-            "--derivatives", help=("List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate.")
-        ),
-    ] = False,
+def cache(
+    action: Annotated[str, Argument(help="show, clear or prune")] = "show",
+    kinds: Annotated[list[str] | None, Argument(help="with clear: kinds that `cosimo cache` names; default: all")] = None,
+    days: Annotated[float | None, Option(help=f"With prune: unused for so long; default {DAYS:g}.")] = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
-    from ...components.catalogue import CATALOGUE
-    from ...fmus.build import build as build_fmu
+    """What is kept from run to run: FMUs, machine code, measurements. Example: cosimo cache prune --days 7
 
-    given = [
-        option
-        for option, value in (
-            ("--target", target),
-            ("--fmi", fmi),
-            ("--effects", effects),
-            ("--set", values),
-            ("--preset", presets),
-            ("--scene", scene),
-        )
-        if value
-    ]
-    if native:
-        from .native import build_native_fmus
+    All of it is made again when it is needed. The environment variable COSIMO_CACHE moves it.
+    """
+    from .. import cache as kept
 
-        build_native_fmus(names or [], output, target, fmi, effects, values or [], presets, scene, derivatives)
+    if action not in ACTIONS:
+        raise BadInput("cache", repr(action), "one of " + ", ".join(ACTIONS), nearest(action, ACTIONS))
+    without_effect = {"kinds": kinds if action != "clear" else None, "--days": days if action != "prune" else None}
+    refuse(without_effect, f"none with {action}; it would have no effect", "Leave it out.")
+    if action != "show":
+        if days is not None and not days >= 0.0:
+            raise BadInput("--days", f"{days:g}", "a number of at least 0")
+        gone = kept.clear(kinds or ()) if action == "clear" else kept.prune(DAYS if days is None else days)
+        print(json.dumps({"removed": gone}) if as_json else f"removed {gone / 1e6:.3g} MB from {kept.root()}")
         return
-    if given:
-        raise BadInput(
-            "build",
-            f"{given[0]} without --native",
-            "no such option: other FMUs are configured by their host",
-            "Add --native, or leave it out.",
-        )
-    for name in names or CATALOGUE:
-        print(build_fmu(name, output, derivatives=derivatives))
+    entries = kept.entries()
+    if as_json:
+        print(json.dumps({"cache": str(kept.root()), "entries": [asdict(entry) for entry in entries]}))
+        return
+    print_table(str(kept.root()), ("kind", "what", "files", "MB"), [(e.kind, e.meaning, e.files, e.size / 1e6) for e in entries])
 
 
 @app.command()
-def check(
-    fmu: Annotated[str, typer.Argument(help="an FMU file; or a component or module:Class, whose FMU is built")],
-    as_json: AsJson = False,
+def schema(
+    files: Annotated[
+        list[Path] | None,
+        Argument(
+            metavar="SCENE.toml...",
+            autocompletion=scene_files,
+            help="Scene files that are to be completed: the schema goes where their first line names it; without such a line beside "
+            "them, and the line is added.",
+        ),
+    ] = None,
+    output: Annotated[Path | None, Option("-o", "--output", help="File to write instead of printing it.")] = None,
 ) -> None:
-    """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
-    from ...components.catalogue import CATALOGUE
-    from ...fmus.build import built
-    from ...fmus.check import check as check_fmu
+    """The JSON schema of scene files, with which editors complete and check them. Example: cosimo schema my-scene.toml
 
-    path = Path(fmu)
-    if not path.is_file():
-        if fmu not in CATALOGUE and (":" not in fmu or path.suffix):
-            raise BadInput("check", repr(fmu), "an FMU file, a component or module:Class", nearest(fmu, CATALOGUE))
-        path = built(fmu)
-    findings = check_fmu(path)
-    if as_json:
-        records = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
-        print(json.dumps({"fmu": fmu, "findings": records}, indent=2))
-    else:
-        print_table(fmu, ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
-    if not all(f.ok for f in findings):
-        raise SystemExit(FAILED_CHECK)
+    It is that of this version, with all components and their parameters: write it anew after an update.
+    """
+    from ..systems.scene_schema import scene_schema
+
+    places = dict.fromkeys([*map(place_of, files or ()), *([output] if output else [])])
+    text = json.dumps(scene_schema(), indent=1)
+    if not places:
+        print(text)
+    for place in places:
+        with replaced(place) as file:
+            file.write(text + "\n")
+        print_written([place])

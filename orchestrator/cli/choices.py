@@ -1,84 +1,67 @@
-"""Settings and effects that a run takes from what studies have measured. Nothing is printed here: the command does that."""
+"""Settings and effects that a run takes from what studies have measured, and the check of such a run by a finer one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+import sys
+from collections.abc import Callable
+from dataclasses import replace
 
-from ...components.core.errors import BadInput
-from .common import listed, share
+from ..harness.studies import chosen, fronts
+from ..harness.studies.accuracy import accuracy
+from ..harness.studies.quantities import percent
+from ..results import Result
+from ..scene.scene import Scene
+from .common import print_table, status_spinner
 
-if TYPE_CHECKING:
-    from ..harness.studies.chosen import Choice
-    from ..scene.scene import Scene
-
-AUTO = "auto"
-TOLERANCE = "1%"
-
-
-class ChosenSetting(NamedTuple):
-    """A scene at a setting from its front. reasons: what run.json holds of the choice."""
-
-    scene: Scene
-    reasons: dict[str, Any]
-    messages: tuple[str, ...]
+AddReasons = Callable[[Result], Result]
 
 
-class ChosenEffects(NamedTuple):
-    """A scene with exactly the effects that it calls for, and why."""
-
-    scene: Scene
-    choice: Choice
-    messages: tuple[str, ...]
-
-
-def setting_within(
-    scene: Scene, tolerance: float, on_message: Callable[[str], None], announce: Callable[[str], None]
-) -> ChosenSetting:
-    """The scene at the quickest setting known to keep the tolerance; measured first, announced, where nothing valid is known."""
-    from ..harness.studies.accuracy import accuracy as measure
-    from ..harness.studies.fronts import choose, keep, known, why
-    from ..harness.studies.quantities import percent
-
-    front = known(scene)
-    if front is None or front.stale:
-        reason = front.stale if front else f"nothing is known of the accuracy of {scene.name} with these settings"
-        announce(f"{reason}: measuring first")
-        keep(scene, measure(scene, on_message=on_message))
-        front = known(scene)
-        assert front is not None
-    point = choose(scene, front.measured, tolerance)
-    reasons = why(point, front, tolerance)
-    messages = (
+def with_setting_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReasons]:
+    """The scene at the quickest setting known to keep the tolerance; measured first where nothing valid is known."""
+    with status_spinner() as on_message:
+        front = fronts.known(scene)
+        if front is None or front.stale:
+            reason = front.stale if front else f"nothing is known of the accuracy of {scene.name} with these settings"
+            print(f"{reason}: measuring first", file=sys.stderr)
+            fronts.keep(scene, accuracy(scene, on_message=on_message))
+            front = fronts.known(scene)
+            assert front is not None
+        point = fronts.choose(scene, front.measured, tolerance)
+    reasons = fronts.why(point, front, tolerance)
+    print(
         f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)} "
-        f"(rms where the signals move; {percent(point.largest)} at its largest); "
-        f"{reasons['reason']}",
-        f"  from: {front.origin}",
+        f"(rms where the signals move; {percent(point.largest)} at its largest); {reasons['reason']}"
     )
-    return ChosenSetting(scene.with_changes(point.changes) if point.changes else scene, reasons, messages)
+    print(f"  from: {front.origin}")
+    return (
+        scene.with_changes(point.changes) if point.changes else scene,
+        lambda result: replace(result, info={**result.info, "accuracy": reasons}),
+    )
 
 
-def effects_within(scene: Scene, tolerance: float, on_message: Callable[[str], None]) -> ChosenEffects:
+def with_effects_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReasons]:
     """The scene with exactly the effects that it calls for; measured first where nothing is kept."""
-    from ..harness.studies.chosen import choose
-    from ..harness.studies.quantities import percent
-
-    choice = choose(scene, tolerance, on_message)
+    with status_spinner() as on_message:
+        choice = chosen.choose(scene, tolerance, on_message)
     names = [f"{unit}.{e}" for unit, on in choice.on.items() for e in on]
-    messages = (
-        f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}",
-        f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}",
+    print(f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}")
+    print(f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}", file=sys.stderr)
+    return choice.applied(scene), lambda result: replace(result, info=choice.with_reasons(result.info, tolerance))
+
+
+def is_verified(scene: Scene, tolerance: float) -> bool:
+    """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
+    differences = fronts.verify(scene)
+    print_table(
+        "against half the macro step and half the internal steps",
+        ("quantity", "difference"),
+        [(name, percent(value)) for name, value in differences.items()],
     )
-    return ChosenEffects(choice.applied(scene), choice, messages)
-
-
-def tolerance_of_effects(effects: Sequence[str] | None, tolerance: str | None) -> float | None:
-    """The share within which effects are to be chosen; None where they are not. Raises `BadInput` for half of it."""
-    auto = AUTO in (listed("--effects", effects) if effects else ())
-    if not auto:
-        if tolerance is not None:
-            raise BadInput("--tolerance", repr(tolerance), "none without --effects auto; it would have no effect", "Remove it.")
-        return None
-    if list(effects or ()) != [AUTO]:
-        raise BadInput("--effects", repr(",".join(effects or ())), "auto alone", "What else there is, it finds.")
-    return share("--tolerance", tolerance or TOLERANCE)
+    worst = max(differences.values())
+    within = worst <= tolerance
+    print(
+        f"verified: {percent(worst)} is within {percent(tolerance)}"
+        if within
+        else f"NOT verified: {percent(worst)} is more than {percent(tolerance)}"
+    )
+    return within

@@ -1,79 +1,81 @@
-"""Many runs of one scene: sweeps by plans, and what follows from them."""
+"""Many runs of one scene: sweeps, and sensitivity, uncertainty, fits and designs that follow from them; data sets."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
-from ...components.core.errors import BadInput
-from .common import FAILED_RUN, STOPPED, Changes, NoVerify, Presets, app, range_of, scene_of, warn
-from .completion import scenes
+from .common import (
+    FAILED_CHECK,
+    FAILED_RUN,
+    STOPPED,
+    app,
+    fail,
+    group,
+    print_table,
+    print_written,
+    scene_of,
+    status_spinner,
+    warn,
+)
+from .options import (
+    Changes,
+    Conditions,
+    Jobs,
+    Limits,
+    NoVerify,
+    OptionalPlanFile,
+    Output,
+    Over,
+    PlanFile,
+    Presets,
+    Quantities,
+    SceneName,
+    Scheduler,
+    ranges_of,
+    refuse,
+)
 
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
 
-Plan_ = Annotated[
-    Path | None, typer.Option("--plan", help=("TOML file: what varies, how points are chosen, what is kept of each run."))
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option("--jobs", help=("Processes; default: one for each core, where the points need longer than those to start.")),
-]
-Scheduler = Annotated[str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
-Limits = Annotated[
-    str,
-    typer.Option(
-        "--limits",
-        metavar="TABLE",
-        help=("A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows."),
-    ),
-]
-Conditions = Annotated[list[str] | None, typer.Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
-SceneName = Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
+dataset = group("dataset", "Data sets of simulated records.")
 
 
 @app.command()
 def sweep(
     scene: SceneName,
-    plan: Plan_ = None,
-    over: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--over",
-            metavar="UNIT.PARAMETER=FROM:TO:POINTS",
-            help=("Values of a parameter, instead of the scene's [sweep]; several make a grid."),
-        ),
-    ] = None,
-    output: Annotated[
-        Path,
-        typer.Option(
-            "-o",
-            "--output",
-            help=("Directory for sweep.csv, the data set and the report; points that are there are not run again."),
-        ),
-    ] = Path("sweep"),
+    plan: OptionalPlanFile = None,
+    over: Over = None,
+    output: Output = Path("sweep"),
     values: Changes = None,
     presets: Presets = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
-    add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
-    retry: Annotated[bool, typer.Option("--retry", help="Run points that have failed again.")] = False,
+    add: Annotated[int, Option(help="Further points of a plan by Sobol's sequence or at random.")] = 0,
+    retry: Annotated[bool, Option("--retry", help="Run points that have failed again.")] = False,
     limits: Limits = "",
     condition: Conditions = None,
     no_verify: NoVerify = False,
 ) -> None:
-    """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
+    """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out
+
+    Points that the directory has already are not run again.
+    """
     from ..harness import report
-    from ..harness.sweep import NOT_RUN
     from ..output import locked
     from ..systems import many
 
-    if plan is not None and over:
-        raise BadInput("sweep", "--plan and --over", "one of them")
-    loaded = scene_of(scene, values, presets, {"sweep": dict(map(range_of, over))} if over else {})
+    if plan is not None:
+        refuse({"--over": over}, "none with --plan", "Give one of them.")
+    loaded = scene_of(scene, values, presets, {"sweep": ranges_of(over) or None})
     with locked(output):  # now, not after a long sweep
         results = many.sweep(
             loaded,
@@ -90,17 +92,255 @@ def sweep(
         )
         written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
     warn(results.remarks)
-    failed = [o for o in results.outcomes if o not in ("done", NOT_RUN)]
-    left = results.outcomes.count(NOT_RUN)
+    failed = _failed(results)
     earlier = len(results.outcomes) - results.computed
     kept = f", {earlier} of an earlier call" if earlier else ""
-    print(f"{len(results.outcomes)} points{kept}, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    print_written(written, f"{len(results.outcomes)} points{kept}, {len(failed)} failed; ")
     print(verified(results))
     for reason in list(dict.fromkeys(failed))[:20]:
         print(f"cosimo: {reason}", file=sys.stderr)
-    stopped_early(results, left)
+    stopped_early(results)
     if failed:
         raise SystemExit(FAILED_RUN)
+
+
+@app.command()
+def sensitivity(
+    scene: SceneName,
+    plan: PlanFile,
+    quantity: Quantities = None,
+    method: Annotated[str, Option(help="sobol: shares of the variance; morris: cheap, which matter at all.")] = "sobol",
+    samples: Annotated[int, Option(help="Blocks of as many runs as parameters, and 2 (sobol) or 1 more.")] = 128,
+    output: Output = Path("sensitivity"),
+    values: Changes = None,
+    presets: Presets = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
+) -> None:
+    """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values, presets)
+    with locked(output):
+        answer = many.sensitivity(
+            loaded,
+            plan,
+            output,
+            quantities=quantity or [],
+            method=method,
+            samples=samples,
+            jobs=jobs,
+            scheduler=scheduler,
+            progress=True,
+            verify=not no_verify,
+        )
+        stopped_early(answer.sweep)
+        written = [answer.save(output), answers.for_sensitivity(answer, output)]
+    first, total = answer.columns
+    print_table(
+        "",
+        ["quantity", "parameter", first, "±", total, "±"],
+        [(i.quantity, i.parameter, i.first, i.first_half, i.total, i.total_half) for i in answer.indices],
+    )
+    warn(answer.messages)
+    print(verified(answer.sweep))
+    print_written(written, f"{len(answer.sweep.outcomes)} runs; ")
+
+
+@app.command()
+def uncertainty(
+    scene: SceneName,
+    plan: PlanFile,
+    quantity: Quantities = None,
+    effects: Annotated[
+        bool,
+        Option("--effects", help="Which effects are needed so that the others change less than the parameters' uncertainty."),
+    ] = False,
+    share: Annotated[float, Option(help="Of the standard deviation that the others may change.")] = 1.0,
+    limits: Limits = "",
+    condition: Conditions = None,
+    output: Output = Path("uncertainty"),
+    values: Changes = None,
+    presets: Presets = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
+) -> None:
+    """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
+    from ..harness.many.uncertainty import FOR_TOLERANCE
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values, presets)
+    with locked(output):
+        answer = many.uncertainty(
+            loaded,
+            plan,
+            output,
+            quantities=quantity or [],
+            effects=effects,
+            share=share,
+            jobs=jobs,
+            scheduler=scheduler,
+            progress=True,
+            limits=limits,
+            conditions=condition or (),
+            verify=not no_verify,
+        )
+        stopped_early(answer.sweep)
+        written = [*answer.save(output), answers.for_uncertainty(answer, output)]
+    too_few = f"needs {FOR_TOLERANCE} samples"
+    errors = answer.sweep.repeated.errors if answer.sweep.repeated is not None else {}
+    rows = []
+    for s in answer.spreads:
+        ends = [too_few if isnan(end) else end for end in s.tolerance]
+        rows.append((s.quantity, s.mean, s.deviation, *ends, errors.get(s.quantity, "not known")))
+    print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high", "error of a run"], rows)
+    if answer.limits:
+        print_table("Probability of keeping the limits", answers.LIMIT_COLUMNS, answers.limit_rows(answer.limits))
+    if effects:
+        print(
+            f"effects that are needed: {', '.join(answer.needed) or 'none'}; the others change {answer.left_error:.3g} of a "
+            "standard deviation at most"
+        )
+    warn(answer.messages)
+    print(verified(answer.sweep))
+    print_written(written, f"{len(answer.sweep.outcomes)} runs; ")
+
+
+@app.command()
+def fit(
+    scene: SceneName,
+    plan: PlanFile,
+    output: Output = Path("fit"),
+    values: Changes = None,
+    presets: Presets = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
+) -> None:
+    """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values, presets)
+    with locked(output), _search() as observe:
+        answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe, verify=not no_verify)
+        written = [answer.save(output), answers.for_fit(answer, output)]
+    print_table(
+        "",
+        ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)"],
+        [(n, answer.units[n], *rest) for n, *rest in answer.fit.rows()],
+    )
+    warn(answer.fit.messages)
+    print_written(written, _runs(answer.runs, answer.computed))
+    if not answer.fit.converged:
+        raise SystemExit(FAILED_CHECK)
+
+
+@app.command()
+def design(
+    scene: SceneName,
+    plan: PlanFile,
+    limits: Limits = "",
+    condition: Conditions = None,
+    output: Output = Path("design"),
+    values: Changes = None,
+    presets: Presets = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
+) -> None:
+    """Parameters for small or large quantities within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
+    from ..harness.many.limits import recalled
+    from ..harness.many.repetition import shown
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values, presets)
+    with locked(output), _search() as observe:
+        answer = many.design(
+            loaded,
+            plan,
+            output,
+            jobs=jobs,
+            scheduler=scheduler,
+            observe=observe,
+            limits=limits,
+            conditions=condition or (),
+            verify=not no_verify,
+        )
+        written = [answer.save(output), answers.for_design(answer, loaded, output)]
+    if len(answer.quantities) > 1:
+        points = [answer.steps[k] for k in answer.front]
+        print_table("Front", [*answer.names, *answer.quantities], [(*s.parameters, *s.quantities) for s in points])
+    else:
+        print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
+    if answer.best >= 0 and len(answer.quantities) == 1:
+        active = f"; at their limits: {'; '.join(answer.active)}" if answer.active else ""
+        print(f"{answer.quantity} = {shown(answer.steps[answer.best].quantity, answer.repeated, answer.quantity)}{active}")
+    elif answer.best < 0:
+        print("no run keeps all limits")
+    warn([*answer.messages, *recalled(answer.constraints)])
+    print_written(written, _runs(len(answer.steps), answer.computed))
+    if answer.best < 0:
+        raise SystemExit(FAILED_CHECK)
+
+
+@dataset.command("bearing-faults")
+def bearing_faults(
+    output: Output = Path("bearing-faults"),
+    individuals: Annotated[int, Option(help="Bearings of each class; each is in one part only.")] = 5,
+    duration: Annotated[float, Option(help="Length of a record, s; 0.25 or more.")] = 1.0,
+    conditions: Annotated[int, Option(help="Of the four speeds and loads, how many.")] = 4,
+    rate: Annotated[float, Option(help="Samples a second.")] = 12_000.0,
+    resonance: Annotated[float, Option(help="Of the structure between bearing and sensor, Hz.")] = 3_000.0,
+    snr: Annotated[float, Option(help="Ratio of signal to noise, dB.")] = 30.0,
+    run_up: Annotated[bool, Option("--run-up", help="A run-up beside every steady record.")] = False,
+    layout: Annotated[str, Option(help="cwru or paderborn.")] = "cwru",
+    seed: Annotated[int, Option(help="Of all random numbers.")] = 1,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+) -> None:
+    """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
+    from ..output import locked
+    from ..systems.bearings.fault_check import check
+    from ..systems.bearings.fault_data import Sensor, fault_data
+
+    sensor = Sensor(rate=rate, resonance=resonance, snr=snr)
+    with locked(output):
+        records, runs = fault_data(
+            output,
+            individuals=individuals,
+            duration=duration,
+            seed=seed,
+            run_up=run_up,
+            conditions=conditions,
+            sensor=sensor,
+            layout=layout,
+            jobs=jobs,
+            scheduler=scheduler,
+            progress=True,
+        )
+    stopped_early(runs)
+    parts = {part: sum(r.part == part for r in records) for part in ("train", "validation", "test")}
+    print_written([output / "labels.csv"], f"{len(records)} records ({', '.join(f'{n} {p}' for p, n in parts.items())}); ")
+    if layout == "cwru" and find_spec("sklearn") is not None:
+        result = check(output, sensor)
+        names = list(next(iter(result.by_label.values())))
+        print_table("Medians", ["label", *names], [(label, *row.values()) for label, row in result.by_label.items()])
+        print(
+            f"a random forest labels {100.0 * result.accuracy:.0f} % of {result.records} test records right "
+            f"(by chance {100.0 * result.chance:.0f} %)"
+        )
+    if failed := _failed(runs):
+        raise fail(f"{len(failed)} runs failed: {failed[0]}")
 
 
 def verified(results: Sweep) -> str:
@@ -108,10 +348,35 @@ def verified(results: Sweep) -> str:
     return results.repeated.summary(len(results.outcomes)) if results.repeated is not None else "no point was repeated: no errors"
 
 
-def stopped_early(results: Sweep, left: int) -> None:
+def _failed(results: Sweep) -> list[str]:
+    """The reasons of the points that have failed."""
+    return [outcome for outcome in results.outcomes if outcome not in ("done", "not run")]
+
+
+def stopped_early(results: Sweep) -> None:
     """End with the signal's exit code where one has ended the sweep."""
     if results.stopped is not None:
-        print(
-            f"cosimo: stopped by {results.stopped.name}, {left} points were not run; the same command runs them", file=sys.stderr
+        left = results.outcomes.count("not run")
+        raise fail(
+            f"stopped by {results.stopped.name}, {left} points were not run; the same command runs them",
+            STOPPED + results.stopped,
         )
-        raise SystemExit(STOPPED + results.stopped)
+
+
+def _runs(asked: int, computed: int) -> str:
+    return f"{asked} runs{f', {asked - computed} of an earlier call' if asked > computed else ''}; "
+
+
+@contextmanager
+def _search() -> Iterator[Callable[[int], None]]:
+    """A function that shows on a terminal how many runs there were; a signal ends the search with its exit code."""
+    from ..harness.journal import Stopped
+
+    try:
+        with status_spinner() as show:
+            yield lambda n: show(f"{n} runs")
+    except Stopped as stopped:
+        raise fail(
+            f"stopped by {stopped.signal.name}; {stopped.kept} runs are kept, and the same command goes on with them",
+            STOPPED + stopped.signal,
+        ) from None

@@ -8,13 +8,12 @@ from pathlib import Path
 from string import Template
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
 from ...components.core.errors import BadInput
-from .common import app
+from .common import group, print_written
 
-new = typer.Typer(no_args_is_help=True, help="Files to start from.")
-app.add_typer(new, name="new")
+new = group("new", "Files to start from.")
 
 COMPONENT = '''"""$title: a mass on a spring and a damper, to start from.
 
@@ -216,8 +215,8 @@ The folder of `$module.py` must be on `PYTHONPATH`:
 
 @new.command()
 def component(
-    name: Annotated[str, typer.Argument(help="the class, such as MassOnSpring")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the files; default: here.")] = Path(),
+    name: Annotated[str, Argument(help="the class, such as MassOnSpring")],
+    output: Annotated[Path, Option("-o", "--output", help="Directory for the files; default: here.")] = Path(),
 ) -> None:
     """Write a component with its test, a scene and a page. Example: cosimo new component MassOnSpring -o mine"""
     from ...components.catalogue import CATALOGUE
@@ -249,5 +248,5 @@ def component(
     for file, text in files.items():
         filled = Template(text).substitute(name=name, module=module, unit=module, title=title)
         (directory / file).write_text(filled, encoding="utf-8")
-        print(f"wrote {directory / file}")
+        print_written([directory / file])
     print("README.md says how to test, run and build it.")

@@ -6,51 +6,42 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Argument, Option
 
 from ...components.core.errors import BadInput
-from .common import app, listed, loaded_scene, parameters_of, print_table, share, status_spinner, warn
+from .common import group, loaded_scene, print_table, print_written, status_spinner, warn
+from .options import OptionalOutput, Output, listed, parameters_of, share
 
 if TYPE_CHECKING:
     from ...components.railway.line.form import Form
 
-railway = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Pantographs and overhead lines.")
-app.add_typer(railway, name="railway")
+railway = group("railway", "Pantographs and overhead lines.")
 
 
 @railway.command()
 def lumped(
-    scene: Annotated[str, typer.Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
-    speeds: Annotated[
-        str, typer.Option("--speeds", metavar="KM/H[,...]", help="Speeds at which both are run.")
-    ] = "20,50,100,150,200,250,300",
+    scene: Annotated[str, Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
+    speeds: Annotated[str, Option(metavar="KM/H[,...]", help="Speeds at which both are run.")] = "20,50,100,150,200,250,300",
     force: Annotated[
         float | None,
-        typer.Option(
-            "--force", help=("Force at which the static elasticity is taken, N; without it the mean force at the lowest speed.")
-        ),
+        Option(help="Force at which the static elasticity is taken, N; without it the mean force at the lowest speed."),
     ] = None,
-    span: Annotated[
-        int | None, typer.Option("--span", help=("Span that is fitted, counted from 1; without it the middle one."))
-    ] = None,
-    inerter: Annotated[bool, typer.Option("--inerter", help="An inerter in the place of the mass.")] = False,
-    tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help="Error that is still allowed.")] = "10%",
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the scene, lumped.csv and the report.")] = Path(
-        "lumped"
-    ),
+    span: Annotated[int | None, Option(help="Span that is fitted, counted from 1; without it the middle one.")] = None,
+    inerter: Annotated[bool, Option("--inerter", help="An inerter in the place of the mass.")] = False,
+    tolerance: Annotated[str, Option(metavar="SHARE", help="Error that is still allowed.")] = "10%",
+    output: Output = Path("lumped"),
 ) -> None:
     """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
     from ..output import ensure_directory
     from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
 
-    allowed, loaded = share("--tolerance", tolerance), loaded_scene(scene)
+    allowed, loaded = share(tolerance), loaded_scene(scene)
     try:
-        values = [float(text) for text in listed("--speeds", [speeds])]
+        values = [float(text) for text in listed([speeds])]
     except ValueError:
-        raise BadInput("--speeds", repr(speeds), "speeds in km/h separated by commas") from None
+        raise BadInput(repr(speeds), "speeds in km/h separated by commas") from None
     ensure_directory(output)  # now, not after many runs
-    with status_spinner() as on_message:
-        on_message("running the line and its lumped catenary")
+    with status_spinner("running the line and its lumped catenary"):
         domain = lumped_domain(loaded, values, force, span, inerter)
     written = [*domain.save(output), report(domain, allowed, output)]
     print_table(
@@ -61,38 +52,31 @@ def lumped(
             for name, text in ERRORS.items()
         ],
     )
-    print(f"wrote {', '.join(map(str, written))}")
+    print_written(written)
 
 
 @railway.command("line")
 def line_(
-    table: Annotated[Path | None, typer.Argument(help="the line's table, a TOML file")] = None,
+    table: Annotated[Path | None, Argument(help="the line's table, a TOML file")] = None,
     values: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help=("Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."),
+            help="Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated.",
         ),
     ] = None,
     droppers: Annotated[
-        Path | None,
-        typer.Option(
-            "--droppers", help=("CSV file of droppers in the place of the table's, such as a droppers.csv of this command.")
-        ),
+        Path | None, Option(help="CSV file of droppers in the place of the table's, such as a droppers.csv of this command.")
     ] = None,
     temperature: Annotated[
         float | None,
-        typer.Option(
-            "--temperature",
-            metavar="K",
-            help=("Change of temperature against that of the table: tensions and heights of wires with fixed = true."),
+        Option(
+            metavar="K", help="Change of temperature against that of the table: tensions and heights of wires with fixed = true."
         ),
     ] = None,
-    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help=("Directory for droppers.csv, supports.csv and line.svg."))
-    ] = None,
+    schema: Annotated[bool, Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
+    output: OptionalOutput = None,
 ) -> None:
     """Find the form of a line: dropper lengths, preloads, reactions. Example: cosimo railway line my-line.toml -o out"""
     from ...components.railway.line.table import schema as line_schema
@@ -103,10 +87,10 @@ def line_(
         return
     if table is None:
         raise BadInput("railway line", "no table", "the path of one", "Such as my-line.toml; --schema prints its keys.")
-    form, title = line.read(table, parameters_of(values or []), droppers, temperature)
+    form, title = line.read(table, parameters_of(values), droppers, temperature)
     show_line(form, title)
     if output is not None:
-        print(f"wrote {', '.join(map(str, line.save(form, title, output)))}")
+        print_written(line.save(form, title, output))
 
 
 def show_line(form: Form, title: str) -> None:
@@ -122,25 +106,23 @@ def show_line(form: Form, title: str) -> None:
 def fit_pantograph(
     response: Annotated[
         Path,
-        typer.Argument(
+        Argument(
             help=(
                 "CSV file with a header that names columns and units: frequency [Hz], then real [m/N] and imaginary [m/N], or "
                 "magnitude [m/N] and phase [deg]."
             )
         ),
     ],
-    masses: Annotated[int, typer.Option("--masses", help="2 or 3.")] = 3,
+    masses: Annotated[int, Option(help="2 or 3.")] = 3,
     fixed: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--fix",
             metavar="PARAMETER=VALUE",
-            help=("A parameter that is known, such as lower_frame_stiffness=160; may be repeated."),
+            help="A parameter that is known, such as lower_frame_stiffness=160; may be repeated.",
         ),
     ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for pantograph.toml, fit.csv and the report.")] = Path(
-        "pantograph"
-    ),
+    output: Output = Path("pantograph"),
 ) -> None:
     """Lumped parameters of a pantograph from its frequency response. Example: cosimo railway fit-pantograph head.csv -o out
 
@@ -150,7 +132,7 @@ def fit_pantograph(
     from ..systems.railway.frequency_response import fit_pantograph as fit
     from ..systems.railway.frequency_response import read_response, save
 
-    known = parameters_of(fixed or [])
+    known = parameters_of(fixed)
     for name, value in known.items():
         if not isinstance(value, float):
             raise BadInput(f"--fix {name}", repr(value), "a number")
@@ -173,8 +155,6 @@ def fit_pantograph(
         ],
     )
     written = save(result, output)
-    print(
-        f"misfit {100.0 * result.magnitude:.3g} % of the magnitude, {result.phase:.3g} rad of the phase (rms); "
-        f"wrote {', '.join(map(str, written))}"
-    )
+    misfit = f"misfit {100.0 * result.magnitude:.3g} % of the magnitude, {result.phase:.3g} rad of the phase (rms); "
+    print_written(written, misfit)
     warn(result.messages)

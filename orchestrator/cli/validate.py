@@ -5,42 +5,38 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
-from .common import FAILED_CHECK, AsJson, InProcess, NoVerify, app, print_table, warn, wish_of
+from .common import FAILED_CHECK, app, print_table, warn
 from .completion import cases
+from .options import AsJson, InProcess, NoVerify, Output, verify_mode
 
 
 @app.command()
 def validate(
     cases: Annotated[
         list[str] | None,
-        typer.Argument(
+        Argument(
             autocompletion=cases,
-            help=(
-                "names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
-                "announces; all without it"
-            ),
+            help="names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
+            "announces; all without it",
         ),
     ] = None,
     in_process: InProcess = False,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
+    output: Output = Path("validation"),
     strict: Annotated[
         bool,
-        typer.Option(
+        Option(
             "--strict",
-            help=("Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning."),
+            help="Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning.",
         ),
     ] = False,
     verify: Annotated[
         str | None,
-        typer.Option(
-            "--verify",
+        Option(
             metavar="whole",
-            help=(
-                "Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: cases "
-                "whose repetition takes at most 5 s of CPU time."
-            ),
+            help="Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: "
+            "cases whose repetition takes at most 5 s of CPU time.",
         ),
     ] = None,
     no_verify: NoVerify = False,
@@ -51,55 +47,52 @@ def validate(
     Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
     Each number has its numerical error (±); where an end of the range lies within the error, the row is undecided.
     """
+    from ..harness.charts.style import number
     from ..harness.report.generic import measured_text
     from ..harness.validation.case import to_json
     from ..systems import validate as validate_cases
 
-    wish = wish_of(verify, no_verify, ("whole",))
-    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json, verify=wish)
+    def range_text(low: float | None, high: float | None) -> str:
+        """A range of a table, with the digits that its width asks for; an open end is left out."""
+        if low is None or high is None:
+            return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
+        return f"{number(low, low, high)} ... {number(high, low, high)}"
+
+    mode = verify_mode(verify, no_verify, ("whole",))
+    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json, verify=mode)
     if as_json:
         print(to_json(results))
-    else:
-        for result in results:
-            columns = ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside")
-            print_table(
-                result.case.title,
-                columns,
-                [
-                    (
-                        r["quantity"],
-                        r["condition"],
-                        r["unit"],
-                        measured_text(row),
-                        _range(r["low"], r["high"]),
-                        row.margin,
-                        r["standing"],
-                        row.answer,
-                    )
-                    for row in result.findings.rows
-                    for r in [row.to_json()]
-                ],
-            )
-            if claims := result.findings.claims:
-                print_table(
-                    "",
-                    ("claim", "announced", "measured", "verdict"),
-                    [(c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims],
+    for result in results if not as_json else ():
+        rows = [(row.to_json(), row) for row in result.findings.rows]
+        print_table(
+            result.case.title,
+            ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
+            [
+                (
+                    r["quantity"],
+                    r["condition"],
+                    r["unit"],
+                    measured_text(row),
+                    range_text(r["low"], r["high"]),
+                    row.margin,
+                    r["standing"],
+                    row.answer,
                 )
-            if why := result.findings.unverified:
-                print(f"errors of these numbers: not known, {why}")
-            print(f"{result.case.name}: {result.verdict}")
+                for r, row in rows
+            ],
+        )
+        if claims := result.findings.claims:
+            print_table(
+                "",
+                ("claim", "announced", "measured", "verdict"),
+                [(c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims],
+            )
+        if why := result.findings.unverified:
+            print(f"errors of these numbers: not known, {why}")
+        print(f"{result.case.name}: {result.verdict}")
+    if not as_json:
         print(f"report: {results[0].report}")
     doubtful = [f"{result.case.name}: {warning}" for result in results for warning in result.warnings]
     warn(doubtful)
     if any(result.outcome == "failed" for result in results) or (strict and doubtful):
         raise SystemExit(FAILED_CHECK)
-
-
-def _range(low: float | None, high: float | None) -> str:
-    """A range of a table, with the digits that its width asks for; an open end is left out."""
-    from ..harness.charts.style import number
-
-    if low is None or high is None:
-        return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
-    return f"{number(low, low, high)} ... {number(high, low, high)}"

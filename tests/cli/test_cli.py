@@ -7,7 +7,8 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.cli.common import change, parameters_of, preset_of, scene_of, with_presets
+from cosimo.orchestrator.cli.common import change, scene_of, with_presets
+from cosimo.orchestrator.cli.options import parameters_of, preset_of
 from cosimo.orchestrator.systems import load_scene
 
 SCENE = """

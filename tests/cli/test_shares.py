@@ -3,7 +3,7 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.cli.common import share
+from cosimo.orchestrator.cli.options import share
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 MOST_BINS = 60
 MOST_PAIRS = 6  # of aims with a panel each
 MOST_ROWS = 20  # of a front's table
+LIMIT_COLUMNS = ("limit", "low", "high", "provenance", "samples", "probability", "95 %")
 
 
 def for_sensitivity(answer: Sensitivity, directory: str | Path) -> Path:
@@ -144,7 +145,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         blocks.append(
             Cells(
                 "Probability of keeping the limits",
-                ("limit", "low", "high", "provenance", "samples", "probability", "95 %"),
+                LIMIT_COLUMNS,
                 limit_rows(answer.limits),
                 "95 %: interval of the probability, from independent samples.",
                 right=frozenset({1, 2, 4, 5, 6}),
@@ -171,7 +172,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
 
 
 def limit_rows(limits: Sequence[Inside]) -> list[tuple[str, ...]]:
-    """Cells of a table: limit, ends, standing, samples, probability, its interval."""
+    """Rows of a table with `LIMIT_COLUMNS`."""
     rows: list[tuple[str, ...]] = []
     for i in limits:
         limit = i.limit

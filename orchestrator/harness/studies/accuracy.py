@@ -32,6 +32,7 @@ FIRST = 0.6  # of the budget, for how the scene is coupled; the rest for interna
 DEAREST = 0.05  # of the budget, for one run
 REFINED = 4  # settings on the front whose internal steps are varied
 COSTS = ("seconds", "calls")
+ON_FRONTS = ("series", "size", "changes", "error", "error_with_finer", "largest", "seconds", "work")  # keys of a point in JSON
 PACKAGES = ("cosimo", "numpy", "scipy", "numba")
 
 
@@ -120,6 +121,23 @@ class Accuracy:
     def front(self, cost: str = "seconds") -> list[Point]:
         """The settings of which none is both cheaper and more accurate, the cheapest first."""
         return front_of(self.points, cost)
+
+    def to_json(self) -> dict[str, Any]:
+        """The fronts as plain data."""
+        outcomes = [p.outcome for p in self.points]
+        return {
+            "name": self.name,
+            "reference": self.reference,
+            "second_solution": self.second_solution,
+            "shared_with_reference": self.shares,
+            "agreement": dict(self.agreement),
+            "mesh_error": dict(self.mesh_error),
+            "machine": self.machine,
+            "versions": self.versions,
+            "fronts": {cost: [{key: getattr(p, key) for key in ON_FRONTS} for p in self.front(cost)] for cost in COSTS},
+            "outcomes": {outcome: outcomes.count(outcome) for outcome in dict.fromkeys(outcomes)},
+            "refused_times": self.refused_times,
+        }
 
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:

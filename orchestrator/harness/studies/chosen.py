@@ -16,7 +16,6 @@ from ...scene.scene import Scene
 from ..code_digests import components_digest
 from .effects import Effects, Finding, effects
 from .full_model import effects_on, with_effects
-from .quantities import percent
 
 NUMBERS = ("predicted", "actual", "breaking")
 
@@ -78,21 +77,4 @@ def _place(scene: Scene, tolerance: float) -> Path:
 
 def _why(finding: Finding, tolerance: float) -> dict[str, Any]:
     numbers = {n: v for n in NUMBERS if isfinite(v := getattr(finding, n))}
-    return {"unit": finding.unit, "on": finding.chosen, "given": finding.given, "why": reason(finding, tolerance), **numbers}
-
-
-def reason(finding: Finding, tolerance: float) -> str:
-    """Why an effect is in the set, or is not."""
-    if finding.standing == "left out":
-        return finding.reason
-    if finding.standing == "unable":
-        return f"with it the scene does not come to its end: {finding.reason}"
-    if finding.standing == "required":
-        return f"required: {finding.reason}"
-    if not finding.chosen:
-        return f"error without it {percent(finding.actual)}, without all that is left out within {percent(tolerance)}"
-    return (
-        f"error without it {percent(finding.breaking)}, more than {percent(tolerance)}"
-        if isfinite(finding.breaking)
-        else f"without it the run fails: {finding.reason}"
-    )
+    return {"unit": finding.unit, "on": finding.chosen, "given": finding.given, "why": finding.why(tolerance), **numbers}

@@ -7,19 +7,35 @@ physics alone. The actual size of an effect is the error without it and what can
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
-from math import inf, nan
+from dataclasses import asdict, dataclass, replace
+from math import inf, isfinite, nan
 from pathlib import Path
+from typing import Any
 
 from ....components.core.errors import BadInput, StepFailed
 from ...output import write_table
 from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
 from .indicator import Windows
-from .quantities import Quantity, errors, quantities_to_judge, recording
+from .quantities import Quantity, errors, percent, quantities_to_judge, recording
 from .selection import select
 from .trial import Trial, trial
 
+COLUMNS = {  # of effects.csv: field of a finding -> column
+    "unit": "unit",
+    "effect": "effect",
+    "given": "on in the scene",
+    "chosen": "chosen",
+    "status": "status",
+    "reason": "reason",
+    "predicted": "predicted",
+    "actual": "actual",
+    "worst": "largest in",
+    "breaking": "error of the set without it",
+    "states": "states",
+    "calls": "calls",
+    "seconds": "seconds, s",
+}
 PATIENCE = 1.0  # s: a run is not repeated any more once its runs have taken this together
 
 
@@ -27,7 +43,7 @@ PATIENCE = 1.0  # s: a run is not repeated any more once its runs have taken thi
 class Finding:
     """One effect of one unit.
 
-    given: whether the scene has it.  standing: "measured", "required" (by the scene, or without it nothing runs),
+    given: whether the scene has it.  status: "measured", "required" (by the scene, or without it nothing runs),
     "left out" (of the full model) or "unable" (cannot be run with the scene's numbers), with the reason.
     predicted, actual: error of the full model without it; NaN where there is none; an actual one is infinite where the run
     fails.  worst: quantity of the actual one.  states, calls, seconds: what it adds.  chosen: whether it is in the set.
@@ -37,7 +53,7 @@ class Finding:
     unit: str
     effect: str
     given: bool
-    standing: str
+    status: str
     reason: str = ""
     predicted: float = nan
     actual: float = nan
@@ -52,6 +68,20 @@ class Finding:
     def name(self) -> str:
         """ "unit.effect"."""
         return f"{self.unit}.{self.effect}"
+
+    def why(self, tolerance: float) -> str:
+        """Why the effect is in the set, or is not."""
+        if self.status == "left out":
+            return self.reason
+        if self.status == "unable":
+            return f"with it the scene does not come to its end: {self.reason}"
+        if self.status == "required":
+            return f"required: {self.reason}"
+        if not self.chosen:
+            return f"error without it {percent(self.actual)}, without all that is left out within {percent(tolerance)}"
+        if not isfinite(self.breaking):
+            return f"without it the run fails: {self.reason}"
+        return f"error without it {percent(self.breaking)}, more than {percent(tolerance)}"
 
 
 @dataclass(frozen=True)
@@ -84,44 +114,38 @@ class Effects:
 
     def save(self, directory: str | Path) -> Path:
         """Write effects.csv: one row an effect, the first line the column names."""
-        header = [
-            "unit",
-            "effect",
-            "on in the scene",
-            "chosen",
-            "standing",
-            "reason",
-            "predicted",
-            "actual",
-            "largest in",
-            "error of the set without it",
-            "states",
-            "calls",
-            "seconds, s",
-        ]
-        return write_table(
-            directory,
-            "effects.csv",
-            header,
-            [
-                (
-                    f.unit,
-                    f.effect,
-                    _yes(f.given),
-                    _yes(f.chosen),
-                    f.standing,
-                    f.reason,
-                    f.predicted,
-                    f.actual,
-                    f.worst,
-                    f.breaking,
-                    f.states,
-                    f.calls,
-                    f.seconds,
-                )
+        values = [[getattr(f, field) for field in COLUMNS] for f in self.findings]
+        rows = [[_yes(v) if isinstance(v, bool) else v for v in row] for row in values]
+        return write_table(directory, "effects.csv", list(COLUMNS.values()), rows)
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as plain data; a number that is not finite is None."""
+
+        def plain(record: Cost | Finding) -> dict[str, Any]:
+            return {k: v if not isinstance(v, float) or isfinite(v) else None for k, v in asdict(record).items()}
+
+        return {
+            "scene": self.scene.name,
+            "tolerance": self.tolerance,
+            "quantities": list(self.quantities),
+            "runs": self.runs,
+            "full": plain(self.full),
+            "given": plain(self.given),
+            "chosen": plain(self.least),
+            "effects": [plain(f) | {"why": f.why(self.tolerance)} for f in self.findings],
+        }
+
+    def comments(self) -> list[str]:
+        """Lines above the chosen scene in a file."""
+        return [
+            f"Of the scene {self.scene.name}: the effects whose absence shows by more than {percent(self.tolerance)};",
+            f"error of this scene {percent(self.least.error)} against all effects.",
+            *(
+                f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(f.why(self.tolerance).split())}"
                 for f in self.findings
-            ],
-        )
+                if f.chosen or f.given
+            ),
+        ]
 
 
 def _yes(value: bool) -> str:
@@ -143,7 +167,7 @@ def effects(
     for place in model.places:
         on_message(f"without {'.'.join(place)}")
         findings[place] = bench.measured(Finding(*place, place[1] in own[place[0]], "measured"), model.dependents(place))
-        if findings[place].standing == "measured":
+        if findings[place].status == "measured":
             groups[place] = model.dependents(place)
     on_message("the smallest set")
     chosen = select({p: findings[p].actual for p in groups}, groups, bench.error, tolerance)
@@ -228,7 +252,7 @@ class _Bench:
         """The finding with sizes and costs; required where the scene does not even start without it."""
         without, full = self._without(dropped), self._trials[frozenset()]
         if without.outcome == "refused":
-            return replace(finding, standing="required", reason=without.reason, chosen=True)
+            return replace(finding, status="required", reason=without.reason, chosen=True)
         error, worst = self._error(without)
         finding = replace(finding, actual=error, worst=worst, reason=without.reason)
         if self._windows is not None:

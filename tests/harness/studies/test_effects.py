@@ -42,7 +42,7 @@ def of(found, effect):
 @pytest.mark.parametrize(("effect", "size"), [("big", 0.5), ("medium", 0.02), ("small", 0.008), ("smaller", 0.007)])
 def test_sizes_are_the_known_ones(found, effect, size):
     finding = of(found, effect)
-    assert finding.standing == "measured"
+    assert finding.status == "measured"
     assert finding.actual == pytest.approx(size / WHOLE, rel=1e-12)
     assert finding.worst == "part.total, end"
     assert 0.3 < finding.predicted / finding.actual < 3.0
@@ -71,8 +71,8 @@ def test_what_is_not_in_the_full_model_says_why(found):
     assert of(found, "rival").reason == "excluded by 'medium'"
     assert of(found, "port").reason == "nothing drives its inputs"
     assert of(found, "load").reason == "only where a scene asks for it"
-    assert {of(found, e).standing for e in ("rival", "port", "load")} == {"left out"}
-    assert of(found, "broken").standing == "unable"
+    assert {of(found, e).status for e in ("rival", "port", "load")} == {"left out"}
+    assert of(found, "broken").status == "unable"
     assert "the broken one" in of(found, "broken").reason
 
 
@@ -110,7 +110,7 @@ def test_dropping_takes_along_what_cannot_be_without():
 def test_an_effect_whose_output_is_asked_for_is_required(more):
     found = effects(parts(["big", "needy"], **more), 0.9)
     for effect in ("big", "needy"):
-        assert of(found, effect).standing == "required"
+        assert of(found, effect).status == "required"
         assert of(found, effect).chosen
         assert "needy.seen" in of(found, effect).reason
 
@@ -198,7 +198,7 @@ def test_the_chosen_scene_keeps_the_tolerance_and_can_spare_none(vehicle):
 
 def test_predictions_are_of_the_size_of_what_is_found(vehicle):
     for finding in vehicle.findings:
-        if finding.standing == "measured":
+        if finding.status == "measured":
             assert 0.3 < finding.predicted / finding.actual < 3.0, (finding.effect, finding.predicted, finding.actual)
 
 

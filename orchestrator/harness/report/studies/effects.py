@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
 from ...charts.style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, vertical
-from ...studies.chosen import reason
 from ...studies.quantities import percent
 from ..page import Page, Section, write_page
 
@@ -23,7 +22,7 @@ LARGEST = 3.0  # error at the end of the axis: runs that fail reach it
 
 def for_effects(study: Effects, directory: str | Path) -> Path:
     """`report.html` of the effects a scene calls for."""
-    measured = [f for f in study.findings if f.standing == "measured"]
+    measured = [f for f in study.findings if f.status == "measured"]
     shown = sorted(measured, key=lambda f: f.actual)  # the largest at the top
     blocks: list[Block] = [Text(_advice(study))]
     blocks += [Text(list(study.remarks), "note")] if study.remarks else []
@@ -50,7 +49,7 @@ def for_effects(study: Effects, directory: str | Path) -> Path:
 
 def _lead(study: Effects) -> str:
     chosen = sum(f.chosen for f in study.findings)
-    every = sum(f.standing in ("measured", "required") for f in study.findings)
+    every = sum(f.status in ("measured", "required") for f in study.findings)
     return (
         f"{chosen} of {every} effects keep the error within {percent(study.tolerance)} of the scene with all {every}. None "
         "of them can be left out without exceeding this."
@@ -179,7 +178,7 @@ def _size(error: float) -> str:
 
 
 def _table(study: Effects) -> Cells:
-    order = sorted((f for f in study.findings if f.standing in ("measured", "required")), key=lambda f: (not f.chosen, -f.actual))
+    order = sorted((f for f in study.findings if f.status in ("measured", "required")), key=lambda f: (not f.chosen, -f.actual))
     rows = [
         (
             f.name,
@@ -192,7 +191,7 @@ def _table(study: Effects) -> Cells:
             str(f.states),
             str(f.calls),
             _seconds(f),
-            reason(f, study.tolerance),
+            f.why(study.tolerance),
         )
         for f in order
     ]
@@ -218,5 +217,5 @@ def _table(study: Effects) -> Cells:
 
 
 def _others(study: Effects) -> list[Block]:
-    rows = [(f.name, reason(f, study.tolerance)) for f in study.findings if f.standing in ("left out", "unable")]
+    rows = [(f.name, f.why(study.tolerance)) for f in study.findings if f.status in ("left out", "unable")]
     return [Facts("Not in the full model", rows, folded=len(rows) > 20)] if rows else []

@@ -1,0 +1,215 @@
+"""FMUs built and checked, and scenes packed with theirs for other tools."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Argument, Option
+
+from ...components.core.errors import BadInput, nearest
+from .common import FAILED_CHECK, app, fail, print_table, print_written, scene_of, status_spinner, warn
+from .completion import components as component_names
+from .options import AsJson, Changes, Native, Presets, SceneName, listed, parameters_of, preset_of, refuse, share
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+
+
+@app.command()
+def build(
+    names: Annotated[
+        list[str] | None, Argument(autocompletion=component_names, help="components, or module:Class; without it the catalogue")
+    ] = None,
+    output: Annotated[Path, Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
+    native: Annotated[bool, Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
+    target: Annotated[
+        str, Option(help="With --native: linux64, win64, linux-arm64, separated by commas; default: this machine.")
+    ] = "",
+    fmi: Annotated[str, Option(help="With --native: 2, 3 or both; default: 2.")] = "",
+    effects: Annotated[str, Option(help="With --native: effects that are on, separated by commas.")] = "",
+    values: Annotated[
+        list[str] | None,
+        Option(
+            "--set",
+            metavar="PARAMETER=VALUE",
+            help="With --native: a parameter, or the start value of an input; may be repeated.",
+        ),
+    ] = None,
+    presets: Presets = None,
+    scene: Annotated[str, Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
+    derivatives: Annotated[
+        bool, Option("--derivatives", help="List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate.")
+    ] = False,
+) -> None:
+    """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
+    if native:
+        _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives)
+        return
+    from ...components.catalogue import CATALOGUE
+    from ...fmus.build import build as build_fmu
+
+    only_native = {"--target": target, "--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
+    refuse(only_native, "none without --native: other FMUs are configured by their host", "Add --native, or leave it out.")
+    for name in names or CATALOGUE:
+        print(build_fmu(name, output, derivatives=derivatives))
+
+
+def _build_native(
+    names: list[str],
+    output: Path,
+    target: str,
+    fmi: str,
+    effects: str,
+    values: list[str] | None,
+    presets: list[str] | None,
+    scene: str,
+    derivatives: bool,
+) -> None:
+    """Build FMUs without Python, of components by their names or of a scene's units, and print their paths."""
+    from ...components.catalogue import CATALOGUE, component_class
+    from ...components.core.component import Component
+    from ...fmus.native.build import build_native, own_target
+    from ...fmus.native.machine_code import TARGETS
+
+    targets = listed("--target", [target]) if target else [own_target()]
+    if not targets[0]:
+        raise BadInput("build --native", "this machine, which is no target", "one of " + ", ".join(TARGETS), "Give --target.")
+    versions = listed("--fmi", [fmi]) if fmi else ["2"]
+    if unknown := [v for v in versions if v not in ("2", "3")]:
+        raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")
+    if scene:
+        from ..native import makers
+
+        if effects or values:
+            raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
+        loaded = scene_of(scene, None, presets)
+        components = [unit for unit, settings in loaded.units.items() if settings.component]
+        for unit in names:
+            if unit not in components:
+                raise BadInput(
+                    "build --scene", f"unit {unit!r}", f"a component of the scene {loaded.name}", nearest(unit, components)
+                )
+        units = makers(loaded, names)
+    else:
+        on = listed("--effects", [effects]) if effects else []
+
+        def maker(name: str) -> Component:
+            return component_class(name, "build")(on, parameters_of(values), preset=preset_of(presets))
+
+        units = {name.rpartition(":")[2]: partial(maker, name) for name in names or CATALOGUE}
+    refused = 0
+    for name, make in units.items():
+        try:
+            for path in build_native(name, make, output, targets, [int(v) for v in versions], derivatives):
+                print(path)
+        except BadInput as error:
+            if len(units) == 1 or error.where == "build --native":
+                raise
+            refused += 1
+            print(f"refused: {error}")
+    if refused:
+        raise BadInput(
+            "build --native",
+            f"{refused} of {len(units)} components that have no native form",
+            "components whose steps are kernels",
+            "The lines above name what prevents it.",
+        )
+
+
+@app.command()
+def check(
+    fmu: Annotated[str, Argument(help="an FMU file; or a component or module:Class, whose FMU is built")], as_json: AsJson = False
+) -> None:
+    """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
+    from ...components.catalogue import CATALOGUE
+    from ...fmus.build import built
+    from ...fmus.check import check as check_fmu
+
+    path = Path(fmu)
+    if not path.is_file():
+        if fmu not in CATALOGUE and (":" not in fmu or path.suffix):
+            raise BadInput("check", repr(fmu), "an FMU file, a component or module:Class", nearest(fmu, CATALOGUE))
+        path = built(fmu)
+    findings = check_fmu(path)
+    if as_json:
+        records = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
+        print(json.dumps({"fmu": fmu, "findings": records}, indent=2))
+    else:
+        print_table(fmu, ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
+    if not all(f.ok for f in findings):
+        raise SystemExit(FAILED_CHECK)
+
+
+@app.command()
+def ssp(
+    scene: SceneName,
+    output: Annotated[Path | None, Option("-o", "--output", help="File to write; default: the scene's name.")] = None,
+    values: Changes = None,
+    presets: Presets = None,
+    step: Annotated[float | None, Option(help="Macro step, s, that the package gives to other masters.")] = None,
+    tolerance: Annotated[
+        str,
+        Option(
+            help="How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation "
+            "of a low-pass-filtered one."
+        ),
+    ] = "5%",
+    native: Native = False,
+    force: Annotated[bool, Option("--force", help="Write the package however far other masters will be.")] = False,
+) -> None:
+    """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp mass-on-spring --step 0.0025 -o mass.ssp
+
+    Other masters exchange values once per step with held inputs. A run shows the values that they will compute; where that is
+    farther from the scene than the tolerance, nothing is written (exit code 1) unless --force is given.
+    """
+    from ..native import initial_inputs, with_native_fmus
+    from ..scene.ssp.write import check as check_package
+    from ..scene.ssp.write import write
+
+    loaded = scene_of(scene, values, presets)
+    packed = loaded if step is None else loaded.with_changes({"master.step": step})
+    warn(loaded.remarks)
+    path = output or Path(f"{loaded.name}.ssp")
+    limit = share("--tolerance", tolerance)
+    check_package(packed, path)
+    if not _close_enough(loaded, step, limit) and not force:
+        raise fail(
+            f"{path} is not written: other masters would be farther than {100.0 * limit:g} % from the scene. "
+            "--force writes it all the same",
+            FAILED_CHECK,
+        )
+    starts = initial_inputs(packed) if packed.connections else None
+    if native:
+        with status_spinner("building native FMUs"):
+            packed = with_native_fmus(packed)
+    print_written([write(packed, path, starts)])
+
+
+def _close_enough(scene: Scene, step: float | None, limit: float) -> bool:
+    """Print the results of other masters beside the scene's own; whether they are within the limit."""
+    from ..harness.other_masters import OtherMasters
+
+    if not scene.connections:
+        return True  # each unit alone: no master matters
+    with status_spinner("running the scene as other masters step it"):
+        masters = OtherMasters(scene)
+        comparison = masters.compare(step)
+    print_table(
+        f"held inputs, exchanged once per step of {comparison.step:g} s",
+        ("quantity", "unit", "this scene", "other masters", "difference / scale"),
+        [(row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in comparison.rows],
+    )
+    if comparison.failure:
+        warn([f"other masters will not reach the end: {comparison.failure}"])
+    if comparison.difference <= limit:
+        return True
+    with status_spinner("looking for a step that keeps the tolerance"):
+        better = masters.step_within(limit)
+    if better is not None and better.step < comparison.step:
+        print(f"With --step {better.step:g} other masters are within {100.0 * better.difference:.2g} %.")
+    else:
+        print("No macro step that was tried brings them within the tolerance.")
+    return False

@@ -1,0 +1,183 @@
+"""Options that several commands have, declared once, and the meaning of their texts."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from math import nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+from typer import Argument, Option
+
+from ...components.core.errors import BadInput
+from .completion import parameters, presets, scenes
+
+if TYPE_CHECKING:
+    from ..judgement.verification import Wish
+
+COMPONENT = "component:"  # before the name of a component that is studied alone
+TOLERANCE = "1%"
+
+SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
+Output = Annotated[Path, Option("-o", "--output", help="Directory for the tables and the report.")]
+OptionalOutput = Annotated[Path | None, Option("-o", "--output", help="Directory for the results.")]
+Stop = Annotated[float | None, Option(help="End of the run, s.")]
+AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
+InProcess = Annotated[
+    bool, Option("--in-process", help="Run components in this process, not as FMUs: bit-identical results, faster.")
+]
+Native = Annotated[
+    bool, Option("--native", help="Components as native FMUs, which need no Python; built for the scene, and kept.")
+]
+NoVerify = Annotated[bool, Option("--no-verify", help="Repeat nothing: numbers have no error.")]
+Resume = Annotated[bool, Option("--resume", help="Continue a study that was stopped; its finished runs are not repeated.")]
+Changes = Annotated[
+    list[str] | None,
+    Option(
+        "--set",
+        metavar="UNIT.PARAMETER=VALUE",
+        autocompletion=parameters,
+        help="Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated.",
+    ),
+]
+Presets = Annotated[
+    list[str] | None,
+    Option(
+        "--preset",
+        metavar="[UNIT=]NAME",
+        autocompletion=presets,
+        help="Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated.",
+    ),
+]
+Over = Annotated[
+    list[str] | None,
+    Option(
+        metavar="UNIT.PARAMETER=FROM:TO:POINTS",
+        help="Values of a parameter, instead of the scene's own table; several make a grid or a map.",
+    ),
+]
+PlanFile = Annotated[Path, Option(help="TOML file: what varies, how points are chosen, what is kept of each run.")]
+OptionalPlanFile = Annotated[Path | None, Option(help="TOML file: what varies, how points are chosen, what is kept of each run.")]
+Quantities = Annotated[
+    list[str] | None,
+    Option(
+        "--quantity",
+        help='"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].',
+    ),
+]
+Jobs = Annotated[
+    int | None,
+    Option("--jobs", help="Processes; default: one for each core, where the points take longer than processes take to start."),
+]
+Scheduler = Annotated[str, Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
+Limits = Annotated[
+    str,
+    Option(
+        "--limits",
+        metavar="TABLE",
+        help="A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows.",
+    ),
+]
+Conditions = Annotated[list[str] | None, Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
+
+
+def refuse(given: Mapping[str, Any], expected: str, hint: str = "Remove it.") -> None:
+    """Raise `BadInput` for the first option, by name, that has a value: neither None nor False nor empty."""
+    for option, value in given.items():
+        if value is not None and value is not False and value not in ([], ""):
+            shown = ",".join(map(str, value)) if isinstance(value, list) else value
+            raise BadInput(option, "a value" if value is True else repr(str(shown)), expected, hint)
+
+
+def verify_mode(verify: str | None, no_verify: bool, choices: Sequence[str]) -> Wish:
+    """How numbers are verified, by the options --verify, one of the choices, and --no-verify; raises `BadInput`."""
+    if verify is not None and no_verify:
+        raise BadInput("--verify", f"{verify!r} and --no-verify", "one of them", "Remove one of them.")
+    if verify is not None and verify not in choices:
+        raise BadInput("--verify", repr(verify), " or ".join(choices))
+    return "no" if no_verify else cast("Wish", verify or "auto")
+
+
+def listed(option: str, texts: Sequence[str] | None) -> list[str]:
+    """Names separated by commas, but for those inside the brackets of an element; empty where the option is not given."""
+    names = [name.strip() for text in texts or () for name in re.split(r",(?![^\[]*\])", text)]
+    if not all(names):
+        raise BadInput(option, repr(",".join(texts or ())), "names separated by commas")
+    return names
+
+
+def share(option: str, text: str) -> float:
+    """A share given as "1%" or "0.01"; raises `BadInput` for one above 100 % or not above 0.
+
+    A number of 1 or more without a percent sign could mean either, and is refused with both spellings.
+    """
+    number, percent, rest = text.strip().partition("%")
+    try:
+        value = float(number)
+    except ValueError:
+        value = nan
+    if not percent and 1.0 <= value <= 100.0:
+        raise BadInput(
+            option,
+            repr(text),
+            "a share with its percent sign, or below 1",
+            f"{value:g} percent is written {value:g}% or {value / 100.0:g}.",
+        )
+    value /= 100.0 if percent else 1.0
+    if rest or not 0.0 < value <= 1.0:
+        raise BadInput(option, repr(text), "a share above 0 % and at most 100 %", "As in 1% or 0.01.")
+    return value
+
+
+def value_of(text: str) -> Any:
+    """A value given as text: a number, true or false, an array as [1, 2, 3], or the text itself."""
+    for read in (int, float):
+        try:
+            return read(text)
+        except ValueError:
+            pass
+    if text.startswith("["):
+        try:
+            return json.loads(text)
+        except (ValueError, RecursionError):
+            raise BadInput("--set", repr(text), "an array of numbers as [1, 2, 3]") from None
+    return {"true": True, "false": False}.get(text, text)
+
+
+def parameters_of(texts: Sequence[str] | None) -> dict[str, Any]:
+    """Parameters of a component alone, each given as "parameter=value", by the names of their elements."""
+    values: dict[str, Any] = {}
+    for text in texts or ():
+        parameter, equals, value = text.partition("=")
+        if not (parameter and equals and value):
+            raise BadInput("--set", repr(text), "parameter=value")
+        given = value_of(value)
+        elements = enumerate(given, 1) if isinstance(given, list) else ()
+        values |= {f"{parameter.strip()}[{k}]": v for k, v in elements} or {
+            parameter.strip(): float(given) if isinstance(given, int) and not isinstance(given, bool) else given
+        }
+    return values
+
+
+def preset_of(texts: Sequence[str] | None) -> str:
+    """The preset of a component alone; "" where none is given."""
+    if len(texts or []) > 1 or any("=" in text for text in texts or []):
+        raise BadInput("--preset", repr(",".join(texts or [])), "one preset of a component alone", "As in --preset DSA380.")
+    return texts[0].strip() if texts else ""
+
+
+def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
+    """ "unit.parameter" -> range, of each "unit.parameter=from:to:points"."""
+    ranges = {}
+    for text in texts or ():
+        place, _, values = text.partition("=")
+        try:
+            first, last, points = values.split(":")
+            ranges[place.strip()] = {"from": float(first), "to": float(last), "points": int(points)}
+        except ValueError:
+            raise BadInput(
+                "--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31."
+            ) from None
+    return ranges

@@ -1,0 +1,89 @@
+"""The parts of `cosimo run` beside the run: the dry run, files, numbers. Loaded when a scene is run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from ...components.core.errors import BadInput, StepFailed
+from ..harness import report
+from ..harness.report.trust import percent
+from ..harness.summary import Summary, pacing_rows, to_json, verification_text
+from ..judgement import advise
+from ..judgement.dry_run import first_part, lines, tables
+from ..output import ensure_directory, write_json
+from ..results import HELD, Result
+from ..scene.scene import Scene
+from ..systems import SYSTEMS, summary
+from .common import fail, print_table, print_written, warn
+
+
+def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
+    """Print what a run would do, and draw the scene into the directory."""
+    try:
+        advice = advise(scene, in_process=in_process)
+    except StepFailed as error:
+        raise fail(error) from None
+    coupling = scene.coupling
+    for table in tables(scene, coupling, advice):
+        print_table(*table)
+    for line in lines(scene, coupling, advice, in_process=in_process):
+        print(line)
+    text, warnings = first_part(scene)
+    print(text)
+    warn([*scene.remarks, *advice.warnings(scene), *warnings])
+    if output is not None:
+        print_written([scene.show().save(ensure_directory(output) / "scene.svg")])
+
+
+def summary_of(result: Result) -> tuple[Summary, list[str]]:
+    """The run in numbers, and a remark where [analysis] asks for what a run that reached its end does not have."""
+    if not result.held:
+        return (), [f"no summary of {result.rows} rows, which are more than memory should hold"]
+    try:
+        return summary(result), []
+    except BadInput as error:
+        return pacing_rows(result.info), [f"no summary: {error}"] if result.outcome == "done" else []
+
+
+def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
+    """Write summary.json and the report beside the run's own files; the paths of all. What cannot be written is a message."""
+    names = ["result.parquet", "result.csv", "run.json"]
+    if numbers:
+        try:
+            write_json(output / "summary.json", to_json(numbers))
+            names.append("summary.json")
+        except OSError as error:
+            print(f"cosimo: no summary.json: {error.strerror or error}", file=sys.stderr)
+    if result.rows >= 2 and not result.held:
+        print(f"cosimo: no report.html: it is drawn of at most {HELD} numbers, not of {result.rows} rows", file=sys.stderr)
+    elif result.rows >= 2:
+        try:
+            names.append(report.for_run(result, output, SYSTEMS).name)
+        except OSError as error:
+            if result.outcome == "done":
+                raise
+            print(f"cosimo: no report.html: {error.strerror or error}", file=sys.stderr)
+    return [output / name for name in names]
+
+
+def print_result(result: Result, numbers: Summary) -> None:
+    """Print the signals, the run in numbers, how far they can be trusted, and what the run took."""
+    verification = result.info["verification"]
+    errors = {name: percent(error["rms"]) for name, error in verification.get("signals", {}).items()}
+    unknown = "not known" if errors else ""
+    print_table(
+        f"{result.scene.title or result.scene.name}: {result.outcome}",
+        ("signal", "unit", "min", "max", "end", "error"),
+        [
+            (name, result.measures[name], *result.extremes(name), errors.get(name, unknown))
+            for name in result.columns
+            if result.rows
+        ],
+    )
+    if numbers:
+        print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.shown, r.text) for r in numbers])
+    print(verification_text(verification))
+    timing = result.info["timing"]
+    compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
+    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")

@@ -1,0 +1,374 @@
+"""Studies of a scene or a component: what accuracy costs, which effects matter, how long steps may be."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from math import inf, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Argument, Option
+
+from ...components.core.errors import BadInput, nearest
+from .common import FAILED_CHECK, app, print_table, print_written, scene_of, status_spinner, study, warn
+from .completion import anything, scenes
+from .options import (
+    COMPONENT,
+    TOLERANCE,
+    AsJson,
+    Changes,
+    Output,
+    Over,
+    Presets,
+    Resume,
+    SceneName,
+    Stop,
+    listed,
+    parameters_of,
+    preset_of,
+    ranges_of,
+    refuse,
+    share,
+)
+
+if TYPE_CHECKING:
+    from ..harness.studies.accuracy import Accuracy
+    from ..harness.studies.effects import Effects
+
+ComponentEffects = Annotated[
+    list[str] | None, Option("--effects", metavar="EFFECT[,...]", help="Effects of a component that is studied alone.")
+]
+
+
+@app.command()
+def accuracy(
+    what: Annotated[
+        str,
+        Argument(
+            metavar="SCENE|component:NAME",
+            autocompletion=scenes,
+            help="name of a shipped scene, a scene file, or a component of the catalogue alone",
+        ),
+    ],
+    output: Output = Path("accuracy"),
+    budget: Annotated[
+        float | None,
+        Option(metavar="SECONDS", help="Time for measuring, beside that of the reference; default 60 s, 30 s for a component."),
+    ] = None,
+    stop: Stop = None,
+    effects: ComponentEffects = None,
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+    resume: Resume = False,
+) -> None:
+    """Measure what accuracy costs in time and counted work. Example: cosimo accuracy en50318-2002 -o out --budget 120
+
+    The measurement is kept for cosimo run --accuracy.
+    """
+    from ..harness.report.studies.accuracy import for_accuracy
+    from ..harness.studies import component_accuracy as alone
+    from ..harness.studies import fronts
+    from ..harness.studies.accuracy import BUDGET
+    from ..harness.studies.accuracy import accuracy as measure
+    from ..harness.studies.accuracy_table import write_points
+
+    if budget is not None and not budget > 0.0:
+        raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
+    kept = []
+    with study(output, resume), status_spinner() as on_message:  # the directory now, not after a long measurement
+        if what.startswith(COMPONENT):
+            measured = alone.component_accuracy(
+                what.removeprefix(COMPONENT),
+                tuple(listed("--effects", effects)),
+                parameters_of(values),
+                preset=preset_of(presets),
+                stop=stop,
+                budget=budget or alone.BUDGET,
+                on_message=on_message,
+            )
+        else:
+            refuse({"--effects": effects}, "none for a scene, which names its own")
+            scene = scene_of(what, values, presets, {"stop_time": stop})
+            measured = fronts.marked(scene, measure(scene, budget=budget or BUDGET, on_message=on_message))
+            kept.append(fronts.keep(scene, measured))
+        written = [write_points(measured, output), for_accuracy(measured, output), *kept]
+    if as_json:
+        print(json.dumps(measured.to_json(), indent=2))
+        return
+    _print_front(measured)
+    print_written(written)
+
+
+def _print_front(measured: Accuracy) -> None:
+    """The front over CPU time, the scene's own settings, and how well the reference is known."""
+    from ..harness.studies.quantities import percent
+
+    own = measured.own
+    fronts = {name: measured.front(cost) for name, cost in (("time", "seconds"), ("work", "calls"))}
+    print_table(
+        f"{measured.title}: what accuracy costs",
+        ("setting", "size", "error", "CPU time, s", "calls", "front"),
+        [
+            (
+                p.series,
+                f"{p.size:.3g}",
+                percent(p.error_with_finer),
+                p.seconds,
+                p.work.get("calls", ""),
+                ", ".join(name for name, front in fronts.items() if p in front),
+            )
+            for p in (own, *(p for p in fronts["time"] if p is not own))
+        ],
+    )
+    print(f"reference: {measured.reference}; it shares {measured.shares} with the runs")
+    print(
+        f"  its own error, part of every error above: {percent(max(measured.agreement.values()))} by {measured.second_solution}"
+        + (f", {percent(max(measured.mesh_error.values()))} of the mesh (Richardson)" if measured.mesh_error else "")
+    )
+    outcomes = [p.outcome for p in measured.points if p.outcome != "done"]
+    for outcome in dict.fromkeys(outcomes):
+        print(f"{outcomes.count(outcome)} settings {outcome}")
+    if measured.refused_times:
+        print(f"{measured.refused_times} times refused, as no two measurements agree: the machine is busy, or throttles")
+
+
+@app.command()
+def effects(
+    scene: SceneName,
+    tolerance: Annotated[
+        str,
+        Option(
+            metavar="SHARE", help="Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."
+        ),
+    ] = TOLERANCE,
+    output: Output = Path("effects"),
+    write: Annotated[
+        Path | None, Option(metavar="FILE", help="Write the scene with the smallest set of effects; a .toml file.")
+    ] = None,
+    more: Annotated[
+        list[str] | None,
+        Option(
+            "--with", metavar="UNIT.EFFECT[,...]", help="Parts, defects, loads and the like to take into the full model, too."
+        ),
+    ] = None,
+    stop: Stop = None,
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+    resume: Resume = False,
+) -> None:
+    """Find the effects a scene calls for. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
+    from ..harness.report.studies.effects import for_effects
+    from ..harness.studies.chosen import keep
+    from ..harness.studies.effects import effects as find
+    from ..scene.text import write_scene
+
+    allowed = share("--tolerance", tolerance)
+    if write is not None and write.suffix != ".toml":
+        raise BadInput("--write", repr(str(write)), "a .toml file")
+    loaded = scene_of(scene, values, presets, {"stop_time": stop})
+    with study(output, resume), status_spinner() as on_message:  # the directory now, not after many runs
+        result = find(loaded, allowed, more=listed("--with", more), on_message=on_message)
+        written = [result.save(output), for_effects(result, output)]
+    written += [write_scene(result.chosen, write, result.comments())] if write is not None else []
+    if not more:
+        keep(result)
+    if as_json:
+        print(json.dumps(result.to_json(), indent=2))
+        return
+    _print_effects(result)
+    warn(result.remarks)
+    print_written(written)
+
+
+def _print_effects(result: Effects) -> None:
+    """Every effect that was measured or is required, then what the models cost."""
+    from ..harness.studies.quantities import percent
+
+    def yes(value: bool) -> str:
+        return "yes" if value else "no"
+
+    order = sorted((f for f in result.findings if f.status != "left out"), key=lambda f: (not f.chosen, -f.actual))
+    print_table(
+        f"{result.scene.title or result.scene.name}: effects within {percent(result.tolerance)}",
+        ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
+        [
+            (
+                f.name,
+                yes(f.given),
+                percent(f.predicted),
+                percent(f.actual),
+                f.states,
+                f.calls,
+                yes(f.chosen),
+                f.why(result.tolerance),
+            )
+            for f in order
+        ],
+    )
+    if left := [f.name for f in result.findings if f.status == "left out"]:
+        print(f"not in the full model: {', '.join(left)}")
+    for name, cost in (("all effects", result.full), ("the scene's own effects", result.given), ("smallest set", result.least)):
+        print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
+    print(f"{result.runs} models were run")
+
+
+@app.command()
+def stability(
+    names: Annotated[
+        list[str] | None,
+        Argument(
+            metavar="SCENE|component:NAME|COMPONENT...",
+            autocompletion=anything,
+            help="name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components",
+        ),
+    ] = None,
+    hard: Annotated[
+        bool,
+        Option(
+            "--hard-cases",
+            help="Run the hard cases that components declare, of those named or of all, and say how far each claim is from its "
+            "limit. In plain Python: to compile would take minutes, the runs take moments.",
+        ),
+    ] = False,
+    over: Over = None,
+    algorithm: Annotated[
+        list[str] | None, Option(metavar="NAME[,...]", help="Only these algorithms; default: all that the scene can have.")
+    ] = None,
+    extrapolation: Annotated[list[int] | None, Option(min=0, max=2, help="Only this degree; may be repeated.")] = None,
+    steps: Annotated[
+        int | None, Option(help="Steps of each run; more of them show slower growth. Default 1000, 600 for a component.")
+    ] = None,
+    effects: ComponentEffects = None,
+    output: Output = Path("stability"),
+    values: Changes = None,
+    presets: Presets = None,
+    resume: Resume = False,
+) -> None:
+    """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
+
+    A component alone: cosimo stability component:Pantograph; without --effects it is measured with none and with each of its
+    effects. Without a map: cosimo stability lumped-catenary.
+    Hard cases of all components: cosimo stability --hard-cases -o out; exit code 1 where one does not hold.
+    """
+    of_scenes = {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation}
+    if hard:
+        other = {**of_scenes, "--steps": steps, "--effects": effects, "--preset": presets, "--set": values}
+        refuse(other, "none for hard cases, which have their own")
+        _hard_cases(names or [], output, resume)
+        return
+    if not names or len(names) > 1:
+        raise BadInput(
+            "cosimo stability",
+            " ".join(names or []) or "nothing",
+            "one scene, or one component:NAME",
+            "Several components: with --hard-cases.",
+        )
+    what = names[0]
+    if what.startswith(COMPONENT):
+        refuse(of_scenes, "none for a component alone")
+        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), steps, output, resume)
+        return
+    refuse({"--effects": effects}, "none for a scene, which names its own")
+    from ..harness.report.studies.stability import for_stability
+    from ..harness.studies.stability import STEPS, schemes_of
+    from ..harness.studies.stability import stability as measure
+    from ..settings.algorithms import ALGORITHMS
+
+    scene = scene_of(what, values, presets, {"study.stability": ranges_of(over) or None})
+    algorithms = listed("--algorithm", algorithm)
+    for name in algorithms:
+        if name not in ALGORITHMS:
+            raise BadInput("--algorithm", repr(name), "one of " + ", ".join(ALGORITHMS), nearest(name, ALGORITHMS))
+    with study(output, resume):  # the directory now, not after a long study
+        measured = measure(scene, schemes_of(scene, algorithms, extrapolation or []), steps=steps or STEPS, progress=True)
+        written = [measured.save(output), for_stability(measured, output)]
+    print_table(
+        f"{scene.title or scene.name}: longest stable macro step",
+        (*measured.varied, "algorithm", "degree", "s", "closed form, s", "what the next longer step did"),
+        [
+            (
+                *limit.point.values(),
+                limit.algorithm,
+                limit.extrapolation,
+                _step(limit.longest, limit.tried),
+                _number(limit.closed),
+                limit.seen,
+            )
+            for limit in measured.limits
+        ],
+    )
+    for remark in measured.remarks:
+        print(remark)
+    print_written(written)
+
+
+def _internal_steps(
+    name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path, resume: bool
+) -> None:
+    from ..harness.report.studies.stability import for_internal_steps
+    from ..harness.studies.internal_steps import STEPS, internal_steps
+
+    on = listed("--effects", effects) if effects else None
+    parameters = parameters_of(values)
+    with study(output, resume):
+        measured = internal_steps(name, effects=on, parameters=parameters, preset=preset, steps=steps or STEPS, progress=True)
+        written = [measured.save(output), for_internal_steps(measured, output)]
+    print_table(
+        f"{measured.title}: longest stable internal step",
+        ("effects", "s", "own limit, s", "margin", "what the next longer step did"),
+        [
+            (
+                ", ".join(s.effects) or "none",
+                _step(s.longest, s.tried),
+                "none" if s.own == inf else s.own,
+                _number(s.margin),
+                s.seen,
+            )
+            for s in measured.steps
+        ],
+    )
+    print_written(written)
+
+
+def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
+    if "numba" not in sys.modules:
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
+    from ..harness.report.studies.hard_cases import for_hard_cases, margin_text
+    from ..harness.studies.hard_cases import hard_cases
+
+    with study(output, resume):
+        judged = hard_cases(names, progress=True)
+        written = [judged.save(output), for_hard_cases(judged, output)]
+    rows = [
+        (
+            v.component,
+            v.case.name,
+            v.claim,
+            _number(v.reached),
+            _number(v.limit),
+            margin_text(v),
+            "" if v.holds else "DOES NOT HOLD",
+        )
+        for v in judged.verdicts
+    ]
+    print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), rows)
+    for verdict in judged.failed:
+        print(f"{verdict.component}, {verdict.case.name}: {verdict.message or 'beyond its limit'}")
+    print(judged.summary)
+    print_written(written)
+    if judged.failed:
+        raise SystemExit(FAILED_CHECK)
+
+
+def _number(value: float) -> Any:
+    return "" if isnan(value) else value
+
+
+def _step(longest: float, tried: float) -> str:
+    if isnan(longest):
+        return "not measured"
+    return f"above {tried:.4g}" if longest == inf else f"none, down to {tried:.4g}" if longest == 0.0 else f"{longest:.4g}"
