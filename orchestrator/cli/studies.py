@@ -274,7 +274,7 @@ def stability(
         return
     refuse({"--effects": effects}, "none for a scene, which names its own")
     from ..harness.report.studies.stability import for_stability
-    from ..harness.studies.stability import STEPS, schemes_of
+    from ..harness.studies.stability import STEPS, limit_text, schemes_of
     from ..harness.studies.stability import stability as measure
     from ..settings.algorithms import ALGORITHMS
 
@@ -294,7 +294,7 @@ def stability(
                 *limit.point.values(),
                 limit.algorithm,
                 limit.extrapolation,
-                _step(limit.longest, limit.tried),
+                limit_text(limit.longest, limit.tried),
                 _number(limit.closed),
                 limit.seen,
             )
@@ -311,6 +311,7 @@ def _internal_steps(
 ) -> None:
     from ..harness.report.studies.stability import for_internal_steps
     from ..harness.studies.internal_steps import STEPS, internal_steps
+    from ..harness.studies.stability import limit_text
 
     on = listed("--effects", effects) if effects else None
     parameters = parameters_of(values)
@@ -323,7 +324,7 @@ def _internal_steps(
         [
             (
                 ", ".join(s.effects) or "none",
-                _step(s.longest, s.tried),
+                limit_text(s.longest, s.tried),
                 "none" if s.own == inf else s.own,
                 _number(s.margin),
                 s.seen,
@@ -366,9 +367,3 @@ def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
 
 def _number(value: float) -> Any:
     return "" if isnan(value) else value
-
-
-def _step(longest: float, tried: float) -> str:
-    if isnan(longest):
-        return "not measured"
-    return f"above {tried:.4g}" if longest == inf else f"none, down to {tried:.4g}" if longest == 0.0 else f"{longest:.4g}"

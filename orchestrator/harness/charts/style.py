@@ -6,6 +6,7 @@ Colours are those of Okabe and Ito: distinct for colour-blind readers and in pri
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,12 @@ DARK = {
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
 SAMPLES = "samples"  # of a trace: all of what it shows the extremes of, (x, y); nothing that Plotly knows
 DRAWN_POINTS = 8_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
+
+# of a layout: the legend is a column to the right of the panel
+LEGEND_RIGHT: dict[str, Any] = {
+    "margin": {"l": 70, "r": 250, "t": 34, "b": 50},
+    "legend": {"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}},
+}
 
 
 def tint(colour: str, alpha: float) -> str:
@@ -98,6 +105,26 @@ def dense_line(
     """(a `line`, whether it has fewer points than there are samples): then a page shows the samples where one zooms in."""
     xs, ys, thinned = thin_out(x, y, points)
     return line(xs, ys, name, colour, width, **more) | ({SAMPLES: (x, y)} if thinned else {}), thinned
+
+
+def markers(
+    x: Any, y: Any, name: str, colour: str, symbol: str = "circle", size: float = 8, *, hover: str = "", **more: Any
+) -> dict[str, Any]:
+    """A trace of points; `hover` is Plotly's template of what the pointer shows."""
+    base = {
+        "type": "scatter",
+        "mode": "markers",
+        "x": drawn(x),
+        "y": drawn(y),
+        "name": name,
+        "marker": {"color": colour, "symbol": symbol, "size": size},
+    }
+    return base | ({"hovertemplate": hover} if hover else {}) | more
+
+
+def rows_axis(names: Sequence[str]) -> dict[str, Any]:
+    """A y axis with a name at each whole number from 0, upwards."""
+    return axis("", tickvals=list(range(len(names))), ticktext=list(names), range=[-0.6, len(names) - 0.4])
 
 
 def vertical(x: float, xref: str = "x", yref: str = "paper", *, colour: str = RULE, dash: str = "solid") -> dict[str, Any]:

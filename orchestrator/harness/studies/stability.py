@@ -57,6 +57,13 @@ class Limit:
     steps: int
 
 
+def limit_text(longest: float, tried: float) -> str:
+    """A longest stable step, s, as text; see `Limit`."""
+    if math.isnan(longest):
+        return "not measured"
+    return f"above {tried:.4g}" if longest == math.inf else f"below {tried:.4g}" if longest == 0.0 else f"{longest:.4g}"
+
+
 @dataclass(frozen=True)
 class Stability:
     """Limits of a scene over a map.
@@ -82,8 +89,7 @@ class Stability:
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each scheme at each point."""
         names = [f"{name}, {unit}" if unit else name for name, unit in self.varied.items()]
-        header = [
-            *names,
+        columns = (
             "algorithm",
             "extrapolation",
             "longest stable macro step, s",
@@ -91,25 +97,10 @@ class Stability:
             "seen",
             "tried, s",
             "macro steps made",
-        ]
-        return write_table(
-            directory,
-            "stability.csv",
-            header,
-            [
-                (
-                    *limit.point.values(),
-                    limit.algorithm,
-                    limit.extrapolation,
-                    limit.longest,
-                    limit.closed,
-                    limit.seen,
-                    limit.tried,
-                    limit.steps,
-                )
-                for limit in self.limits
-            ],
         )
+        fields = "algorithm", "extrapolation", "longest", "closed", "seen", "tried", "steps"
+        rows = [(*limit.point.values(), *(getattr(limit, field) for field in fields)) for limit in self.limits]
+        return write_table(directory, "stability.csv", [*names, *columns], rows)
 
 
 def schemes_of(scene: Scene, algorithms: Sequence[str] = (), extrapolations: Sequence[int] = ()) -> list[Scheme]:

@@ -9,15 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import isfinite, log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
-from ...charts.style import CYCLE, INK, MUTED, RAW, VERMILION, axis, drawn, label, layout, number, rectangle
+from ...charts.style import CYCLE, INK, LEGEND_RIGHT, MUTED, RAW, VERMILION, axis, label, layout, markers, number, rectangle
+from ...studies.accuracy import Accuracy, Point
 from ...studies.quantities import percent
 from ..page import Page, Section, write_page
-
-if TYPE_CHECKING:
-    from ...studies.accuracy import Accuracy, Point
 
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "hexagon", "star-square")
 JOINED = ("coupling", "adaptive", "method")  # axes of settings whose points are joined
@@ -28,32 +26,22 @@ OTHERS = (
 FAILED = 2.0  # where crosses stand on an axis of errors
 ASKED = (0.1, 0.01, 1e-3)  # errors for which the page names the quickest setting
 ORDERS = (1, 2, 3, 4)
-LEGEND = 250  # px
+WORK = ("macro_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")  # columns of the table of all points
 
 
 def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
     """`report.html` of what accuracy costs."""
+    times = (
+        f"Smallest of several warm runs, without compilation, on {measured.machine}; a time is shown only where a second "
+        "measurement confirms it within 20 %. "
+    )
+    work = (
+        "The same on every machine. Counted are, for each unit, its most frequent operation (usually evaluations of its "
+        "equations), and one exchange of signals for each unit in each macro step or iteration. "
+    )
     figures: list[Block] = [
-        _work_precision(
-            measured,
-            "seconds",
-            "Error against time",
-            "CPU time of the run, s",
-            (
-                f"Smallest of several warm runs, without compilation, on {measured.machine}; a time is shown only where a second "
-                "measurement confirms it within 20 %. "
-            ),
-        ),
-        _work_precision(
-            measured,
-            "calls",
-            "Error against counted work",
-            "counted operations",
-            (
-                "The same on every machine. Counted are, for each unit, its most frequent operation (usually evaluations of its "
-                "equations), and one exchange of signals for each unit in each macro step or iteration. "
-            ),
-        ),
+        _work_precision(measured, "seconds", "Error against time", "CPU time of the run, s", times),
+        _work_precision(measured, "calls", "Error against counted work", "counted operations", work),
         *_against_size(measured),
     ]
     sections = [
@@ -67,7 +55,7 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
 def _lead(measured: Accuracy) -> str:
     done = sum(p.outcome == "done" for p in measured.points)
     return (
-        f"{done} of {len(measured.points)} settings came to a result. An error is the largest of the quantities looked at, "
+        f"{done} of {len(measured.points)} settings gave a result. An error is the largest of those of all quantities, "
         "over the range of its signal, with the reference's own error added."
     )
 
@@ -103,25 +91,24 @@ def _series(measured: Accuracy) -> dict[str, list[Point]]:
     return {name: sorted(points, key=lambda p: p.size) for name, points in joined_points.items()}
 
 
-def _marked(
-    points: Sequence[Point], x: Sequence[float], y: Sequence[float], name: str, colour: str, symbol: str, **more: Any
+def _points(
+    points: Sequence[Point],
+    x: Sequence[float],
+    y: Sequence[float],
+    name: str,
+    colour: str,
+    symbol: str,
+    size: float = 8,
+    **more: Any,
 ) -> dict[str, Any]:
-    shown = [
+    """Settings as points, which the pointer names; line: of their connection, without it there is none."""
+    texts = [
         f"{p.series}<br>{p.size:.3g}; error {percent(p.error)}, {_seconds(p)}, {p.work.get('calls', 0)} calls"
         + (f"<br>{p.reason}" if p.reason else "")
         for p in points
     ]
-    return {
-        "type": "scatter",
-        "x": drawn(x, 5),
-        "y": drawn(y, 5),
-        "name": name,
-        "text": shown,
-        "hovertemplate": "%{text}<extra></extra>",
-        "mode": "lines+markers",
-        "line": {"color": colour, "width": 1.4},
-        "marker": {"color": colour, "symbol": symbol, "size": 8},
-    } | more
+    mode = "lines+markers" if "line" in more else "markers"
+    return markers(x, y, name, colour, symbol, size, hover="%{text}<extra></extra>", text=texts, mode=mode, **more)
 
 
 def _styles(names: Sequence[str]) -> Mapping[str, tuple[str, str]]:
@@ -130,54 +117,27 @@ def _styles(names: Sequence[str]) -> Mapping[str, tuple[str, str]]:
 
 
 def _work_precision(measured: Accuracy, cost: str, title: str, y_label: str, text: str) -> Figure:
-    lines = _series(measured)
-    styles = _styles(list(lines))
+    series = _series(measured)
+    styles = _styles(list(series))
+    drawable = [p for p in measured.points if isfinite(p.cost(cost))]
+    done = [p for p in drawable if p.outcome == "done"]
+
+    def trace(points: Sequence[Point], name: str, colour: str, symbol: str, size: float = 8, **more: Any) -> list[dict[str, Any]]:
+        x, y = [p.error for p in points], [p.cost(cost) for p in points]
+        return [_points(points, x, y, name, colour, symbol, size, **more)] if points else []
+
     data = []
-    for name, points in lines.items():
-        done = [p for p in points if p.outcome == "done" and isfinite(p.cost(cost))]
-        if done:
-            data.append(_marked(done, [p.error for p in done], [p.cost(cost) for p in done], name, *styles[name]))
-    joined = {p.series for points in lines.values() for p in points}
+    for name, points in series.items():
+        colour, symbol = styles[name]
+        data += trace([p for p in points if p in done], name, colour, symbol, line={"color": colour, "width": 1.4})
     for name, axes, symbol in OTHERS:
-        others = [
-            p
-            for p in measured.points
-            if p.series not in joined and p.axis in axes and p.outcome == "done" and isfinite(p.cost(cost))
-        ]
-        if others:
-            data.append(
-                _marked(others, [p.error for p in others], [p.cost(cost) for p in others], name, RAW, symbol, mode="markers")
-            )
-    front = measured.front(cost)
-    data.append(
-        _marked(
-            front,
-            [p.error for p in front],
-            [p.cost(cost) for p in front],
-            "front",
-            INK,
-            "circle-open",
-            line={"color": INK, "width": 1, "dash": "dot"},
-            marker={"color": INK, "symbol": "circle-open", "size": 15, "line": {"width": 1.5}},
-        )
-    )
-    if measured.own.outcome == "done" and isfinite(measured.own.cost(cost)):
-        own = [measured.own]
-        data.append(
-            _marked(
-                own,
-                [own[0].error],
-                [own[0].cost(cost)],
-                "the scene's own settings",
-                VERMILION,
-                "star",
-                mode="markers",
-                marker={"color": VERMILION, "symbol": "star", "size": 13},
-            )
-        )
-    failed = [p for p in measured.points if p.outcome in ("failed", "useless") and isfinite(p.cost(cost))]
-    if failed:
-        data.append(_crosses(failed, [FAILED] * len(failed), [p.cost(cost) for p in failed]))
+        data += trace([p for p in done if p.series not in series and p.axis in axes], name, RAW, symbol)
+    ring = {"color": INK, "symbol": "circle-open", "size": 15, "line": {"width": 1.5}}
+    dotted = {"color": INK, "width": 1, "dash": "dot"}
+    data += trace(measured.front(cost), "front", INK, "circle-open", marker=ring, line=dotted)
+    data += trace([p for p in done if p is measured.own], "the scene's own settings", VERMILION, "star", 13)
+    failed = [p for p in drawable if p.outcome in ("failed", "useless")]
+    data += _crosses(failed, [FAILED] * len(failed), [p.cost(cost) for p in failed])
     return Figure(
         title,
         {"data": data, "layout": _layout(measured, "error", y_label, bool(failed))},
@@ -187,17 +147,9 @@ def _work_precision(measured: Accuracy, cost: str, title: str, y_label: str, tex
     )
 
 
-def _crosses(points: Sequence[Point], x: Sequence[float], y: Sequence[float]) -> dict[str, Any]:
-    return _marked(
-        points,
-        x,
-        y,
-        "failed",
-        MUTED,
-        "x-thin",
-        mode="markers",
-        marker={"color": MUTED, "symbol": "x-thin", "size": 9, "line": {"width": 2, "color": MUTED}},
-    )
+def _crosses(points: Sequence[Point], x: Sequence[float], y: Sequence[float]) -> list[dict[str, Any]]:
+    cross = {"color": MUTED, "symbol": "x-thin", "size": 9, "line": {"width": 2, "color": MUTED}}
+    return [_points(points, x, y, "failed", MUTED, "x-thin", marker=cross)] if points else []
 
 
 def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dict[str, Any]:
@@ -206,16 +158,8 @@ def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dic
     shapes, notes = [], []
     if measured.smallest_known > 0.5 * low:
         shapes.append(rectangle((low * 0.3, measured.smallest_known), (0, 1), MUTED, 0.1, xref="x", yref="paper"))
-        notes.append(
-            label(
-                "← below the reference's own error",
-                log10(measured.smallest_known),
-                0.0,
-                xref="x",
-                xanchor="left",
-                yanchor="bottom",
-            )
-        )
+        at = log10(measured.smallest_known)
+        notes.append(label("← below the reference's own error", at, 0.0, xref="x", xanchor="left", yanchor="bottom"))
     if failed:
         notes.append(label("failed", log10(FAILED), 1.0, xref="x", yanchor="bottom"))
     ends = [log10(low * 0.5), log10(FAILED * 1.6 if failed else 1.2)]
@@ -225,29 +169,29 @@ def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dic
         shapes=shapes,
         annotations=notes,
         yaxis=axis(y_label, grid=True, type="log"),
-        margin={"l": 70, "r": LEGEND, "t": 34, "b": 50},
-        legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}},
+        **LEGEND_RIGHT,
     )
 
 
 def _against_size(measured: Accuracy) -> list[Block]:
     """Error against the macro step, or the internal one, where it is what a series varies; with triangles of whole orders."""
-    lines = {n: [p for p in points if p.axis in ("coupling", "substep")] for n, points in _series(measured).items()}
-    lines = {n: points for n, points in lines.items() if len(points) > 1}
-    if not lines:
-        return []
-    styles, data = _styles(list(_series(measured))), []
-    seen = []
-    for name, points in lines.items():
-        done = [p for p in points if p.outcome == "done"]
-        seen += done
-        if done:
-            data.append(_marked(done, [p.size for p in done], [p.error for p in done], name, *styles[name]))
-    failed = [p for points in lines.values() for p in points if p.outcome in ("failed", "useless", "refused")]
-    if failed:
-        data.append(_crosses(failed, [p.size for p in failed], [FAILED] * len(failed)))
+    every = _series(measured)
+    styles, data = _styles(list(every)), []
+    seen: list[Point] = []
+    failed: list[Point] = []
+    for name, of_series in every.items():
+        points = [p for p in of_series if p.axis in ("coupling", "substep")]
+        if len(points) > 1:
+            done = [p for p in points if p.outcome == "done"]
+            failed += [p for p in points if p.outcome in ("failed", "useless", "refused")]
+            if done:
+                colour, symbol = styles[name]
+                errors, sizes = [p.error for p in done], [p.size for p in done]
+                data.append(_points(done, sizes, errors, name, colour, symbol, line={"color": colour, "width": 1.4}))
+            seen += done
     if not seen:
         return []
+    data += _crosses(failed, [p.size for p in failed], [FAILED] * len(failed))
     inside = all(p.axis == "substep" for p in seen)
     what = "internal step, s" if inside else "macro step, s"
     sizes, errors = [p.size for p in seen], [p.error for p in seen if p.error > 0.0]
@@ -258,8 +202,7 @@ def _against_size(measured: Accuracy) -> list[Block]:
         yaxis=axis("error", grid=True, type="log", dtick=1),
         shapes=shapes,
         annotations=notes,
-        margin={"l": 70, "r": LEGEND, "t": 34, "b": 50},
-        legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}},
+        **LEGEND_RIGHT,
     )
     return [
         Figure(
@@ -313,6 +256,7 @@ def _front_table(measured: Accuracy) -> Cells:
 
 
 def _all_points(measured: Accuracy) -> Cells:
+    skipped = [p for p in measured.points if p.outcome == "skipped"]
     rows = [
         (
             p.series,
@@ -322,36 +266,16 @@ def _all_points(measured: Accuracy) -> Cells:
             percent(p.error_with_finer),
             number(p.seconds),
             number(p.median),
-            *(str(p.work.get(n, "")) for n in ("macro_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")),
+            *(str(p.work.get(n, "")) for n in WORK),
             p.reason,
         )
         for p in measured.points
         if p.outcome != "skipped"
     ]
-    skipped = [p for p in measured.points if p.outcome == "skipped"]
+    counted = [n.replace("_", " ") for n in WORK]
+    header = ("setting", "size", "outcome", "error", "with finer settings", "CPU time, s", "median", *counted, "reason")
     caption = f"{len(skipped)} more were skipped: {skipped[0].reason}. accuracy.csv names them." if skipped else ""
-    return Cells(
-        "Every setting",
-        (
-            "setting",
-            "size",
-            "outcome",
-            "error",
-            "with finer settings",
-            "CPU time, s",
-            "median",
-            "macro steps",
-            "derivative calls",
-            "iterations",
-            "rollbacks",
-            "events",
-            "calls",
-            "reason",
-        ),
-        rows,
-        caption,
-        frozenset(range(3, 13)),
-    )
+    return Cells("Every setting", header, rows, caption, frozenset(range(3, len(header) - 1)))
 
 
 def _reference(measured: Accuracy) -> list[tuple[str, str]]:

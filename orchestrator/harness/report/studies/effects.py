@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, log10
+from math import inf, isfinite, isnan, log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
-from ...charts.style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, vertical
+from ...charts.style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, rows_axis, vertical
+from ...studies.effects import Effects, Finding
 from ...studies.quantities import percent
 from ..page import Page, Section, write_page
-
-if TYPE_CHECKING:
-    from ...studies.effects import Effects, Finding
 
 ROW = 44  # px of an effect
 DECADES = 4  # below the tolerance, of the axis of errors
@@ -27,22 +25,15 @@ def for_effects(study: Effects, directory: str | Path) -> Path:
     blocks: list[Block] = [Text(_advice(study))]
     blocks += [Text(list(study.remarks), "note")] if study.remarks else []
     blocks += [_sizes(study, shown), _costs(study, shown)] if shown else []
+    compared = [
+        ("tolerance", percent(study.tolerance)),
+        ("quantities", "; ".join(study.quantities)),
+        ("models that were run", str(study.runs)),
+    ]
     sections = [
         Section("Which effects matter", blocks),
         Section("Effects", [_table(study), *_others(study)]),
-        Section(
-            "Study",
-            [
-                Facts(
-                    "What was compared",
-                    [
-                        ("tolerance", percent(study.tolerance)),
-                        ("quantities", "; ".join(study.quantities)),
-                        ("models that were run", str(study.runs)),
-                    ],
-                )
-            ],
-        ),
+        Section("Study", [Facts("What was compared", compared)]),
     ]
     return write_page(Page(study.scene.title or study.scene.name, _lead(study), sections), Path(directory) / "report.html")
 
@@ -59,114 +50,81 @@ def _lead(study: Effects) -> str:
 def _advice(study: Effects) -> list[str]:
     rows = (("All effects", study.full), ("The scene's own effects", study.given), ("Smallest set", study.least))
     costs = [f"{name}: error {percent(c.error)}, {c.calls} calls, {c.seconds:.3g} s." for name, c in rows]
-    return [
-        " ".join(costs),
-        *(
-            ["The smallest set: " + ", ".join(f.name for f in study.findings if f.chosen) + "."]
-            if any(f.chosen for f in study.findings)
-            else ["The smallest set has no effects."]
-        ),
-    ]
+    chosen = [f.name for f in study.findings if f.chosen]
+    return [" ".join(costs), f"The smallest set: {', '.join(chosen)}." if chosen else "The smallest set has no effects."]
 
 
 def _bars(
-    values: Sequence[float], rows: Sequence[int], name: str, colour: str, shift: float, texts: Sequence[str], **more: Any
+    values: Sequence[float], rows: Sequence[int], name: str, colour: str, upper: bool, texts: Sequence[str]
 ) -> dict[str, Any]:
+    """Horizontal bars in the upper or the lower half of their rows."""
     return {
         "type": "bar",
         "orientation": "h",
         "x": drawn(values, 4),
-        "y": [r + shift for r in rows],
+        "y": [row + (0.19 if upper else -0.19) for row in rows],
         "width": 0.34,
         "name": name,
         "marker": {"color": colour},
         "text": list(texts),
         "textposition": "none",
         "hovertemplate": "%{text}<extra></extra>",
-    } | more
+    }
+
+
+def _figure(
+    title: str, x_axis: dict[str, Any], shown: Sequence[Finding], data: list[dict[str, Any]], caption: str, **more: Any
+) -> Figure:
+    names = [f.name for f in shown]
+    figure_layout = layout(110 + ROW * len(names), xaxis=x_axis, yaxis=rows_axis(names), barmode="overlay", **more)
+    return Figure(title, {"data": data, "layout": figure_layout}, caption)
 
 
 def _sizes(study: Effects, shown: Sequence[Finding]) -> Figure:
-    rows, least = list(range(len(shown))), study.tolerance * 10.0**-DECADES
+    least = study.tolerance * 10.0**-DECADES
 
-    def length(error: float) -> float:
-        return LARGEST if error == float("inf") else max(error, least) if error == error else error
+    def lengths(errors: Sequence[float]) -> list[float]:
+        return [error if isnan(error) else LARGEST if error == inf else max(error, least) for error in errors]
 
-    data = [
-        *(
-            _bars(
-                [length(f.actual) for f in some],
-                [r for r, f in enumerate(shown) if f.chosen == chosen],
-                name,
-                colour,
-                0.19,
-                [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some],
-            )
-            for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY))
-            if (some := [f for f in shown if f.chosen == chosen])
-        ),
-        _bars(
-            [length(f.predicted) for f in shown],
-            rows,
-            "predicted",
-            VERMILION,
-            -0.19,
-            [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown],
-        ),
-    ]
-    figure_layout = _layout(
-        "error without it",
+    data = []
+    for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY)):
+        if rows := [r for r, f in enumerate(shown) if f.chosen == chosen]:
+            some = [shown[r] for r in rows]
+            texts = [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some]
+            data.append(_bars(lengths([f.actual for f in some]), rows, name, colour, True, texts))
+    texts = [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown]
+    data.append(_bars(lengths([f.predicted for f in shown]), range(len(shown)), "predicted", VERMILION, False, texts))
+    return _figure(
+        "Size of each effect",
+        axis("error without it", grid=True, type="log", range=[log10(least), log10(LARGEST)], dtick=1),
         shown,
-        barmode="overlay",
+        data,
+        "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
+        "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
+        "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
+        "at the right end are runs that fail.",
         shapes=[vertical(study.tolerance, colour=INK, dash="dash")],
         annotations=[label(percent(study.tolerance), log10(study.tolerance), 1.0, xref="x", yanchor="bottom")],
-    )
-    figure_layout["xaxis"] |= {"type": "log", "range": [log10(least), log10(LARGEST)], "dtick": 1}
-    return Figure(
-        "Size of each effect",
-        {"data": data, "layout": figure_layout},
-        (
-            "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
-            "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
-            "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
-            "at the right end are runs that fail."
-        ),
     )
 
 
 def _costs(study: Effects, shown: Sequence[Finding]) -> Figure:
-    rows, full = list(range(len(shown))), study.full
-    places = [r for r, f in enumerate(shown) if isfinite(f.seconds)]
+    rows, full = range(len(shown)), study.full
     texts = [f"{f.name}<br>{f.calls} calls, {_seconds(f)}, {f.states} states" for f in shown]
-    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, 0.19, texts)]
-    if places:
-        data.append(
-            _bars(
-                [100.0 * shown[r].seconds / full.seconds for r in places],
-                places,
-                "CPU time",
-                RAW,
-                -0.19,
-                [texts[r] for r in places],
-            )
-        )
-    zero = vertical(0.0, colour=INK)
-    figure_layout = _layout("cost of the effect, % of a run with all effects", shown, barmode="overlay", shapes=[zero])
-    return Figure(
+    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, True, texts)]
+    if timed := [r for r in rows if isfinite(shown[r].seconds)]:
+        shares = [100.0 * shown[r].seconds / full.seconds for r in timed]
+        data.append(_bars(shares, timed, "CPU time", RAW, False, [texts[r] for r in timed]))
+    return _figure(
         "What each effect adds",
-        {"data": data, "layout": figure_layout},
-        (
-            "Counted work is the same on every machine: evaluations of equations and exchanges of signals; an effect that only adds "
-            "terms to an equation adds none. CPU time: smallest of several runs, drawn only where the difference exceeds the "
-            "scatter of the runs. Bars to the left: the effect makes a run cheaper."
-        ),
+        axis("cost of the effect, % of a run with all effects", grid=True),
+        shown,
+        data,
+        "Counted work is the same on every machine: evaluations of equations and exchanges of signals; an effect that only adds "
+        "terms to an equation adds none. CPU time: smallest of several runs, drawn only where the difference exceeds the "
+        "scatter of the runs. Bars to the left: the effect makes a run cheaper.",
+        shapes=[vertical(0.0, colour=INK)],
     )
-
-
-def _layout(title: str, shown: Sequence[Finding], **more: Any) -> dict[str, Any]:
-    rows = list(range(len(shown)))
-    y = axis("", tickvals=rows, ticktext=[f.name for f in shown], range=[-0.6, len(rows) - 0.4])
-    return layout(110 + ROW * len(rows), xaxis=axis(title, grid=True), yaxis=y) | more
 
 
 def _seconds(effect: Finding) -> str:
@@ -174,7 +132,7 @@ def _seconds(effect: Finding) -> str:
 
 
 def _size(error: float) -> str:
-    return "the run fails" if error == float("inf") else percent(error)
+    return "the run fails" if error == inf else percent(error)
 
 
 def _table(study: Effects) -> Cells:
@@ -195,21 +153,12 @@ def _table(study: Effects) -> Cells:
         )
         for f in order
     ]
+    costs = ("states", "calls", "CPU time")
+    errors = ("predicted", "actual", "largest in", "error of the set without it")
+    header = ("effect", "in the scene", "chosen", *errors, *costs, "why")
     return Cells(
         "Effects of the full model",
-        (
-            "effect",
-            "in the scene",
-            "chosen",
-            "predicted",
-            "actual",
-            "largest in",
-            "error of the set without it",
-            "states",
-            "calls",
-            "CPU time",
-            "why",
-        ),
+        header,
         rows,
         "States, calls and CPU time: what the effect adds. –: less than the times scatter.",
         frozenset({3, 4, 6, 7, 8, 9}),

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .....components.catalogue import component_class
 from .....components.core.hard_cases import Refused
 from ...charts.blocks import Block, Cells, Figure, Text
-from ...charts.style import BLUE, INK, MUTED, VERMILION, axis, drawn, label, layout, vertical
+from ...charts.style import BLUE, INK, MUTED, VERMILION, axis, label, layout, markers, rows_axis, vertical
+from ...studies.hard_cases import HardCases, Verdict
 from ..page import Page, Section, write_page
-
-if TYPE_CHECKING:
-    from ...studies.hard_cases import HardCases, Verdict
 
 ROW = 21  # px of a component
 FARTHEST = 1e9  # a margin is drawn here if it is larger
@@ -55,14 +53,15 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
         _marks("refused, with a word of what helps", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
         _marks("does not hold", [v for v in every if not v.holds], rows, VERMILION, "x"),
     ]
+    exact = label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})
     figure_layout = layout(
         ROW * len(names) + 120,
         xaxis=axis("margin: limit over what was reached", grid=True, type="log"),
-        yaxis=axis("", tickvals=list(rows.values()), ticktext=names, range=[-0.7, len(names) - 0.3]),
+        yaxis=rows_axis(names[::-1]),
         margin={"l": 180, "r": 20, "t": 50, "b": 50},
+        shapes=[vertical(1.0, colour=INK)],
+        annotations=[exact],
     )
-    figure_layout["shapes"] = [vertical(1.0, colour=INK)]
-    figure_layout["annotations"] = [label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})]
     return Figure(
         "How far each claim is from its limit",
         {"data": data, "layout": figure_layout},
@@ -75,16 +74,9 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
 
 
 def _marks(name: str, verdicts: Sequence[Verdict], rows: dict[str, int], colour: str, symbol: str) -> dict[str, Any]:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "name": name,
-        "x": drawn([_place(v) for v in verdicts], 4),
-        "y": [rows[v.component] for v in verdicts],
-        "text": [f"{v.case.name}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts],
-        "hovertemplate": "%{text}<extra>%{fullData.name}</extra>",
-        "marker": {"color": colour, "symbol": symbol, "size": 9, "opacity": 0.75},
-    }
+    texts = [f"{v.case.name}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts]
+    x, y = [_place(v) for v in verdicts], [rows[v.component] for v in verdicts]
+    return markers(x, y, name, colour, symbol, 9, hover="%{text}<extra>%{fullData.name}</extra>", text=texts, opacity=0.75)
 
 
 def _place(verdict: Verdict) -> float:

@@ -5,37 +5,55 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, isfinite, isnan, log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
-from ...charts.style import BLUE, CYCLE, INK, MUTED, RAW, RISING, VERMILION, axis, drawn, label, layout, vertical
+from ...charts.style import (
+    BLUE,
+    CYCLE,
+    INK,
+    LEGEND_RIGHT,
+    MUTED,
+    RAW,
+    RISING,
+    VERMILION,
+    axis,
+    drawn,
+    label,
+    layout,
+    line,
+    markers,
+    rows_axis,
+    vertical,
+)
+from ...studies.internal_steps import InternalSteps
+from ...studies.stability import Limit, Scheme, Stability, limit_text
 from ..page import Page, Section, write_page
-
-if TYPE_CHECKING:
-    from ...studies.internal_steps import InternalSteps
-    from ...studies.stability import Limit, Scheme, Stability
 
 ROW = 34  # px of a bar
 PANEL = 250  # px of a map
+GAPS = 0.07, 0.12  # between maps, shares of the figure's width and height
 LEVELS = 12  # about so many contours
 TICKS = 8  # values of a parameter that an axis may name
+TITLE = "Longest stable macro step"
 
 
 def for_stability(study: Stability, directory: str | Path) -> Path:
     """`report.html` of a scene's limits."""
     figures: list[Block] = [Text(list(study.remarks), "note")] if study.remarks else []
-    figures += {0: _bars, 1: _curves, 2: _maps}[len(study.varied)](study)
+    figures.append({0: _bars, 1: _curves, 2: _maps}[len(study.varied)](study))
     figures += _against_closed_form(study)
     lead = (
         "The longest macro step at which a small disturbance does not grow, by algorithm and degree of extrapolation; the "
         "numbers are in stability.csv."
     )
+    master = study.scene.master
     settings = [
-        ("macro step of the scene, s", f"{study.scene.master.step:g}"),
-        ("algorithm of the scene", f"{study.scene.master.algorithm}, {study.scene.master.extrapolation}"),
-        ("macro steps made", str(sum(limit.steps for limit in study.limits))),
+        ("macro step of the scene, s", f"{master.step:g}"),
+        ("algorithm of the scene", f"{master.algorithm}, {master.extrapolation}"),
+        ("macro steps of all runs", str(sum(limit.steps for limit in study.limits))),
     ]
     sections = [
         Section("What stays stable", figures),
@@ -48,59 +66,56 @@ def for_stability(study: Stability, directory: str | Path) -> Path:
 def for_internal_steps(study: InternalSteps, directory: str | Path) -> Path:
     """`report.html` of a component's limits."""
     names = [", ".join(s.effects) or "no effects" for s in study.steps]
-    rows = list(range(len(names)))[::-1]  # the first at the top
-    data = [
-        _dots(np.array([s.longest for s in study.steps]), rows, "measured", BLUE, "circle"),
-        _dots(np.array([s.own for s in study.steps]), rows, "the component's own limit", VERMILION, "line-ns-open"),
-    ]
-    figure = Figure(
+    figure = _rows_figure(
         "Longest stable internal step",
-        {"data": data, "layout": _bar_layout("internal step, s", names, rows)},
-        (
-            "A measured limit left of the component's own: the component claims too much. Without a mark: no limit was found, or "
-            "the component has none; see the table."
-        ),
+        "internal step, s",
+        names,
+        [("measured", [s.longest for s in study.steps]), ("the component's own limit", [s.own for s in study.steps])],
+        "A measured limit left of the component's own: the component claims too much. Without a mark: no limit was found, or "
+        "the component has none; see the table.",
     )
     table = Cells(
         "",
         ("effects", "measured, s", "own limit, s", "margin", "what the next longer step did"),
         [
-            (name, _limit(s.longest, s.tried), _own(s.own), f"{s.margin:.3g}" if isfinite(s.margin) else "–", s.seen)
+            (name, limit_text(s.longest, s.tried), _step_text(s.own, "none"), _step_text(s.margin), s.seen)
             for name, s in zip(names, study.steps, strict=True)
         ],
         "Margin: measured over own limit.",
         frozenset((1, 2, 3)),
     )
     lead = "The longest internal step at which a small disturbance does not grow, inputs held; the numbers are in stability.csv."
-    return write_page(
-        Page(f"{study.title}: internal steps", lead, [Section("What stays stable", [figure, table])]),
-        Path(directory) / "report.html",
-    )
+    page = Page(f"{study.title}: internal steps", lead, [Section("What stays stable", [figure, table])])
+    return write_page(page, Path(directory) / "report.html")
 
 
-def _limit(longest: float, tried: float) -> str:
-    if isnan(longest):
-        return "–"
-    return f"above {tried:.3g}" if longest == inf else f"below {tried:.3g}" if longest == 0.0 else f"{longest:.4g}"
+def _step_text(step: float, without_limit: str = "any") -> str:
+    return "–" if isnan(step) else without_limit if step == inf else "none" if step == 0.0 else f"{step:.4g}"
 
 
-def _own(step: float) -> str:
-    return "none" if step == inf else "–" if isnan(step) else f"{step:.4g}"
-
-
-def _name(scheme: Scheme) -> str:
+def _scheme_text(scheme: Scheme) -> str:
     return f"{scheme[0]}, {('held', 'linear', 'quadratic')[scheme[1]]}"
 
 
+def _labels(study: Stability) -> list[str]:
+    return [f"{name}, {unit}" if unit else name for name, unit in study.varied.items()]
+
+
+def _ratio(limit: Limit) -> float:
+    """Measured over closed form; NaN where one of them is not known."""
+    known = all(isfinite(step) and step > 0.0 for step in (limit.longest, limit.closed))
+    return limit.longest / limit.closed if known else np.nan
+
+
 def _table(study: Stability) -> Cells:
-    names = [f"{n}, {unit}" if unit else n for n, unit in study.varied.items()]
+    names = _labels(study)
     rows = [
         (
             *(f"{v:.4g}" for v in limit.point.values()),
-            _name((limit.algorithm, limit.extrapolation)),
-            _limit(limit.longest, limit.tried),
-            _closed(limit.closed),
-            _ratio(limit),
+            _scheme_text((limit.algorithm, limit.extrapolation)),
+            limit_text(limit.longest, limit.tried),
+            _step_text(limit.closed),
+            f"{_ratio(limit):.4f}" if isfinite(_ratio(limit)) else "–",
             limit.seen,
         )
         for limit in study.limits
@@ -116,264 +131,180 @@ def _table(study: Stability) -> Cells:
     )
 
 
-def _closed(step: float) -> str:
-    return "–" if isnan(step) else "any" if step == inf else "none" if step == 0.0 else f"{step:.4g}"
-
-
-def _ratio(limit: Limit) -> str:
-    return f"{limit.longest / limit.closed:.4f}" if _comparable(limit) else "–"
-
-
-def _comparable(limit: Limit) -> bool:
-    return all(isfinite(x) and x > 0.0 for x in (limit.longest, limit.closed))
-
-
-def _dots(x: np.ndarray, y: Sequence[int], name: str, colour: str, symbol: str) -> dict[str, Any]:
-    return {
-        "type": "scatter",
-        "mode": "markers",
-        "x": drawn(np.where(x > 0.0, x, np.nan), 5),
-        "y": list(y),
-        "name": name,
-        "hovertemplate": "%{x:.4g} s<extra>%{fullData.name}</extra>",
-        "marker": {"color": colour, "symbol": symbol, "size": 11, "line": {"width": 3, "color": colour}},
-    }
-
-
-def _bar_layout(x_label: str, names: Sequence[str], rows: Sequence[int]) -> dict[str, Any]:
-    return layout(
+def _rows_figure(
+    title: str, x_label: str, names: Sequence[str], marks: Sequence[tuple[str, Sequence[float]]], caption: str, **more: Any
+) -> Figure:
+    """Positive numbers of named rows, the first at the top: of the first kind as dots, of the second as bars across."""
+    rows = range(len(names))[::-1]
+    data = [
+        markers(
+            np.where(np.asarray(x) > 0.0, x, np.nan),
+            rows,
+            name,
+            colour,
+            hover="%{x:.4g} s<extra>%{fullData.name}</extra>",
+            marker={"color": colour, "symbol": symbol, "size": 11, "line": {"width": 3, "color": colour}},
+        )
+        for (name, x), colour, symbol in zip(marks, (BLUE, VERMILION), ("circle", "line-ns-open"), strict=True)
+    ]
+    figure_layout = layout(
         ROW * len(names) + 110,
         xaxis=axis(x_label, grid=True, type="log"),
-        yaxis=axis("", tickvals=list(rows), ticktext=list(names), range=[-0.6, len(names) - 0.4]),
+        yaxis=rows_axis(names[::-1]),
         margin={"l": 190, "r": 20, "t": 40, "b": 50},
+        **more,
+    )
+    return Figure(title, {"data": data, "layout": figure_layout}, caption)
+
+
+def _bars(study: Stability) -> Figure:
+    """One point: a row for each scheme."""
+    limits, step = study.limits, study.scene.master.step
+    notes = [label("the scene's", log10(step), 1.0, xref="x", yanchor="bottom")]
+    for row, limit in enumerate(reversed(limits)):
+        if isfinite(limit.tried) and limit.longest in (inf, 0.0):
+            stable = limit.longest == inf
+            text = f"stable up to {limit.tried:.3g} →" if stable else f"← unstable down to {limit.tried:.3g}"
+            notes.append(label(text, log10(limit.tried), row, xref="x", yref="y", xanchor="right" if stable else "left"))
+    return _rows_figure(
+        TITLE,
+        "macro step, s",
+        [_scheme_text(scheme) for scheme in study.schemes],
+        [("measured", [limit.longest for limit in limits]), ("closed form", [limit.closed for limit in limits])],
+        "Without a mark: a closed form is not known there, or nothing was measured; see the table.",
+        shapes=[vertical(step, colour=INK, dash="dot")],
+        annotations=notes,
     )
 
 
-def _bars(study: Stability) -> list[Block]:
-    """One point: a row for each scheme."""
-    limits = study.limits
-    names = [_name(scheme) for scheme in study.schemes]
-    rows = list(range(len(names)))[::-1]
-    data = [
-        _dots(np.array([limit.longest for limit in limits]), rows, "measured", BLUE, "circle"),
-        _dots(np.array([limit.closed for limit in limits]), rows, "closed form", VERMILION, "line-ns-open"),
-    ]
-    figure_layout = _bar_layout("macro step, s", names, rows)
-    step = study.scene.master.step
-    figure_layout["shapes"] = [vertical(step, colour=INK, dash="dot")]
-    notes = [label("the scene's", log10(step), 1.0, xref="x", yanchor="bottom")]
-    for row, limit in zip(rows, limits, strict=True):
-        if isfinite(limit.tried) and (limit.longest == inf or limit.longest == 0.0):
-            arrow = f"stable up to {limit.tried:.3g} →" if limit.longest == inf else f"← unstable down to {limit.tried:.3g}"
-            notes.append(
-                label(arrow, log10(limit.tried), row, xref="x", yref="y", xanchor="right" if limit.longest == inf else "left")
-            )
-    figure_layout["annotations"] = notes
-    return [
-        Figure(
-            "Longest stable macro step",
-            {"data": data, "layout": figure_layout},
-            "Without a mark: a closed form is not known there, or nothing was measured; see the table.",
-        )
-    ]
-
-
-def _curves(study: Stability) -> list[Block]:
-    """One parameter: a line for each scheme, dashed its closed form."""
-    (name, unit), data = next(iter(study.varied.items())), []
+def _curves(study: Stability) -> Figure:
+    """One parameter: a series for each scheme, dashed its closed form."""
+    (name,), data = study.varied, []
     for k, scheme in enumerate(study.schemes):
         limits, colour = study.of(scheme), CYCLE[k % len(CYCLE)]
         x = [limit.point[name] for limit in limits]
-        for what, values, style in (
-            ("", [limit.longest for limit in limits], {"mode": "lines+markers"}),
-            (", closed form", [limit.closed for limit in limits], {"mode": "lines"}),
-        ):
-            y = np.array(values)
+        measured, closed = (np.array([getattr(limit, which) for limit in limits]) for which in ("longest", "closed"))
+        for y, text, style in ((measured, "", {"mode": "lines+markers"}), (closed, ", closed form", {"dash": "dash"})):
             if (np.isfinite(y) & (y > 0.0)).any():
-                data.append(
-                    {
-                        "type": "scatter",
-                        "x": drawn(x, 6),
-                        "y": drawn(np.where(y > 0.0, y, np.nan), 5),
-                        **style,
-                        "name": _name(scheme) + what,
-                        "line": {"color": colour, "width": 1.8, "dash": "dash" if what else "solid"},
-                    }
-                )
-    return [
-        Figure(
-            "Longest stable macro step",
-            {
-                "data": data,
-                "layout": layout(
-                    430,
-                    xaxis=_parameter_axis(f"{name}, {unit}", study, name),
-                    yaxis=axis("macro step, s", grid=True, type="log"),
-                    margin={"l": 70, "r": 250, "t": 34, "b": 50},
-                    legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}},
-                ),
-            },
-            "Dashed: closed forms. A gap: every step that was tried is stable, or none is; see the table.",
-        )
-    ]
+                data.append(line(x, np.where(y > 0.0, y, np.nan), _scheme_text(scheme) + text, colour, **style))
+    figure_layout = layout(
+        430,
+        xaxis=_parameter_axis(_labels(study)[0], study, name),
+        yaxis=axis("macro step, s", grid=True, type="log"),
+        **LEGEND_RIGHT,
+    )
+    caption = "Dashed: closed forms. A gap: every step that was tried is stable, or none is; see the table."
+    return Figure(TITLE, {"data": data, "layout": figure_layout}, caption)
 
 
 def _parameter_axis(title: str, study: Stability, name: str, **more: Any) -> dict[str, Any]:
     """Logarithmic where the values are spread over more than a decade."""
-    values = np.array([limit.point[name] for limit in study.limits])
-    spread = values.min() > 0.0 and values.max() > 8.0 * values.min()
-    ticks = sorted(set(values.tolist())) if len(set(values.tolist())) <= TICKS else []
-    marks: dict[str, Any] = {"tickvals": drawn(ticks, 6), "ticktext": [f"{v:.4g}" for v in ticks]} if ticks else {}
+    values = sorted({limit.point[name] for limit in study.limits})
+    spread = values[0] > 0.0 and values[-1] > 8.0 * values[0]
+    few = len(values) <= TICKS
+    marks: dict[str, Any] = {"tickvals": drawn(values, 6), "ticktext": [f"{v:.4g}" for v in values]} if few else {}
     return axis(title, type="log" if spread else "linear", **marks, **more)
 
 
-def _maps(study: Stability) -> list[Block]:
-    """Two parameters: a map for each scheme, filled as measured, with the closed form's lines at the same steps."""
-    (first, _), (second, _) = (items := list(study.varied.items()))
+def _maps(study: Stability) -> Block:
+    """Two parameters: a map for each scheme, filled as measured, with contours of the closed form at the same steps."""
+    first, second = study.varied
     xs, ys = (sorted({limit.point[n] for limit in study.limits}) for n in (first, second))
     finite = [log10(limit.longest) for limit in study.limits if 0.0 < limit.longest < inf]
     if not finite:
-        return [Text(["No limit lies between the steps that were tried; see the table."], "note")]
+        return Text(["No limit lies between the steps that were tried; see the table."], "note")
     low, high = min(finite), max(finite)
-    levels = {"start": low, "end": high, "size": max((high - low) / LEVELS, 1e-3)}
-    schemes = study.schemes
-    columns = len({degree for _, degree in schemes})
-    rows = -(-len(schemes) // columns)
-    width, tall = (1.0 - 0.07 * (columns - 1)) / columns, (1.0 - 0.12 * (rows - 1)) / rows
+    columns = len({degree for _, degree in study.schemes})
+    rows = -(-len(study.schemes) // columns)
+    width, tall = ((1.0 - gap * (n - 1)) / n for gap, n in zip(GAPS, (columns, rows), strict=True))
+    labels = _labels(study)
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {}
     notes = []
-    labels = [f"{n}, {unit}" if unit else n for n, unit in items]
-    for k, scheme in enumerate(schemes):
+    for k, scheme in enumerate(study.schemes):
         row, column = divmod(k, columns)
-        left, top = column * (width + 0.07), 1.0 - row * (tall + 0.12)
+        left, top = column * (width + GAPS[0]), 1.0 - row * (tall + GAPS[1])
         n = "" if k == 0 else str(k + 1)
-        axes["xaxis" + n] = _parameter_axis(
-            labels[0] if row == rows - 1 else "", study, first, domain=[left, left + width], anchor="y" + n
-        )
-        axes["yaxis" + n] = _parameter_axis(
-            labels[1] if column == 0 else "", study, second, domain=[max(top - tall, 0.0), top], anchor="x" + n
-        )
+        x_label, y_label = labels[0] if row == rows - 1 else "", labels[1] if column == 0 else ""
+        axes["xaxis" + n] = _parameter_axis(x_label, study, first, domain=[left, left + width], anchor="y" + n)
+        axes["yaxis" + n] = _parameter_axis(y_label, study, second, domain=[max(top - tall, 0.0), top], anchor="x" + n)
         bold = {"size": 12.5, "color": INK}
-        notes.append(label(f"<b>{_name(scheme)}</b>", left, top, xanchor="left", yanchor="bottom", font=bold))
-        place = {"x": drawn(xs, 6), "y": drawn(ys, 6), "xaxis": "x" + n, "yaxis": "y" + n}
+        notes.append(label(f"<b>{_scheme_text(scheme)}</b>", left, top, xanchor="left", yanchor="bottom", font=bold))
+        place = {"xaxis": "x" + n, "yaxis": "y" + n}
         limits = study.of(scheme)
-        measured, closed = (_grid(limits, (first, xs), (second, ys), which) for which in ("longest", "closed"))
-        if np.isfinite(measured).any():
-            data.append(
-                {
-                    "type": "contour",
-                    "z": [drawn(r, 5) for r in measured],
-                    **place,
-                    "zmin": low,
-                    "zmax": high,
-                    "contours": levels | {"coloring": "fill"},
-                    "line": {"width": 0.6, "color": MUTED},
-                    "colorscale": RISING,
-                    "showscale": not any(d.get("showscale") for d in data),
-                    "colorbar": _scale(low, high),
-                    "name": "measured",
-                    "hovertemplate": "%{x:.4g}, %{y:.4g}: 10^%{z:.3f} s<extra>measured</extra>",
-                }
-            )
-        if np.isfinite(closed).any():
-            data.append(
-                {
-                    "type": "contour",
-                    "z": [drawn(r, 5) for r in closed],
-                    **place,
-                    "zmin": low,
-                    "zmax": high,
-                    "contours": levels | {"coloring": "none"},
-                    "line": {"width": 2, "color": VERMILION, "dash": "dash"},
-                    "showscale": False,
-                    "name": "closed form",
-                    "hoverinfo": "skip",
-                }
-            )
-        data += _marks(limits, first, second, n)
+        for which in ("longest", "closed"):
+            grid = np.full((len(ys), len(xs)), np.nan)
+            for limit in limits:
+                if 0.0 < (step := getattr(limit, which)) < inf:
+                    grid[ys.index(limit.point[second]), xs.index(limit.point[first])] = log10(step)
+            if np.isfinite(grid).any():
+                scale = which == "longest" and not any(trace.get("showscale") for trace in data)
+                data.append(_contours(grid, xs, ys, low, high, which == "closed", scale) | place)
+        for symbol, longest in (("circle-open", inf), ("x", 0.0)):
+            if at := [limit.point for limit in limits if limit.longest == longest]:
+                x, y = ([point[name] for point in at] for name in (first, second))
+                data.append(markers(x, y, "", MUTED, symbol, 7, hoverinfo="skip", **place))
     figure_layout = layout(
         PANEL * rows + 90, annotations=notes, showlegend=False, margin={"l": 70, "r": 90, "t": 34, "b": 50}, **axes
     )
-    return [
-        Figure(
-            "Longest stable macro step",
-            {"data": data, "layout": figure_layout},
-            (
-                "Filled, with thin lines: as measured. Dashed: the closed form at the same steps, where there is one; the two lie on one "
-                "another where nothing but that pair of units limits the scene. ○: every step tried is stable; ×: none is."
-            ),
-        )
-    ]
+    return Figure(
+        TITLE,
+        {"data": data, "layout": figure_layout},
+        "Filled, with thin contours: as measured. Dashed: the closed form at the same steps, where there is one; the two lie on "
+        "one another where nothing but that pair of units limits the scene. ○: every step tried is stable; ×: none is.",
+    )
 
 
-def _scale(low: float, high: float) -> dict[str, Any]:
+def _contours(
+    grid: np.ndarray, x: Sequence[float], y: Sequence[float], low: float, high: float, dashed: bool, scale: bool
+) -> dict[str, Any]:
+    """A map of logarithms of steps, (len(y), len(x)): filled, or dashed contours alone."""
     ticks = np.linspace(low, high, 5)
-    return {
+    bar = {
         "title": {"text": "macro step, s", "side": "right", "font": {"size": 13}},
         "thickness": 12,
         "outlinewidth": 0,
         "tickvals": drawn(ticks),
         "ticktext": [f"{10.0**t:.2g}" for t in ticks],
     }
-
-
-def _grid(limits: Sequence[Limit], x: tuple[str, list[float]], y: tuple[str, list[float]], which: str) -> np.ndarray:
-    """Logarithms of a scheme's steps, (len(y), len(x)); NaN where there is none."""
-    grid = np.full((len(y[1]), len(x[1])), np.nan)
-    for limit in limits:
-        if 0.0 < (value := getattr(limit, which)) < inf:
-            grid[y[1].index(limit.point[y[0]]), x[1].index(limit.point[x[0]])] = log10(value)
-    return grid
-
-
-def _marks(limits: Sequence[Limit], first: str, second: str, n: str) -> list[dict[str, Any]]:
-    """Points of a map without a limit."""
-    traces = []
-    for symbol, at in (("circle-open", [m for m in limits if m.longest == inf]), ("x", [m for m in limits if m.longest == 0.0])):
-        if at:
-            traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "markers",
-                    "x": [m.point[first] for m in at],
-                    "y": [m.point[second] for m in at],
-                    "xaxis": "x" + n,
-                    "yaxis": "y" + n,
-                    "hoverinfo": "skip",
-                    "marker": {"symbol": symbol, "color": MUTED, "size": 7},
-                }
-            )
-    return traces
+    filled = {
+        "line": {"width": 0.6, "color": MUTED},
+        "colorscale": RISING,
+        "colorbar": bar,
+        "name": "measured",
+        "hovertemplate": "%{x:.4g}, %{y:.4g}: 10^%{z:.3f} s<extra>measured</extra>",
+    }
+    contours = {"line": {"width": 2, "color": VERMILION, "dash": "dash"}, "name": "closed form", "hoverinfo": "skip"}
+    levels = {"start": low, "end": high, "size": max((high - low) / LEVELS, 1e-3), "coloring": "none" if dashed else "fill"}
+    return {
+        "type": "contour",
+        "z": [drawn(row) for row in grid],
+        "x": drawn(x, 6),
+        "y": drawn(y, 6),
+        "zmin": low,
+        "zmax": high,
+        "contours": levels,
+        "showscale": scale,
+        **(contours if dashed else filled),
+    }
 
 
 def _against_closed_form(study: Stability) -> list[Block]:
     """Measured limits over those of the closed form, a mark for every point of the map."""
     data = []
     for k, scheme in enumerate(study.schemes):
-        pairs = [limit for limit in study.of(scheme) if _comparable(limit)]
-        if pairs:
-            data.append(
-                {
-                    "type": "scatter",
-                    "mode": "markers",
-                    "name": _name(scheme),
-                    "x": drawn([p.closed for p in pairs], 5),
-                    "y": drawn([p.longest / p.closed for p in pairs], 5),
-                    "hovertemplate": "%{x:.4g} s: %{y:.4f}<extra>%{fullData.name}</extra>",
-                    "marker": {"color": CYCLE[k % len(CYCLE)], "size": 8, "opacity": 0.8},
-                }
-            )
+        if known := [limit for limit in study.of(scheme) if isfinite(_ratio(limit))]:
+            x, y, colour = [limit.closed for limit in known], [_ratio(limit) for limit in known], CYCLE[k % len(CYCLE)]
+            hover = "%{x:.4g} s: %{y:.4f}<extra>%{fullData.name}</extra>"
+            data.append(markers(x, y, _scheme_text(scheme), colour, hover=hover, opacity=0.8))
     if not data:
         return []
+    one = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "y0": 1, "y1": 1, "line": {"color": RAW, "width": 1}}
     figure_layout = layout(
         300,
         xaxis=axis("limit of the closed form, s", grid=True, type="log"),
         yaxis=axis("measured over closed form", grid=True),
-        margin={"l": 70, "r": 250, "t": 34, "b": 50},
-        legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}},
+        shapes=[one],
+        **LEGEND_RIGHT,
     )
-    figure_layout["shapes"] = [
-        {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "y0": 1, "y1": 1, "line": {"color": RAW, "width": 1}}
-    ]
     return [Figure("Against the closed form", {"data": data, "layout": figure_layout})]
