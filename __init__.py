@@ -45,8 +45,7 @@ if TYPE_CHECKING:
     from .orchestrator.judgement.verification import run
     from .orchestrator.results import Result
     from .orchestrator.scene.build import unit
-    from .orchestrator.scene.scene import Scene
-    from .orchestrator.scene.text import write_scene
+    from .orchestrator.scene.scene import Scene, write_scene
     from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
     from .orchestrator.systems.many import design, fit, sensitivity, sweep, uncertainty
 
@@ -71,8 +70,7 @@ _PLACES = {
     "orchestrator.results": ("Result",),
     "orchestrator.judgement.verification": ("run",),
     "orchestrator.scene.build": ("unit",),
-    "orchestrator.scene.scene": ("Scene",),
-    "orchestrator.scene.text": ("write_scene",),
+    "orchestrator.scene.scene": ("Scene", "write_scene"),
     "orchestrator.systems": ("build_scene", "load_scene", "read_result", "read_scene", "summary", "validate", "write_report"),
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}

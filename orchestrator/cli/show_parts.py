@@ -13,7 +13,7 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, StepFailed
 from ..harness.component_page import component_page
 from ..harness.studies.full_model import with_required
-from ..harness.studies.timing import Timing, repeated
+from ..harness.studies.trial import Timing, repeated
 from ..harness.validation.reference import load_table, table_files
 from ..judgement.dry_run import stepping_path
 from ..scene.drawing import Drawing

@@ -164,7 +164,7 @@ def effects(
     from ..harness.report.studies.effects import for_effects
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
-    from ..scene.text import write_scene
+    from ..scene.scene import write_scene
 
     allowed = share("--tolerance", tolerance)
     if write is not None and write.suffix != ".toml":

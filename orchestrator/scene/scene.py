@@ -10,6 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
 from ...components.catalogue import component_class
@@ -17,6 +18,7 @@ from ...components.core.errors import BadInput, nearest
 from ...components.core.ports import port_of
 from ..engine.coupling import Coupling, resolve_coupling
 from ..loading import loading
+from ..output import ensure_directory
 from ..settings import AnalysisKeys, SceneSettings
 from ..settings.messages import one_message
 from ..settings.study import wanted
@@ -231,3 +233,24 @@ def _unknown(key: str, name: str, model: type[AnalysisKeys], models: Models) -> 
     others = [s for s, keys in models.items() if key in keys.model_fields and not issubclass(model, keys)]
     remedy = f"It belongs to system = {' or '.join(map(repr, others))}." if others else nearest(key, model.model_fields)
     return BadInput(f"{name}: analysis", f"key {key!r}", "a key that is read", remedy)
+
+
+def write_scene(scene: Scene, path: str | Path, remarks: Sequence[str] = ()) -> Path:
+    """Write the scene to a .toml file, which `load_scene` reads as the same scene; the remarks stand above it as comments."""
+    path = Path(path)
+    ensure_directory(path.parent)
+    path.write_text(scene_text(scene.settings(), remarks), encoding="utf-8")
+    return path
+
+
+def scene_text(data: Mapping[str, Any], remarks: Sequence[str] = ()) -> str:
+    """Settings of a scene as TOML, below the remarks as comments."""
+    comments = "".join(f"# {line}\n" for remark in remarks for line in remark.splitlines())
+    return comments + ("\n" if remarks else "") + tomli_w.dumps(_without_none(data))
+
+
+def _without_none(value: Any) -> Any:
+    """Tables without the keys that have no value, for which TOML has no word."""
+    if isinstance(value, Mapping):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return [_without_none(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,11 +1,9 @@
 """What a scene may say, as frozen, typed models: each fault of a single setting is found here. One file a table."""
 
 from .analysis import AnalysisKeys
-from .contacts import ContactSettings
-from .faults import FaultSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
-from .scene import ConnectionSettings, RecordSettings, SceneSettings
+from .scene import ConnectionSettings, ContactSettings, FaultSettings, RecordSettings, SceneSettings
 from .study import MonolithSettings, StudySettings
 from .units import SubsystemSettings, UnitSettings
 

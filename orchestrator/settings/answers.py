@@ -27,9 +27,8 @@ from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .case import CurveSettings
-from .limits import LimitSettings, RowsSettings
 from .model import Model, Number, Positive, Truth
-from .plan import KeepSettings
+from .plan import KeepSettings, LimitSettings, RowsSettings
 
 Share = Annotated[float, Field(strict=True, gt=0.0, lt=0.5)]
 Starts = Annotated[int, Field(strict=True, ge=1, le=10_000)]

@@ -14,6 +14,12 @@ seed = 7
 quantities = ["pantograph.contact_force, maximum below 20 Hz"]
 signals = ["pantograph.contact_force"]
 interval = 0.01
+
+[limits]                                          # that columns of a run should keep; in a design they are [constraints]
+"pantograph.std" = { high = 40.0 }
+
+Limits may as well be rows of a validation table, above the first table of the plan:
+rows = { table = "en50367", conditions = ["AC above 200 km/h"] }
 """
 
 from __future__ import annotations
@@ -26,9 +32,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
 from ...components.core.errors import BadInput, nearest
-from .limits import LimitSettings, RowsSettings
-from .model import Model, Number, Seconds, Truth
-from .ranges import RANGE, ranged
+from .model import RANGE, Model, Number, Seconds, Truth, ranged
 from .study import wanted
 
 SAMPLED = ("latin-hypercube", "sobol", "random")
@@ -38,6 +42,43 @@ SHAPES = {  # of a distribution: what it must say, what it may say
     "uniform": (("low", "high"), ()),
     "triangular": (("low", "mode", "high"), ()),
 }
+
+
+class LimitSettings(Model):
+    """A column of a run that must stay between two numbers, one or both."""
+
+    low: Number | None = None
+    high: Number | None = None
+    quantity: str = Field(default="", description="in words, with its condition")
+    unit: str = Field(default="", description="of both numbers; one that the column does not have is refused")
+    standing: Literal["", "verbatim", "measured", "computed", "inferred", "recalled"] = Field(
+        default="", description="where the range comes from; a recalled one is named as such"
+    )
+    source: str = ""
+
+    @model_validator(mode="after")
+    def _limits(self) -> LimitSettings:
+        if self.low is None and self.high is None:
+            raise BadInput("", "neither low nor high", "one or both")
+        if self.low is not None and self.high is not None and not self.low <= self.high:
+            raise BadInput("", f"low = {self.low:g}, high = {self.high:g}", "low <= high")
+        return self
+
+    @property
+    def size(self) -> float:
+        """What its numbers are scaled by: the larger one, 1 where both are zero."""
+        return max(abs(e) for e in (self.low, self.high) if e is not None) or 1.0
+
+    def keeps(self, value: float, slack: float = 0.0) -> bool:
+        """Whether a number lies in the range, its ends and `slack` included; NaN does not."""
+        return (self.low is None or value >= self.low - slack) and (self.high is None or value <= self.high + slack)
+
+
+class RowsSettings(Model):
+    """Rows of a validation table."""
+
+    table: str = Field(description="name of a shipped table, or a TOML file with sources and rows, such as a case of one's own")
+    conditions: tuple[str, ...] = Field(default=(), description="those that hold; without them all rows of the table")
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,12 @@ stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pydantic import Field, field_validator
 
 from ...components.core.errors import BadInput, nearest
 from .model import Model, Sweep
-from .ranges import ranged
 
 QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "time history", "amplitude at F Hz")
 EVERY_KIND = ", ".join(QUANTITY_KINDS) + '; all but the last also "... below F Hz", of the low-pass-filtered signal'
@@ -104,11 +102,6 @@ class StudySettings(Model):
         for text in quantities:
             wanted(text)
         return quantities
-
-    @field_validator("stability", mode="before")
-    @classmethod
-    def _by_full_name(cls, table: Any) -> Any:
-        return dict(ranged(table)) if isinstance(table, Mapping) else table
 
     @field_validator("stability")
     @classmethod

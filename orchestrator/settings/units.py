@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
 
 from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive
@@ -55,11 +55,6 @@ class UnitSettings(Model):
         """Whether all settings are the same, however arrays were written."""
         return isinstance(other, UnitSettings) and self.__dict__ == other.__dict__
 
-    @field_validator("parameters", mode="before")
-    @classmethod
-    def _flat(cls, parameters: Any) -> Any:
-        return dict(_flattened(parameters)) if isinstance(parameters, Mapping) else parameters
-
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
         if bool(self.component) == bool(self.fmu):
@@ -88,11 +83,6 @@ class SubsystemSettings(Model):
     scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd or .ssp file, relative to this one")
     parameters: Parameters = Field(default={}, description="unit.parameter of the scene, in the place of its own values")
 
-    @field_validator("parameters", mode="before")
-    @classmethod
-    def _flat(cls, parameters: Any) -> Any:
-        return dict(_flattened(parameters)) if isinstance(parameters, Mapping) else parameters
-
 
 class OrSubsystem:
     """For the JSON schema of a scene file: subsystems stand where units may; they are replaced before a scene is checked."""
@@ -101,30 +91,8 @@ class OrSubsystem:
         return {"if": {"required": ["scene"]}, "then": SubsystemSettings.model_json_schema(), "else": handler(schema)}
 
 
-def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested tables and lists as the full names of variables: "effect.name", "name[1]", "name[1,2]"."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flattened(value, f"{prefix}{key}.")
-        elif isinstance(value, list | tuple):
-            if not value:
-                raise BadInput(prefix + key, "an empty list", "values", "Remove it.")
-            yield from ((f"{prefix}{key}[{','.join(place)}]", v) for place, v in _elements(value))
-        else:
-            yield prefix + key, value
-
-
-def _elements(values: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Elements of nested lists, each with its indices from 1."""
-    for i, value in enumerate(values, 1):
-        if isinstance(value, list | tuple):
-            yield from _elements(value, (*place, str(i)))
-        else:
-            yield (*place, str(i)), value
-
-
 def _shapes(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, tuple[int, ...] | None]]:
-    """Names of the lists in nested tables, as `_flattened` has them, with their shapes."""
+    """Names of the lists in nested tables, as `flattened` has them, with their shapes."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _shapes(value, f"{prefix}{key}.")

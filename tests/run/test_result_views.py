@@ -11,7 +11,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_result, read_scene
-from cosimo.orchestrator.views.sparkline import HEIGHT, sparkline
+from cosimo.orchestrator.views.html import HEIGHT, sparkline
 from cosimo.tests.support import two_masses
 
 PROBE = {

@@ -15,7 +15,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import loading
 from cosimo.orchestrator.engine.coupling.resolve import _transformation
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.ssp.measures import Measure, named
+from cosimo.orchestrator.scene.ssp.units_of_measure import Measure, named
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.fmu import _measures
 from cosimo.orchestrator.units.interface import Signal

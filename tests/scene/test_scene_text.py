@@ -3,8 +3,7 @@
 import tomllib
 
 import pytest
-from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.scene.text import scene_text, write_scene
+from cosimo.orchestrator.scene.scene import scene_files, scene_text, write_scene
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 

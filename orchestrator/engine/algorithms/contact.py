@@ -15,7 +15,7 @@ import numpy as np
 
 from ....components.core.reduced import LAWS, force_in_series, reduced_step
 from ...settings import ContactSettings
-from ...settings.contacts import SideSettings
+from ...settings.scene import SideSettings
 from ...units.interface import PortValues
 from ..coupling.contacts import PARTS, SIDES
 from .kernels import end_of, extrapolation

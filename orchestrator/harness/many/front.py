@@ -14,7 +14,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...settings.answers import DesignSettings
-from ...settings.limits import LimitSettings
+from ...settings.plan import LimitSettings
 from .evaluations import Evaluations
 from .measures import Row
 from .sampling import unit_points

@@ -9,8 +9,7 @@ from typing import TypeVar
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
-from ...settings.limits import LimitSettings, RowsSettings
-from ...settings.plan import KeepSettings, PlanSettings
+from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
 from ...settings.study import wanted
 from ..validation.reference import TableRow, load_table, rows_of, table_rows
 

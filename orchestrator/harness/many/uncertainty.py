@@ -17,8 +17,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
-from ...settings.limits import LimitSettings
-from ...settings.plan import SAMPLED, PlanSettings
+from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for

@@ -14,7 +14,7 @@ from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
 from ..summary import with_error, with_errors
-from . import claims, generic, many_runs, numerics, sweeps, trust
+from . import generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...results import Result
     from ..sweep import Sweep
     from ..system import Systems
-    from ..validation.case import CaseResult
+    from ..validation.case import CaseResult, ClaimResult
 
 MOST_NUMBERS = 4  # of the summary at the top of a page; the tables have the others
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
@@ -165,12 +165,12 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
             [
                 Text([case.text] if alone else [result.verdict, case.text]),
                 *([Text(result.warnings, "warning")] if result.warnings else []),
-                *([claims.overview(findings.claims)] if findings.claims else []),
+                *([_claims_table(findings.claims)] if findings.claims else []),
             ],
             badge=result.outcome,
         )
     ]
-    sections += [claims.section(c) for c in findings.claims]
+    sections += [_claim_section(c) for c in findings.claims]
     special = systems[case.system].figures if case.system in systems else None
     plain = [r for r in findings.rows if not r.reference.claim]
     conditions = list(dict.fromkeys(r.reference.condition for r in plain))
@@ -200,3 +200,38 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
     if findings.notes:
         sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
     return sections
+
+
+def _claims_table(claims: Sequence[ClaimResult]) -> Cells:
+    """One line a claim."""
+    rows = [(c.claim.number, c.claim.announced, c.claim.kind, c.measured, c.verdict) for c in claims]
+    header = ("claim", "announced", "kind", "measured", "verdict")
+    return Cells(
+        "What the abstract announces, and what is shown here",
+        header,
+        rows,
+        "Criteria were derived before the runs; no number is one of the paper's own tables.",
+    )
+
+
+def _claim_section(result: ClaimResult) -> Section:
+    """One claim whole."""
+    claim = result.claim
+    texts = [f"Announced (abstract): {claim.announced}"]
+    texts += [f"Criterion, derived before the run: {claim.criterion}"] if claim.criterion else []
+    texts += [f"Not modelled here: {claim.missing}"] if claim.missing else []
+    blocks: list[Block] = [Text(texts)]
+    if not result.as_reviewed:
+        blocks.append(Text([f"The last review had the verdict “{claim.verdict}”."], "warning"))
+    if result.rows:
+        conditions = dict.fromkeys(r.reference.condition for r in result.rows)
+        blocks += [
+            generic.range_table(condition, [r for r in result.rows if r.reference.condition == condition])
+            for condition in conditions
+        ]
+    blocks += [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in result.charts]
+    if claim.discussion:
+        blocks.append(Text([claim.discussion], "note"))
+    if claim.shown_by:
+        blocks.append(Facts("Where it is modelled and tested", [("components, effects, files", ", ".join(claim.shown_by))]))
+    return Section(f"{claim.number}: {claim.kind}", blocks, 3, result.verdict)

@@ -16,7 +16,7 @@ from ..charts.style import INK, RISING, drawn, layout
 from ..many.limits import recalled
 
 if TYPE_CHECKING:
-    from ...settings.limits import LimitSettings
+    from ...settings.plan import LimitSettings
     from ..sweep import Sweep
 
 MOST_SHOWN = 6  # measures that have figures

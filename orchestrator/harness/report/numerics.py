@@ -1,4 +1,5 @@
-"""How a run was computed: its macro steps, iterations and loops, initial values, energy account, checkpoints and faults.
+"""How a run was computed: its macro steps, iterations and loops, initial values, energy account, checkpoints and faults,
+and how punctual it was at the pace of the clock.
 
 What a scene does not use has no row, no table and no figure.
 """
@@ -13,10 +14,11 @@ import numpy as np
 from ...judgement.thresholds import ENERGY
 from ...settings import IterationSettings, SceneSettings
 from ..charts.blocks import Block, Cells, Facts, Text
-from ..charts.chart import Chart, Panel, Series
+from ..charts.chart import Chart, Grid, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from . import pacing
+from ..summary import PACING
+from .generic import grid_table
 from .windows import fault_name
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ def blocks(result: Result) -> list[Block]:
         parts.append(Facts("Facts of the run", rows))
     if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
         parts.append(steps)
-    parts += pacing.blocks(result)
+    parts += _pacing(result)
     if energy := result.info.get("energy"):
         parts.append(energy_table(energy, result.scene))
     return parts
@@ -158,3 +160,27 @@ def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.2g} %".replace("-", "−")
+
+
+NAMES = {**PACING, "waking": "behind the clock when the wait ended"}
+
+
+def _pacing(result: Result) -> list[Block]:
+    """Distribution of the durations and the lateness, and their percentiles; none of a run that did not keep to the clock."""
+    of: Mapping[str, Any] = result.info.get("real_time") or {}
+    if not of:
+        return []
+    edges = 1e3 * np.array(of["bins"])
+    x = np.repeat(edges, 2)[1:-1]
+    step = 1e3 * result.scene.master.step
+    series = tuple(
+        Series(text, x, np.maximum(np.repeat(np.array(of[f"{name}_counts"], dtype=float), 2), 0.5))
+        for name, text in (("duration", "duration of a step"), ("lateness", "behind the clock"))
+    )
+    largest = max(of["duration"]["100 %"], of["lateness"]["100 %"], 1e-3 * step)
+    panel = Panel("steps", series, x_marks=((step, "macro step"),), logarithmic=True, x_range=(0.0, 1.2e3 * largest))
+    text = f"{of['steps']} steps, {of['late']} of them behind the clock. Ten bins in a decade; an empty bin is drawn at 0.5."
+    chart = Chart("Steps at the pace of the clock", "ms", (panel,), text, height=260)
+    columns = tuple(of["duration"])
+    rows = tuple((NAMES[name], *(f"{1e3 * of[name][p]:.3g}" for p in columns)) for name in NAMES if of[name])
+    return [draw_chart(chart), grid_table(Grid("Percentiles, ms", ("", *columns), rows))]

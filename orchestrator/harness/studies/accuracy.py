@@ -20,8 +20,7 @@ from ...scene.scene import Scene
 from .quantities import Quantity, errors, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
-from .timing import SCATTER, Timing
-from .trial import REPEATS, Trial, trial
+from .trial import REPEATS, SCATTER, Timing, Trial, trial
 
 USELESS = 1.0  # error from which a run tells nothing
 OWN = "the scene's own settings"

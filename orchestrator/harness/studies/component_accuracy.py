@@ -25,8 +25,7 @@ from .accuracy import OWN, PATIENCE, USELESS, Accuracy, Point, machine_name, ver
 from .coupled_ode import rate_kernel
 from .quantities import Quantity, TimeHistory
 from .reference import EQUATIONS, INTEGRATORS, Solution
-from .timing import repeated
-from .trial import REPEATS, WORK
+from .trial import REPEATS, WORK, repeated
 
 SUBSTEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # times the component's own
 FINER = (32.0, 16.0)  # the internal steps of the reference and of the second solution, where the component solves itself

@@ -11,7 +11,7 @@ from ....components.core.component import Component
 from ....components.core.contract import KernelComponent
 from ....components.core.errors import BadInput
 from ...scene.scene import Scene
-from ..analysis.connected import Connected
+from ..analysis.operating_point import Connected
 from .quantities import TimeHistory
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from math import inf, isfinite, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from ....components.core.errors import BadInput, StepFailed
 from ...output import write_table
@@ -18,7 +18,6 @@ from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
 from .indicator import Windows
 from .quantities import Quantity, errors, percent, quantities_to_judge, recording
-from .selection import select
 from .trial import Trial, trial
 
 COLUMNS = {  # of effects.csv: field of a finding -> column
@@ -298,3 +297,51 @@ def _difference(full: Trial, without: Trial) -> float:
 
 def _ordered(model: Model, on: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
     return {u: tuple(e for e in model.on[u] if e in set(names)) for u, names in on.items()}
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Selection(Generic[T]):
+    """dropped: what can be left out together.  error: without all of it.  breaking: what stays -> the error without it, too."""
+
+    dropped: frozenset[T]
+    error: float
+    breaking: Mapping[T, float]
+
+
+def select(
+    sizes: Mapping[T, float], groups: Mapping[T, frozenset[T]], error: Callable[[frozenset[T]], float], tolerance: float
+) -> Selection[T]:
+    """Leave out as much as the tolerance allows, what matters least first.
+
+    sizes: error without each alone.  groups: each with what cannot be without it, and goes with it.  error: of a set that is
+    left out; it is asked once for every set. Of what stays nothing can be left out alone: that is what `breaking` shows. Sets
+    that would be smaller still, by two errors that cancel, are not looked for.
+    """
+    known: dict[frozenset[T], float] = {frozenset(): 0.0}
+
+    def of(dropped: frozenset[T]) -> float:
+        if dropped not in known:
+            known[dropped] = error(dropped)
+        return known[dropped]
+
+    order = sorted(sizes, key=lambda name: sizes[name])
+    small = [name for name in order if sizes[name] <= tolerance]
+    least, most = 0, len(small)
+    while least < most:  # all of the smallest ones together, as many as go
+        middle = (least + most + 1) // 2
+        least, most = (middle, most) if of(_joined(groups, small[:middle])) <= tolerance else (least, middle - 1)
+    dropped = _joined(groups, small[:least])
+    while True:  # then one by one, until a round leaves nothing out
+        before = dropped
+        for name in order:
+            if name not in dropped and of(dropped | groups[name]) <= tolerance:
+                dropped |= groups[name]
+        if dropped == before:
+            return Selection(dropped, of(dropped), {n: of(dropped | groups[n]) for n in order if n not in dropped})
+
+
+def _joined(groups: Mapping[T, frozenset[T]], names: list[T]) -> frozenset[T]:
+    return frozenset().union(*(groups[name] for name in names))

@@ -1,10 +1,16 @@
-"""One run of a study: a scene with changes, its outcome, what it cost in seconds and in counted work, and its columns."""
+"""One run of a study: a scene with changes, its outcome, its cost in seconds and in counted work, and its columns.
+
+CPU times are compared only where another measurement of the same run confirms them. A time that is not confirmed depends on the
+load of the machine and not on the setting; it is measured again, and refused if the measurements still differ. CPU time is not
+lengthened by programs that take turns on the processor, but by those that share its caches and clock.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from math import nan
+from math import inf, nan
+from statistics import median as median_of
 from time import perf_counter
 from typing import Any
 
@@ -14,7 +20,52 @@ from ...run import run
 from ...scene.scene import Scene
 from ..journal import once
 from .quantities import TimeHistory
-from .timing import Timing, repeated, timing_of
+
+SCATTER = 0.2  # of the smallest time, by which the next one may be longer
+ATTEMPTS = 6  # measurements until a time is refused
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Measured times of one thing, s. seconds: the smallest.  spread: largest minus smallest.
+
+    scatter: the second smallest over the smallest, minus 1. Both are NaN for a single measurement, which nothing confirms.
+    """
+
+    seconds: float
+    median: float
+    spread: float
+    scatter: float
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether two measurements agree within `SCATTER`."""
+        return self.scatter <= SCATTER
+
+
+def timing_of(times: Sequence[float]) -> Timing:
+    """Of at least one measured time, s."""
+    first, *rest = sorted(times)
+    scatter = (rest[0] / first - 1.0 if first > 0.0 else inf) if rest else nan
+    return Timing(first, median_of(times), max(times) - first if rest else nan, scatter)
+
+
+def repeated(measure: Callable[[], float], *, repeats: int, patience: float = inf, confirm: bool = True) -> Timing:
+    """Times that `measure` gives, s: `repeats` of them, fewer where they take more than `patience` seconds together.
+
+    confirm: at least two, and up to `ATTEMPTS` while no two agree.
+    """
+    times: list[float] = []
+
+    def needed() -> bool:
+        if not times or (len(times) < repeats and sum(times) < patience):
+            return True
+        return confirm and (len(times) < 2 or (len(times) < ATTEMPTS and not timing_of(times).confirmed))
+
+    while needed():
+        times.append(measure())
+    return timing_of(times)
+
 
 REPEATS = 3  # timed runs
 PATIENCE = 2.0  # s: runs are not repeated any more once they have taken this together

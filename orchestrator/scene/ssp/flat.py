@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....components.core.errors import BadInput, nearest
-from .measures import between
 from .parameters import Assignment, Transformation, Value
 from .system import GIVES, TAKES, Connection, Connector, Element
+from .units_of_measure import between
 
 SHOWN = 5  # names in a remark
 Path = tuple[str, ...]  # names of elements from the root system down, which has ()

@@ -15,8 +15,8 @@ from pathlib import Path
 from lxml import etree
 
 from ....components.core.errors import BadInput
-from .measures import Measure, definitions, named
 from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, truth
+from .units_of_measure import Measure, definitions, named
 
 REALS = ("Real", "Float64", "Float32")  # the first of each is of version 1.0, the others of 2.0
 WHOLES = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")

@@ -18,9 +18,9 @@ from lxml import etree
 from ....components.core.errors import BadInput, nearest
 from ...units.description import Description
 from ...units.description import read as read_description
-from .measures import Measure, definitions, named, of_fmu
 from .package import DEFAULT, LARGEST_TEXT, NAMESPACES, Package, find_all, number, parsed, required, truth
 from .parameters import REALS, WHOLES, Assignment, Transformation, assignments, transformation
+from .units_of_measure import Measure, definitions, named, of_fmu
 
 FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp-definition", "application/x-ssp-package"
 GIVES = ("output", "calculatedParameter", "constant")  # kinds of connectors, as their element is seen

@@ -29,9 +29,9 @@ from ...units.description import Description
 from ...units.description import read as read_description
 from ...units.values import members
 from ..scene import Scene
-from .measures import Measure, of_fmu
 from .package import DEFAULT, NAMESPACES
 from .read import ANNOTATION, NAMESPACE
+from .units_of_measure import Measure, of_fmu
 
 PREFIXES = {
     **NAMESPACES,

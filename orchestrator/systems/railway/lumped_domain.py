@@ -24,8 +24,7 @@ from ...harness.report.page import Page, Section, write_page
 from ...output import ensure_directory, write_table
 from ...results import Result
 from ...run import run
-from ...scene.scene import Scene
-from ...scene.text import write_scene
+from ...scene.scene import Scene, write_scene
 from .. import read_scene
 from .records import analysis_window, measured, parameters, passages, statistics
 from .runs import WITHOUT_PICTURES, at_speed

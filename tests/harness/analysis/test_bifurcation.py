@@ -5,8 +5,7 @@ import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import output, parameter
-from cosimo.orchestrator.harness.analysis.bifurcation import bifurcation, stroboscopic_points
-from cosimo.orchestrator.harness.analysis.sections import distinct
+from cosimo.orchestrator.harness.analysis.sections import bifurcation, distinct, stroboscopic_points
 
 
 class Logistic(Component):

@@ -14,7 +14,7 @@ from cosimo.orchestrator.harness.many.uncertainty import probability, uncertaint
 from cosimo.orchestrator.harness.report import answers
 from cosimo.orchestrator.harness.sweep import sweep
 from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
-from cosimo.orchestrator.settings.limits import LimitSettings
+from cosimo.orchestrator.settings.plan import LimitSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.harness.many.points import formula
 from scipy.special import ndtr

@@ -18,7 +18,7 @@ from cosimo.orchestrator.harness.studies.accuracy import accuracy
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.stability import stability
 from cosimo.orchestrator.output import UNFINISHED
-from cosimo.orchestrator.scene.text import write_scene
+from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from cosimo.orchestrator.harness.studies.accuracy import Point, front_of
-from cosimo.orchestrator.harness.studies.timing import ATTEMPTS, repeated, timing_of
+from cosimo.orchestrator.harness.studies.trial import ATTEMPTS, repeated, timing_of
 
 
 def measuring(*times):

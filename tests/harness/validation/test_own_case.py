@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.curves import compare_curve
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.text import write_scene
+from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import load_scene, read_scene, validate
 from cosimo.tests.support import two_masses

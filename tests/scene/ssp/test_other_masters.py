@@ -6,8 +6,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.other_masters import OtherMasters, as_other_masters
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
-from cosimo.orchestrator.scene.text import write_scene
+from cosimo.orchestrator.scene.scene import read_scene, write_scene
 from cosimo.orchestrator.systems import load_scene
 
 H, STOP = 0.05, 5.0

@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from .....components.bearings.ball_bearing import BallBearing
-from ....harness.analysis.bifurcation import stroboscopic_points
 from ....harness.analysis.lyapunov import Lyapunov, lyapunov_spectrum
-from ....harness.analysis.sections import distinct
+from ....harness.analysis.sections import distinct, stroboscopic_points
 from ....harness.charts.chart import Band, Chart, Panel, Series
 from ....harness.report.bifurcation import bifurcation_chart
 from ....harness.validation.case import Findings, compare, function_case

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from .....components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
-from ....harness.analysis.bifurcation import Bifurcation, bifurcation
+from ....harness.analysis.sections import Bifurcation, bifurcation
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation.case import Findings, compare, function_case
 from ....harness.validation.questions import Options
