@@ -7,20 +7,7 @@ import dataclasses
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.orchestrator.harness.validation.case import Options, outcome
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rotor.cases import friswell, jeffcott
-
-
-@pytest.mark.first
-@pytest.mark.parametrize("name", ["jeffcott", "friswell-5.9.1"])
-def test_rotor_cases_pass(name):
-    case = cases()[name]
-    found = case.function(Options(in_process=True))
-    assert outcome(found.rows) == "passed"
-    assert found.complete
-    assert case.system == "rotor"
-    assert found.charts
-    assert all(r.reference.standing == "computed" for r in found.rows)
 
 
 @pytest.mark.full

@@ -5,26 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from cosimo.orchestrator.harness.validation.case import outcome
 from cosimo.orchestrator.harness.validation.questions import Options, Question
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rov.cases import added_mass as rov_added_mass
 from cosimo.orchestrator.systems.rov.cases import allocation as rov_allocation
 from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_forms
-
-
-@pytest.mark.parametrize(
-    "name", ["rov-allocation", *(pytest.param(name, marks=pytest.mark.full) for name in ("rov-closed-forms", "rov-added-mass"))]
-)
-def test_rov_cases_pass(name):
-    case = cases()[name]
-    found = case.findings(Options(in_process=True))
-    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
-    assert found.complete
-    assert case.system == "rov"
-    assert found.charts
-    assert all(r.reference.standing == "computed" for r in found.rows)
 
 
 def test_columns_as_printed_would_fail(monkeypatch):

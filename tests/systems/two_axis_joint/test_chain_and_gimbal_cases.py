@@ -10,27 +10,10 @@ from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import chain_closed_forms, gimbal_closed_forms
 from scipy.special import ellipk
 
 pytestmark = pytest.mark.full
-
-NAMES = ("chain-closed-forms", "gimbal-closed-forms")
-
-
-@pytest.fixture(scope="module", params=NAMES)
-def case(request):
-    return cases()[request.param], cases()[request.param].function(Options(in_process=True))
-
-
-def test_the_case_passes(case):
-    case, found = case
-    assert outcome(found.rows) == "passed"
-    assert found.complete
-    assert case.system == "two_axis_joint"
-    assert found.charts
-    assert all(r.reference.standing == "computed" for r in found.rows)
 
 
 def centres(name: str) -> dict[str, float]:

@@ -4,27 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import closed_forms as wind_pump_closed_forms
 from cosimo.orchestrator.systems.wind_pump.cases import equilibrium as wind_pump_equilibrium
 from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start
-
-NAMES = ["wind-pump-equilibrium", "wind-pump-start", "wind-pump-closed-forms"]
-
-
-@pytest.mark.first
-@pytest.mark.parametrize("name", NAMES)
-def test_wind_pump_cases_pass(name):
-    case = cases()[name]
-    found = case.function(Options(in_process=True))
-    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
-    assert found.complete
-    assert case.system == "wind_pump"
-    assert found.charts
-    assert len(found.rows) == len(load_table(name).rows)
-    assert all(r.reference.standing == "computed" for r in found.rows)
 
 
 @pytest.mark.full

@@ -5,24 +5,10 @@ from __future__ import annotations
 import math
 
 import pytest
-from cosimo.orchestrator.harness.validation.case import Options, outcome
-from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import cases
+from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.systems.wrist.cases import four_bar
 from cosimo.orchestrator.systems.wrist.cases import rules as wrist_rules
 from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
-from cosimo.tests.short_run import full_but
-
-
-@pytest.mark.parametrize("name", full_but(("four-bar",), ("wrist-rules", "four-bar", "wrist-stiffness")))
-def test_wrist_cases_pass(name):
-    case = cases()[name]
-    found = case.function(Options(in_process=True))
-    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
-    assert found.complete
-    assert case.system == "wrist"
-    assert found.charts
-    assert len(found.rows) == len(load_table(name).rows)
 
 
 @pytest.mark.full
