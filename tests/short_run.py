@@ -14,6 +14,7 @@ from cosimo.orchestrator.systems import load_scene
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 ONE_A_SYSTEM = tuple({component_class(name).system: name for name in CATALOGUE}.values())
+FIRST_OF_SYSTEM = {file.parent.parent.name: name for name, file in reversed(scene_files().items())}  # system -> its first scene
 
 
 def full_but(kept: Collection[Any], cases: Iterable[Any]) -> list[Any]:

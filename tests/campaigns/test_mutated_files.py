@@ -32,7 +32,7 @@ def test_mutations_follow_from_the_seed():
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [*((kind, 12) for kind in ("scenes", "checkpoints")), *(pytest.param(kind, 300, marks=pytest.mark.full) for kind in KINDS)],
+    [*((kind, 12) for kind in ("scenes", "checkpoints")), *(pytest.param(kind, 60, marks=pytest.mark.full) for kind in KINDS)],
 )
 def test_mutated_files_are_used_or_refused_with_one_message(kind, count):
     outcome = mutated_files.campaign(kind, count, 7)

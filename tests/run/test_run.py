@@ -12,16 +12,14 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene import scene as checked
-from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.orchestrator.units.channel import STOPPING
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
-from cosimo.tests.short_run import covering_scenes
+from cosimo.tests.short_run import FIRST_OF_SYSTEM, covering_scenes
 from cosimo.tests.support import Linear, OfTime, Probe, two_masses
 from numba.core import event
 
-SCENES = {file.parent.parent.name: name for name, file in reversed(scene_files().items())}  # the first of each system
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1}}
 
 
@@ -231,7 +229,7 @@ def test_missing_column_names_the_near_ones():
     ("name", "least"),
     in_plain_python(
         [
-            *((name, 0.0) for name in SCENES.values()),
+            *((name, 0.0) for name in FIRST_OF_SYSTEM.values()),
             *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in covering_scenes()),
         ]
     ),

@@ -8,8 +8,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.judgement.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 
 
@@ -78,18 +77,6 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     assert "a against b is stable up to" in wild.message
     calm = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
     assert calm.outcome == "done", calm.message
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", sorted(scene_files()))
-def test_no_shipped_scene_raises_an_alarm(name):
-    scene = load_scene(name)
-    stop = min(scene.stop_time, 500 * scene.master.step)
-    result = run(
-        scene.with_changes({"stop_time": stop, "faults": (), "record.interval": None, "record.snapshot_interval": None}),
-        in_process=True,
-    )
-    assert result.outcome == "done", result.message
 
 
 def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):

@@ -41,7 +41,7 @@ FACTS = {
     ),
     "LumpedCatenary": Facts(plain=(("inerter",), {}, 100), disturbance=PUSHED, strengths={"inerter.reference_force": ({}, 1.0)}),
     "Catenary": Facts(
-        small={"spans": 2},
+        small={"spans": 2, "element": 5.0},
         other_ways=(({"method": "implicit"}, ("dropper_slackening", "gravity_sag", "damping")),),
         plain=(("dropper_slackening", "damping", "bending_stiffness"), {"spans": 1, "element": 5.0}, 20),
         disturbance=PUSHED,
