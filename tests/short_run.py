@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,18 @@ def price(scene: Scene) -> float:
     return sum(1.0 + len(effects) for _, effects in combinations) + 0.1 * len(scene.units)
 
 
+def covering(scenes: Mapping[str, Scene], parts: Callable[[Scene], set[Any]]) -> tuple[str, ...]:
+    """The names of the cheapest scenes that together have all that `parts` names of any of them."""
+    each = [parts(scene) for scene in scenes.values()]
+    has = np.array([[part in own for own in each] for part in sorted(set().union(*each))], dtype=float)
+    prices = [price(scene) for scene in scenes.values()]
+    chosen = milp(prices, constraints=LinearConstraint(has, lb=1.0), integrality=np.ones(len(scenes)), bounds=Bounds(0.0, 1.0))
+    assert chosen.success, chosen.message
+    return tuple(name for name, taken in zip(scenes, chosen.x, strict=True) if taken > 0.5)
+
+
 @functools.cache
 def covering_scenes() -> tuple[str, ...]:
     """The cheapest scenes that together have every component and every master algorithm of the shipped ones, by their names."""
     scenes = {name: load_scene(name) for name in sorted(scene_files())}
-    parts = [{scene.master.algorithm, *(u.component for u in scene.units.values())} for scene in scenes.values()]
-    wanted = sorted(set().union(*parts))
-    has = np.array([[part in own for own in parts] for part in wanted], dtype=float)
-    prices = [price(scene) for scene in scenes.values()]
-    found = milp(prices, constraints=LinearConstraint(has, lb=1.0), integrality=np.ones(len(scenes)), bounds=Bounds(0.0, 1.0))
-    assert found.success, found.message
-    return tuple(name for name, taken in zip(scenes, found.x, strict=True) if taken > 0.5)
+    return covering(scenes, lambda scene: {scene.master.algorithm, *(u.component for u in scene.units.values())})

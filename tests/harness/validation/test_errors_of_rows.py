@@ -120,7 +120,7 @@ def test_a_repetition_that_fails_says_why():
 @pytest.mark.parametrize(("options", "shown"), [([], "±"), (["--no-verify"], "not known, not asked for")])
 def test_the_terminal_shows_errors_or_says_why_there_are_none(options, shown, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
-        main(["validate", "wind-pump-start", "--in-process", "-o", str(tmp_path), *options])
+        main(["validate", "jeffcott", "--in-process", "-o", str(tmp_path), *options])
     assert ended.value.code == 0
     assert shown in capsys.readouterr().out
 

@@ -69,9 +69,8 @@ def test_held_inputs_keep_the_mean_force_of_every_scene(name):
         "record.snapshots": [],
         "record.snapshot_interval": None,
     }
-    forces = [n for n in held(name, **short).columns if n.endswith(".contact_force")]
     one, other = held(name, **short), run(scene.with_changes(short), in_process=True)
-    for force in forces:
+    for force in (n for n in one.columns if n.endswith(".contact_force")):
         deviation = other[force].std()
         assert one[force].mean() == pytest.approx(other[force].mean(), abs=0.1 * deviation + 0.1), force
 

@@ -65,7 +65,8 @@ def made_up(seed):
     )
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.full) for seed in range(4, 16))])
+# One to three pantographs on one contact wire or two, each but one pantograph on one wire.
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.full) for seed in (1, 5, 6, 9))])
 def test_a_scene_of_ones_own_is_judged_by_the_whole_force(seed):
     scene, count, both = made_up(seed)
     plain = run(scene, in_process=True)

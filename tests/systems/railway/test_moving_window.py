@@ -11,8 +11,8 @@ from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.short_run import covering
 
-SCENES = [name for name, file in scene_files().items() if file.parent.parent.name == "railway"]
 PLAIN = {"record.signals": None, "record.interval": None, "record.snapshots": [], "record.snapshot_interval": None}
 LONG = {"units.catenary.parameters.spans": 30, "stop_time": 23.0, "analysis": {}}
 
@@ -48,14 +48,18 @@ def error(scene, other):
     return max(errors), near
 
 
+def lines() -> tuple[str, ...]:
+    """Scenes with a line whose waves a window cuts, which together have every effect of such lines."""
+    railway = {name: load_scene(name) for name, file in scene_files().items() if file.parent.parent.name == "railway"}
+    cut = {name: scene for name, scene in railway.items() if windowed(scene)}
+    return covering(cut, lambda scene: {e for u in scene.units.values() if u.component == "Catenary" for e in u.effects})
+
+
 @pytest.mark.full
-@pytest.mark.parametrize("name", SCENES)
-def test_the_chosen_width_keeps_the_force_in_every_scene(name):
+@pytest.mark.parametrize("name", lines())
+def test_the_chosen_width_keeps_the_force_in_scenes_with_every_effect(name):
     scene = load_scene(name)
     cut = windowed(scene, speed=slowest(scene))
-    if cut is None:
-        assert name in ("lumped-catenary",)
-        return
     found, near = error(scene, cut)
     assert found <= ENOUGH
     assert not [w for w in near.info["warnings"] if "moving_window" in w]
