@@ -7,7 +7,8 @@ import json
 
 import pytest
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.harness.validation.case import outcome
+from cosimo.orchestrator.harness.validation.questions import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import cases
@@ -37,7 +38,7 @@ def test_a_scene_runs_by_its_command_and_raises_no_alarm(name, tmp_path, capsys)
 
 @pytest.mark.parametrize("name", SHORT)
 def test_a_case_passes(name):
-    found = cases()[name].function(Options(in_process=True))
+    found = cases()[name].findings(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete
     assert found.charts
