@@ -14,7 +14,7 @@ from cosimo.tests.architecture.test_sources import shipped_files
 
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = [
-    "tests/systems/spring_pendulum",
+    "tests/systems/duffing",
     "tests/contract/test_declaration.py",
     "tests/contract/test_known_answers.py",
     "tests/contract/test_steps.py",
@@ -22,6 +22,7 @@ TESTS = [
     "tests/contract/test_hard_case_catalogue.py",
     "tests/architecture/test_catalogues.py",
     "tests/architecture/test_imports.py",
+    "tests/architecture/test_rooms.py",
     "tests/architecture/test_sources.py",
 ]
 
@@ -63,17 +64,19 @@ def python(top, *arguments, **environment):
 @pytest.mark.full
 def test_scene_case_figure_and_fmu_of_the_new_system(tree):
     listed = json.loads(python(tree, "-m", "cosimo.orchestrator.cli", "list", "--json"))
-    assert "SpringPendulum" in {c["name"] for c in listed["components"]}
-    assert "bounce" in {s["name"] for s in listed["scenes"]} & {c["name"] for c in listed["cases"]}
-    validated = json.loads(python(tree, "-m", "cosimo.orchestrator.cli", "validate", "bounce", "--json", "-o", str(tree / "out")))
+    assert "DuffingOscillator" in {c["name"] for c in listed["components"]}
+    assert "duffing-free" in {s["name"] for s in listed["scenes"]} & {c["name"] for c in listed["cases"]}
+    validated = json.loads(
+        python(tree, "-m", "cosimo.orchestrator.cli", "validate", "duffing-free", "--json", "-o", str(tree / "out"))
+    )
     assert validated["cases"][0]["outcome"] == "passed"  # through the FMU, built on demand
     page = (tree / "out" / "report.html").read_text(encoding="utf-8")
-    assert "Stretch of the spring" in page
+    assert "Orbit" in page
 
 
 @pytest.mark.full
 def test_contract_and_architecture_of_the_new_system(tree):
-    said = python(
+    printed = python(
         tree,
         "-m",
         "pytest",
@@ -85,8 +88,8 @@ def test_contract_and_architecture_of_the_new_system(tree):
         "-m",
         "full or not full",
         "-k",
-        "SpringPendulum or spring_pendulum or architecture",
+        "DuffingOscillator or duffing or architecture",
         *TESTS,
         NUMBA_DISABLE_JIT="1",
     )
-    assert " passed" in said
+    assert " passed" in printed

@@ -79,7 +79,8 @@ def missing(text: str, own: frozenset[str] = frozenset()) -> list[str]:
         if quoted in EXTERNAL:
             continue
         if FILE.fullmatch(quoted):
-            absent += [] if quoted.rstrip("/") in files() or Path(quoted).stem in own else [quoted]
+            written = Path(quoted).stem in own or f"`{quoted}`:\n\n```" in text  # by the page, which shows the file
+            absent += [] if written or quoted.rstrip("/") in files() else [quoted]
         elif NAME.fullmatch(quoted) and not of_library(quoted):
             absent += [quoted] if set(quoted.removesuffix("()").split(".")) - names() - own else []
         elif quoted.startswith("cosimo "):
