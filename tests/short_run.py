@@ -42,7 +42,10 @@ def covering(scenes: Mapping[str, Scene], parts: Callable[[Scene], set[Any]]) ->
 
 
 @functools.cache
-def covering_scenes() -> tuple[str, ...]:
-    """The cheapest scenes that together have every component and every master algorithm of the shipped ones, by their names."""
+def covering_scenes(but: frozenset[str] = frozenset()) -> tuple[str, ...]:
+    """The cheapest scenes that together have every component and every master algorithm of the shipped ones, by their names.
+
+    but: components that need no scene.
+    """
     scenes = {name: load_scene(name) for name in sorted(scene_files())}
-    return covering(scenes, lambda scene: {scene.master.algorithm, *(u.component for u in scene.units.values())})
+    return covering(scenes, lambda scene: {scene.master.algorithm, *(u.component for u in scene.units.values())} - but)

@@ -15,12 +15,13 @@ from cosimo.orchestrator.systems import cases
 
 UNDECIDED = ("passed", "recalled", "undecided")
 SHORT = ("jeffcott", "pipe-robot-balance", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
+WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its macro steps
 
 
-def done(command, name, folder):
+def done(command, name, folder, *options):
     """Whether a command ends with exit code 0, which a row outside of its range is not."""
     with pytest.raises(SystemExit) as end:
-        main([command, name, "-o", str(folder)])
+        main([command, name, "-o", str(folder), *options])
     assert end.value.code == 0
 
 
@@ -48,11 +49,12 @@ def test_a_case_passes(name):
 @pytest.mark.full
 @pytest.mark.parametrize("name", sorted(cases()))
 def test_a_case_is_validated_by_its_command(name, tmp_path, capsys):
-    done("validate", name, tmp_path)
+    done("validate", name, tmp_path, *([] if name in WITH_ERRORS else ["--no-verify"]))
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert len(page) > 10_000
     assert "<figure" in page
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
     assert case["outcome"] in UNDECIDED, case["verdict"]
     assert [row for row in case["rows"] if not row["inside"] and row["standing"] != "recalled"] == []
+    assert name not in WITH_ERRORS or any(row["error"] for row in case["rows"])
     assert "Traceback" not in capsys.readouterr().err
