@@ -52,7 +52,7 @@ def test_a_case_is_validated_by_its_command(name, tmp_path, capsys):
     done("validate", name, tmp_path, *([] if name in WITH_ERRORS else ["--no-verify"]))
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert len(page) > 10_000
-    assert "<figure" in page
+    assert "<figure" in page or page.count("<table") > 1  # what the case shows, beside its rows
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
     assert case["outcome"] in UNDECIDED, case["verdict"]
     assert [row for row in case["rows"] if not row["inside"] and row["standing"] != "recalled"] == []
