@@ -170,7 +170,8 @@ def test_folders_of_killed_processes_go_and_those_of_living_ones_stay(tmp_path, 
 
 
 @posix
-@pytest.mark.parametrize("letters", ["höme", "имя пользователя", "名前"])
+@pytest.mark.first
+@pytest.mark.parametrize("letters", ["имя пользователя", "höme", "名前"])
 def test_temporary_folders_with_any_letters(letters, tmp_path):
     """pythonfmu's library crashes the process there."""
     place = tmp_path / letters

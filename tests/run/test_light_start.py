@@ -28,7 +28,7 @@ import json, sys
 from cosimo.components.core.closure import imports
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
-scene = load_scene("gimbal-scan").with_changes({{"stop_time": 0.02}})
+scene = load_scene("mass-on-spring").with_changes({{"stop_time": 0.02}})
 result = run(scene, in_process=True, output={output!r})
 print(json.dumps([result.info["timing"]["compile"], imports.cache_info().misses, [m for m in {heavy!r} if m in sys.modules]]))
 """

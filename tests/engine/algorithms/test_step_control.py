@@ -93,7 +93,7 @@ def test_order_of_the_error_over_the_number_of_steps(method, algorithm, degree):
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(degree + 1, abs=0.15 if degree < 2 else 0.5)
 
 
-@pytest.mark.first
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["milne", "doubling"])
 def test_a_looser_tolerance_takes_fewer_steps(method):
     steps = [len(run(read_scene(controlled(method, tolerance))).time) for tolerance in (1e-5, 1e-4, 1e-3)]

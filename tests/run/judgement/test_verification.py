@@ -133,7 +133,8 @@ def test_a_verified_run_takes_twice_the_steps_more(monkeypatch):
     assert steps[1:] == [2 * steps[0]]
 
 
-@pytest.mark.parametrize("step", [1e-3, 4e-3])
+@pytest.mark.first
+@pytest.mark.parametrize("step", [4e-3, 1e-3])
 def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
     """Driven forever by the ground, damped within a second: what a window shows is what the whole run has."""
     scene = read_scene(
@@ -167,7 +168,8 @@ class Driven(OfTime):
         self.y[0] = 10.0 * (np.sin(2.0 * t) - self.u[0, 0])
 
 
-@pytest.mark.parametrize("event", [0.003, 0.19, 0.5, 0.71, 0.995])
+@pytest.mark.first(2)
+@pytest.mark.parametrize("event", [0.003, 0.71, 0.19, 0.5, 0.995])
 def test_windows_lie_where_the_signals_bend(event, monkeypatch):
     """At rest but for a knock of 0.1 s somewhere in a run of 200 s: all of its error is there."""
     begin = 200.0 * event - 0.2
