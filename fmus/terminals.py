@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
-from ..components.core.ports import Declared, gathered
+from ..components.core.variables import Declared, gathered
 
 OTHERS = "signals"
 FILE, ICON = "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"

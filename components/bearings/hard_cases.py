@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, Course, Ends, Finite, HardCase, Invariant, Refused, jumps, sine
+from ..core.hard_cases import AtLeast, AtMost, Ends, Finite, HardCase, InputSignal, Invariant, Refused, jumps, sine
 
 START = {"given_start.x": 3e-3, "given_start.y": -2e-3, "given_start.velocity_x": -0.4, "given_start.velocity_y": 0.3}
 LIGHT = {"mass": 0.1, "damping": 0.0, "clearance.radial_clearance": 10e-6}
@@ -194,7 +194,7 @@ HARD_CASES = {
             (AtLeast("conductance", 0.0), Ends("conductance", 1e-4)),
             (),
             {},
-            {"axial_force": Course(lambda t: 10.0 ** (3.0 - t), smooth=False)},
+            {"axial_force": InputSignal(lambda t: 10.0 ** (3.0 - t), smooth=False)},
             duration=13.0,
             step=1.0,
         ),
@@ -204,7 +204,7 @@ HARD_CASES = {
             (AtLeast("loaded_balls", 0.0, low=1.0), AtLeast("conductance", 0.0), Finite()),
             (),
             {"balls": 16},
-            {"axial_force": 500.0, "radial_force": Course(lambda t: 5e3 * t)},
+            {"axial_force": 500.0, "radial_force": InputSignal(lambda t: 5e3 * t)},
             duration=1.0,
             step=0.05,
         ),

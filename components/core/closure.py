@@ -1,18 +1,23 @@
 """The import closure of a source file: what its machine code, or an FMU that carries it, depends on.
 
-Imports are read from the source, those inside functions too; nothing is executed.
+Imports are read from the source, those inside functions too; nothing is executed. `ImportIndex` keeps them on disk.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .store import digest_of, read_kept, write_kept
+
 if TYPE_CHECKING:
     import ast
+
+INDEXED_SOURCES = 4096  # in the file of an `ImportIndex`; the oldest go
 
 Imports = tuple[tuple[int, str, tuple[str, ...]], ...]
 
@@ -72,3 +77,42 @@ def _module_file(place: str) -> str | None:
     """The file of the module or package at a place; None where there is neither."""
     file = os.path.join(place, "__init__.py") if os.path.isdir(place) else place + ".py"
     return file if os.path.isfile(file) else None
+
+
+class ImportIndex:
+    """`imports` with a file, because to parse the sources took a tenth of the start of a process.
+
+    A file that is missing or damaged is written anew. `file` None: nothing is kept.
+    """
+
+    def __init__(self, file: Path | None):
+        self._file = file
+        self._known = _read(file)
+        self._new: dict[str, Imports] = {}
+
+    def imports(self, source: bytes) -> Imports:
+        """The import statements of a source."""
+        digest = digest_of(source)
+        statements = self._known.get(digest)
+        if statements is None:
+            statements = self._known[digest] = self._new[digest] = imports(source)
+        return statements
+
+    def save(self) -> None:
+        """Write what is new, beside what other processes have written meanwhile; not done where nothing can be written."""
+        if self._file is None or not self._new:
+            return
+        whole = {**_read(self._file), **self._new}
+        self._new = {}
+        write_kept(self._file, json.dumps(dict(list(whole.items())[-INDEXED_SOURCES:])).encode())
+
+
+def _read(file: Path | None) -> dict[str, Imports]:
+    """Import statements by the digest of the source."""
+    content = read_kept(file) if file is not None else None
+    if content is None:
+        return {}
+    return {
+        key: tuple((level, module, tuple(names)) for level, module, names in statements)
+        for key, statements in json.loads(content).items()
+    }

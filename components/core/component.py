@@ -22,8 +22,7 @@ import numpy as np
 
 from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
-from .ports import Declared
-from .variables import Causality, Kind, Variable
+from .variables import Causality, Declared, Kind, Variable
 
 INITIALIZATION = ("initialize", "_initialize", "kernels")  # what decides on the initial state
 
@@ -82,11 +81,11 @@ class Effect:
 
 @dataclass(frozen=True)
 class Preset:
-    """A published set of parameters: where it was read, and what standing its numbers have."""
+    """A published set of parameters: where it was read, and the provenance of its numbers."""
 
     parameters: Mapping[str, float]
     source: str
-    standing: str  # "verbatim", "recalled", "inferred" or "computed"
+    provenance: str  # "verbatim", "recalled", "inferred" or "computed"
     effects: tuple[str, ...] = ()
 
 

@@ -21,7 +21,7 @@ ENERGY = "energy"
 
 
 @dataclass(frozen=True)
-class Course:
+class InputSignal:
     """An input over time. at: time in s -> value.  smooth: a parabola in each step through its start, middle and end, else the
     value at its start.  before: what the component is initialized with, where that is not the value at 0."""
 
@@ -35,19 +35,19 @@ class Course:
         return self.at(0.0) if self.before is None else self.before
 
 
-def jumps(start: float, *changes: tuple[float, float]) -> Course:
+def jumps(start: float, *changes: tuple[float, float]) -> InputSignal:
     """`start`, also for the initialization, then in the first step that begins at or after each time, s, the value with it."""
-    return Course(lambda t: next((value for time, value in reversed(changes) if t >= time - 1e-9), start), False, start)
+    return InputSignal(lambda t: next((value for time, value in reversed(changes) if t >= time - 1e-9), start), False, start)
 
 
-def ramp(rate: float, start: float = 0.0) -> Course:
+def ramp(rate: float, start: float = 0.0) -> InputSignal:
     """Grows from `start` by `rate` a second."""
-    return Course(lambda t: start + rate * t)
+    return InputSignal(lambda t: start + rate * t)
 
 
-def sine(swing: float, rate: float, mean: float = 0.0) -> Course:
+def sine(swing: float, rate: float, mean: float = 0.0) -> InputSignal:
     """mean + swing sin(rate t); rate in rad/s."""
-    return Course(lambda t: mean + swing * math.sin(rate * t))
+    return InputSignal(lambda t: mean + swing * math.sin(rate * t))
 
 
 def seen(component: Component, quantity: Quantity) -> np.ndarray:
@@ -188,7 +188,7 @@ class HardCase:
 
     name: short, unique among those of the component.  text: what is hard about it.  holds: what has to hold; besides, states
     and outputs stay finite in every case that is not refused.
-    inputs: numbers, or courses over time.  duration, step: of the run and its macro steps, s.
+    inputs: numbers, or signals over time.  duration, step: of the run and its macro steps, s.
     """
 
     name: str
@@ -196,6 +196,6 @@ class HardCase:
     holds: Sequence[Claim] | Refused
     effects: tuple[str, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    inputs: Mapping[str, float | Course] = field(default_factory=dict)
+    inputs: Mapping[str, float | InputSignal] = field(default_factory=dict)
     duration: float = 0.1
     step: float = 1e-3

@@ -8,6 +8,9 @@ What a component supplies:
     stable(t, s, p, e) -> s                     longest internal step, s, at which the method is stable, behind `start`
 
 and what `ode_kernels` makes of them. `s` has the fields of `OdeComponent.shapes`.
+
+A component whose derivatives are steepest about rest, which is the state zero without inputs, needs no `stable`: it follows
+from them. Its `s` has `slopes`, (2, n, n).
 """
 
 from __future__ import annotations
@@ -17,10 +20,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from .contract import KernelComponent, Kernels, Refusal
-from .kernels import DONE, NOT_FINITE, OWN, bind, hold_inputs, inlined
+from .kernels import DONE, NOT_FINITE, OWN, bind, hold_inputs, inlined, kernel
+from .spectrum import spectral_radius, step_within
 
 # |eigenvalue times step| up to which RK4 is stable at any damping: 2.62 at 124 degrees, 2.79 and 2.83 on the axes
 RK4_STABILITY_RADIUS = 2.61
+SMALL = 1e-6  # change of a state, in its unit, for the slopes of derivatives
 SUBSTEP, STABLE = 0, 1  # of `s.limits`: internal step in use, longest stable one, s
 SUBSTEP_TOO_LONG = OWN  # status
 
@@ -43,6 +48,40 @@ def outputs(t, s, p, e):
 def stable(t, s, p, e):
     """Placeholder that `bind` replaces."""
     raise NotImplementedError
+
+
+def find_slopes(t, x, u, by, s, p, e):
+    """d(dx/dt)/dx at x for the inputs u into s.slopes[0], by differences over `by`; dx/dt into s.work[2]."""
+    n = x.size
+    here, there, moved = s.work[2, :n], s.work[3, :n], s.work[4, :n]
+    for j in range(-1, n):  # a loop, for the derivatives to stand in the machine code once
+        for i in range(n):
+            moved[i] = x[i]
+        if j < 0:
+            derivatives(t, moved, u, here, s, p, e)
+        else:
+            moved[j] += by
+            derivatives(t, moved, u, there, s, p, e)
+            for i in range(n):
+                s.slopes[0, i, j] = (there[i] - here[i]) / by
+
+
+@kernel
+def resting(x, p, e):
+    """Changes the state zero to one about which nothing holds that would hide a slope; here nothing does."""
+
+
+def stable_about_rest(t, s, p, e):
+    """Limit of RK4, radius / max |eigenvalue| of the derivatives about rest, s."""
+    x, u = s.work[0, : s.x.size], s.work[1, : s.u.shape[1]]
+    x[:] = 0.0
+    u[:] = 0.0
+    resting(x, p, e)
+    find_slopes(t, x, u, SMALL, s, p, e)
+    return step_within(RK4_STABILITY_RADIUS, spectral_radius(s.slopes[0], s.slopes[1]))
+
+
+stable_about_rest.parts = ("find_slopes",)  # type: ignore[attr-defined]
 
 
 def ode_initialize(t, s, p, e):
@@ -112,14 +151,27 @@ def rk4(t, h, s, p, e):
 rk4.parts = ("rk4_step", "finished", "internal_steps")  # type: ignore[attr-defined]
 
 
-def ode_kernels(module: str, start: Any, derivatives: Any, outputs: Any, stable: Any, step: Any = rk4, **more: Any) -> Kernels:
+def ode_kernels(
+    module: str,
+    start: Any,
+    derivatives: Any,
+    outputs: Any,
+    stable: Any = None,
+    step: Any = rk4,
+    resting: Any = resting,
+    **more: Any,
+) -> Kernels:
     """The kernels of an `OdeComponent`; module: its `__name__`, with something behind where a module has several such.
 
-    step: a template of a step, and `more` the kernels that this needs besides.
+    stable: None where it follows from the derivatives about rest; resting(x, p, e) then changes the state zero where something
+    holds there, such as a shaft that sticks.  step: a template of a step, and `more` the kernels that this needs besides.
     """
+    inlined(derivatives)
+    if stable is None:
+        stable = bind(stable_about_rest, module, derivatives=derivatives, resting=resting)
     return Kernels(
         bind(ode_initialize, module, start=start, stable=stable),
-        bind(step, module, derivatives=inlined(derivatives), outputs=outputs, **more),
+        bind(step, module, derivatives=derivatives, outputs=outputs, **more),
         outputs,
         derivatives,
     )

@@ -29,10 +29,9 @@ from numba.core import environment
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
 from numba.core.runtime.nrt import rtsys
 
-from .closure import closure
-from .dispatch import callable_from_python
+from .closure import ImportIndex, closure
+from .compiler import callable_from_python
 from .folders import cache_root
-from .import_index import ImportIndex
 from .store import digest_of, read_kept, write_kept
 
 _PROCESS = uuid4().hex[:8]

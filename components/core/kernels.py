@@ -3,12 +3,13 @@
 A kernel allocates nothing and raises nothing. It gets state, inputs, outputs, workspace, parameters `p` and effects `e`, and
 returns one of the status integers below. `p` is a NamedTuple; so is `e`, with a field for each effect of the component: a
 NamedTuple of its values, or None where it is off. A branch `if e.effect is not None` is decided at compile time (see
-`pruning`), so that an effect that is off is not in the machine code.
+`compiler`), so that an effect that is off is not in the machine code.
 """
 
 from __future__ import annotations
 
 import types
+from collections.abc import Callable
 from typing import Any
 from zlib import crc32
 
@@ -21,9 +22,8 @@ except ImportError:  # an FMU's host may lack Numba: slower, the same equations
 COMPILED = config is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 if COMPILED:
-    from .dispatch import KernelDispatcher
+    from .compiler import KernelCompiler, KernelDispatcher
     from .kernel_cache import KernelCache
-    from .pruning import KernelCompiler
 
     OPTIONS["pipeline_class"] = KernelCompiler
 
@@ -88,6 +88,11 @@ def kernel_tuple(cls: type) -> type:
     place = crc32(f"{cls.__module__}.{cls.__qualname__}".encode())  # short: Numba looks at every letter at every call
     cls.__name__ = f"{cls.__qualname__.replace('.', '_')}_{place:08x}"
     return cls
+
+
+def in_python(kernel: Any) -> Callable[..., Any]:
+    """The Python function of a kernel, for numbers that are needed a few times, outside of runs, and do not pay for the compiler."""
+    return getattr(kernel, "py_func", kernel)
 
 
 @kernel

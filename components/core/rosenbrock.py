@@ -12,10 +12,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from .banded import factor_general, solve_general
 from .contract import Kernels
 from .integrators import OdeComponent, derivatives, finished, internal_steps, ode_kernels
 from .kernels import kernel
+from .linear import factor_general, solve_general
 
 GAMMA = 0.5
 ROWS = 7  # of the workspace, besides those of the matrix

@@ -86,3 +86,22 @@ class SampledComponent(KernelComponent):
         """`work`: as the class says, and at least as long as there are inputs."""
         rows, columns = self.work_shape
         return {"x": self.states(), "work": (rows, max(self.u.shape[1], columns))}
+
+
+# -- tables over time as parameters: arrays with more rows than a time history may need -------------------------------------------
+@kernel
+def rows_in_use(time):
+    """Number of rows before the time falls; those behind are unused, and zero."""
+    n = 1
+    while n < time.size and not time[n] < time[n - 1]:
+        n += 1
+    return n
+
+
+@kernel
+def is_zero_behind(column, rows):
+    """Whether a column of a table is zero behind the rows in use."""
+    largest = 0.0
+    for i in range(rows, column.size):
+        largest = max(largest, abs(column[i]))
+    return largest == 0.0

@@ -1,4 +1,4 @@
-"""The largest eigenvalue of a small matrix, and from it the longest stable step of an explicit method, in kernels."""
+"""Largest eigenvalues, of a small matrix or of a mass on damper and spring, and the step they allow an explicit method."""
 
 from __future__ import annotations
 
@@ -48,3 +48,13 @@ def spectral_radius(A, B):
 def step_within(radius, largest):
     """Longest step, s, for a method's stability radius and the largest |eigenvalue|, 1/s; infinite where nothing moves."""
     return radius / largest if largest > 0.0 else math.inf
+
+
+@kernel
+def fastest_rate(mass, damping, stiffness):
+    """max |z| of mass z² + damping z + stiffness = 0, 1/s; mass > 0, the others not negative."""
+    half = 0.5 * damping
+    discriminant = half * half - mass * stiffness
+    if discriminant < 0.0:
+        return math.sqrt(stiffness / mass)
+    return (half + math.sqrt(discriminant)) / mass

@@ -1,18 +1,28 @@
 """Declared variables: one line on the class gives name, start, unit, description and limits.
 
 The component's interface, the FMU's model description, the checks of a scene and the tests all derive from that line.
+
+Ports are signals that go to one partner together, as FMUs have them as terminals and drawings as one line. A component declares
+them on its class, own signals by name and all those of an effect as "effect.*":
+
+    ports = {"shaft": ("displacement_x", "displacement_y", "linearisation.*")}
+
+What no declared port takes is a port of its effect; own signals that are left over are the port "".
 """
 
 from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from numbers import Real
 
 from .errors import BadInput
 from .measure import parse
+
+Declared = Mapping[str, tuple[str, ...]]  # port -> own signals, and effects as "effect.*"
 
 
 class Causality(enum.Enum):
@@ -125,3 +135,21 @@ def input_(start: float, unit: str, text: str, **more) -> Variable:
 def output(unit: str, text: str, **more) -> Variable:
     """A continuous output."""
     return Variable(Causality.OUTPUT, Kind.REAL, 0.0, unit, text, **more)
+
+
+def port_of(signal: str, declared: Declared) -> str:
+    """The port of an input or output, which may be an element of an array."""
+    effect = signal.rpartition(".")[0]
+    whole = signal.partition("[")[0]
+    for port, signals in declared.items():
+        if whole in signals or (effect and f"{effect}.*" in signals):
+            return port
+    return effect
+
+
+def gathered(signals: Iterable[str], declared: Declared) -> dict[str, dict[str, str]]:
+    """Port -> member -> signal, each in the order of the signals. A member is what a signal is called within its port."""
+    ports: dict[str, dict[str, str]] = {}
+    for signal in signals:
+        ports.setdefault(port_of(signal, declared), {})[signal.rpartition(".")[2]] = signal
+    return ports

@@ -7,9 +7,7 @@ from typing import Any
 from ..core.component import Effect, Preset
 from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, kernel
-from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from . import torque_motor
 
@@ -112,8 +110,8 @@ class ServoMotor(MotorParameters, EventComponent):
         return 2 + ("inductance" in self.on) + ("shaft_friction" in self.on)
 
     def shapes(self) -> dict[str, Any]:
-        """`matrix`: of rate and current, and workspace, for their poles."""
-        return super().shapes() | {"matrix": (2, 2, 2)}
+        """`slopes`: of the derivatives over the state, and workspace."""
+        return super().shapes() | {"slopes": (2, self.states(), self.states())}
 
     def energy(self) -> float:
         """Kinetic energy of rotor and wheel and the energy of the inductance, J."""
@@ -186,15 +184,10 @@ def servo_start(t, s, p, e):
 
 
 @kernel
-def servo_stable(t, s, p, e):
-    """RK4's limit for the poles of the motor alone, s."""
-    inertia, damping, torque = shaft_inertia(p), p.gear_ratio * p.gear_ratio * p.damping, p.gear_ratio * p.constant
-    if e.inductance is None:
-        return step_within(RK4_STABILITY_RADIUS, (torque * torque / p.resistance + damping) / inertia)
-    A, L = s.matrix[0], e.inductance.inductance
-    A[0, 0], A[0, 1] = -damping / inertia, torque / inertia
-    A[1, 0], A[1, 1] = -torque / L, -p.resistance / L
-    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+def servo_resting(x, p, e):
+    """The shaft slides: while it stands, the motor would not move."""
+    if e.shaft_friction is not None:
+        x[-1] = 1.0
 
 
 @kernel
@@ -246,7 +239,7 @@ ServoMotor.kernels = event_kernels(
     start=servo_start,
     derivatives=servo_derivatives,
     outputs=servo_outputs,
-    stable=servo_stable,
+    resting=servo_resting,
     guards=servo_guards,
     switch=servo_switch,
 )

@@ -9,9 +9,8 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.contract import Refusal
-from ..core.courses import is_zero_behind, rows_in_use
 from ..core.kernels import DONE, OWN, kernel
-from ..core.sampled import SampledComponent, integrated, sampled_kernels
+from ..core.sampled import SampledComponent, integrated, is_zero_behind, rows_in_use, sampled_kernels
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import ANGLE, IDLE, LOST, idle_angle, layout_choice, lost_motion, sleeve_rates, wheel_rates
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Component
-from ..core.hard_cases import AtMost, BoundedEnergy, Course, Ends, Finite, HardCase, Refused, jumps, ramp, sine
+from ..core.hard_cases import AtMost, BoundedEnergy, Ends, Finite, HardCase, InputSignal, Refused, jumps, ramp, sine
 
 STIFFNESS = 2.0 * 0.4 * 15.0 / 1e-4  # N/m, both default contacts
 FULL = ("exact_slip", "trocar_friction", "gravity", "preload_loss")
@@ -48,7 +48,7 @@ HARD_CASES = {
             (Ends("feed", 1e-15), AtMost("feed", 6.0 / STIFFNESS * 1.01), AtMost(_events, 0.0, "events")),
             ("exact_slip",),
             {"substep": 2e-4},
-            {"external_force": Course(_there_and_back)},
+            {"external_force": InputSignal(_there_and_back)},
             duration=0.6,
             step=0.02,
         ),
@@ -59,7 +59,7 @@ HARD_CASES = {
             ("exact_slip",),
             {"substep": 2e-4},
             {
-                "external_force": Course(
+                "external_force": InputSignal(
                     lambda t: 5.0 * min(10.0 * t, 1.0) + (3.0 * math.sin(80.0 * math.pi * t) if 0.2 < t < 0.4 else 0.0)
                 )
             },

@@ -6,9 +6,7 @@ from typing import Any
 
 from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, kernel
-from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output
 from ..drives import servo_motor
 from ..drives.servo_motor import MotorParameters, shaft_inertia
@@ -27,9 +25,7 @@ from .sleeve import (
     sleeve_start,
     sleeve_states,
     sleeve_switch,
-    stiffest,
     stuck_outputs,
-    surface_mass,
     wheel_loads,
 )
 from .wheels import FrictionWheels, SleeveDeclarations, declared_status
@@ -104,9 +100,8 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
         return sleeve_states(self.on) + 4 + 2 * ("inductance" in self.on) + 2 * ("shaft_friction" in self.on)
 
     def shapes(self) -> dict[str, Any]:
-        """`rims`: stiffness and damping of sleeve and wheels' rims.  `matrix`: of the linear equations, and workspace."""
-        n = 8 + 2 * ("inductance" in self.on)
-        return super().shapes() | {"rims": (2, 4, 4), "matrix": (2, n, n)}
+        """`slopes`: of the derivatives over the state, and workspace."""
+        return super().shapes() | {"slopes": (2, self.states(), self.states())}
 
     def energy(self) -> float:
         """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
@@ -185,27 +180,11 @@ def drive_start(t, s, p, e):
 
 
 @kernel
-def drive_stable(t, s, p, e):
-    """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
-    K, D, A = s.rims[0], s.rims[1], s.matrix[0]
-    stiffest(K, D, p, e)
-    radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
-    rim = shaft_inertia(p) / (radius * radius)
-    for k in range(2, 4):
-        D[k, k] += p.gear_ratio * p.gear_ratio * p.damping / (radius * radius)
-        if e.inductance is None:
-            D[k, k] += force * force / p.resistance
-    A[:] = 0.0
-    for i in range(4):
-        mass = p.mass if i == 0 else surface_mass(p) if i == 1 else rim
-        A[i, 4 + i] = 1.0
-        for j in range(4):
-            A[4 + i, j], A[4 + i, 4 + j] = -K[i, j] / mass, -D[i, j] / mass
-    if e.inductance is not None:
-        for k in range(2):
-            A[6 + k, 8 + k], A[8 + k, 6 + k] = force / rim, -force / e.inductance.inductance
-            A[8 + k, 8 + k] = -p.resistance / e.inductance.inductance
-    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+def drive_resting(x, p, e):
+    """The shafts slide: while they stand, motors and wheels would not move."""
+    if e.shaft_friction is not None:
+        mode = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction) + shaft_modes(e.inductance)
+        x[mode], x[mode + 1] = 1.0, 1.0
 
 
 @kernel
@@ -275,7 +254,7 @@ FrictionDrive.kernels = event_kernels(
     start=drive_start,
     derivatives=drive_derivatives,
     outputs=drive_outputs,
-    stable=drive_stable,
+    resting=drive_resting,
     guards=drive_guards,
     switch=drive_switch,
 )

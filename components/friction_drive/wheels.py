@@ -8,9 +8,7 @@ from typing import Any, ClassVar
 
 from ..core.contract import Refusal
 from ..core.events import EventComponent, event_kernels
-from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OWN, kernel
-from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .kinematics import ANGLE, IDLE, idle_angle, layout_choice
 from .sleeve import (
@@ -32,9 +30,7 @@ from .sleeve import (
     sleeve_start,
     sleeve_states,
     sleeve_switch,
-    stiffest,
     stuck_outputs,
-    surface_mass,
 )
 
 CREEP = 600.0  # N.s/m, by default
@@ -130,8 +126,8 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
         return sleeve_states(self.on)
 
     def shapes(self) -> dict[str, Any]:
-        """`rims`: stiffness and damping of sleeve and wheels' rims.  `matrix`: of the linear equations, and workspace."""
-        return super().shapes() | {"rims": (2, 4, 4), "matrix": (2, 4, 4)}
+        """`slopes`: of the derivatives over the state, and workspace."""
+        return super().shapes() | {"slopes": (2, self.states(), self.states())}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
@@ -158,20 +154,6 @@ def wheels_start(t, s, p, e):
     """Motion of the parameters, contacts relaxed."""
     sleeve_start(s.x, p)
     return declared_status(p, e)
-
-
-@kernel
-def wheels_stable(t, s, p, e):
-    """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
-    K, D, A = s.rims[0], s.rims[1], s.matrix[0]
-    stiffest(K, D, p, e)
-    A[:] = 0.0
-    for i in range(2):
-        mass = p.mass if i == 0 else surface_mass(p)
-        A[i, 2 + i] = 1.0
-        for j in range(2):
-            A[2 + i, j], A[2 + i, 2 + j] = -K[i, j] / mass, -D[i, j] / mass
-    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
 
 
 @kernel
@@ -208,7 +190,6 @@ FrictionWheels.kernels = event_kernels(
     start=wheels_start,
     derivatives=wheels_derivatives,
     outputs=wheels_outputs,
-    stable=wheels_stable,
     guards=wheels_guards,
     switch=wheels_switch,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, Course, Ends, Finite, HardCase, Invariant, Refused, jumps, ramp, sine
+from ..core.hard_cases import AtLeast, AtMost, Ends, Finite, HardCase, InputSignal, Invariant, Refused, jumps, ramp, sine
 
 LEAN = math.atan(1.5 / 0.3)  # rad, bristles that lock backwards with a friction of 0.3
 LOCKED = {"bristles.angle": LEAN, "bristles.moment": 0.038 * math.cos(LEAN)}
@@ -163,7 +163,7 @@ HARD_CASES = {
             (AtMost("taper", 0.0), Finite()),
             (),
             {"diameter_table[1]": 0.3},
-            {"position": Course(lambda t: -1e3 if t < 0.05 else 1e3, smooth=False)},
+            {"position": InputSignal(lambda t: -1e3 if t < 0.05 else 1e3, smooth=False)},
         ),
         HardCase(
             "a step of the diameter",

@@ -7,7 +7,7 @@ import math
 from ..core.component import Effect
 from ..core.events import EventComponent
 from ..core.kernels import kernel
-from ..core.oscillator import fastest_rate
+from ..core.spectrum import fastest_rate
 from ..core.variables import input_, output, parameter
 
 FASTEST_PHASE = 1.0  # rad in a substep, above which an excitation is not followed

@@ -12,8 +12,7 @@ from ..core.events import event_kernels
 from ..core.friction import directed_mode
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
-from ..core.oscillator import fastest_rate
-from ..core.spectrum import spectral_radius, step_within
+from ..core.spectrum import fastest_rate, spectral_radius, step_within
 from ..core.variables import output, parameter
 from .contact import (
     LOCKED,

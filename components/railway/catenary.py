@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..core.banded import banded_product
 from ..core.component import Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
+from ..core.linear import banded_product
 from ..core.variables import choice, input_, integer, output, parameter
 from . import gusts as wind
 from . import mesh as meshes

@@ -7,7 +7,7 @@ import math
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_state
-from .wires import WHISPER, dropper_tension, first_at_or_after
+from .wires import DENORMAL_GUARD, dropper_tension, first_at_or_after
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
 AHEAD, BEHIND, WANTED, COST_AHEAD, COST_BEHIND = range(5)  # of a moving window: lengths in use and wanted, m, and their `echo`
@@ -59,7 +59,7 @@ def drift(d, q, v, a, z, force, beta):
         v[j] += 0.5 * d * a[j]
         q[j] += d * v[j]
         z[j] = q[j] + beta * (v[j] + 0.5 * d * a[j])
-        force[j] = WHISPER
+        force[j] = DENORMAL_GUARD
 
 
 @kernel

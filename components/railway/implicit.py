@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel, kernel_tuple
+from ..core.linear import factor_band, solve_band
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_gusts, follow_gusts, gust_state
-from .wires import WHISPER, add_jumps, tension_and_bending
+from .wires import DENORMAL_GUARD, add_jumps, tension_and_bending
 
 RIGID_CLAMP = 1e10  # N/m, of a clamp between two wires; 1e5 times the stiffness of an element
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
@@ -111,7 +111,7 @@ def implicit_steps(t, h, n, motion, mesh, solver, radius, laws):
         for j in range(W, N - W):
             velocity = v_v * v[j] + v_a * a[j]
             inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
-            base[j] = WHISPER - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
+            base[j] = DENORMAL_GUARD - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
             if motion.gusts is not None:
                 base[j] -= motion.gusts.push[0, j] * velocity
             z[j] = q[j] + beta * velocity

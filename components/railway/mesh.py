@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import factor_band, solve_band
 from ..core.contract import Refusal
 from ..core.kernels import DONE, OWN, kernel, kernel_tuple
+from ..core.linear import factor_band, solve_band
 from .contact import FASTEST, SPEEDS, WireOnMesh, compliance_table, node_compliance
 from .line.layout import GRAVITY, Layout
 from .line.plan import (

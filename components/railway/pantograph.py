@@ -20,8 +20,8 @@ import numpy as np
 
 from ..core.component import Preset
 from ..core.contract import Refusal
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
-from ..core.kernels import DONE, OWN, kernel
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, find_slopes, ode_kernels
+from ..core.kernels import DONE, OWN, bind, kernel
 from ..core.linear import solve_dense
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
@@ -427,21 +427,12 @@ def pantograph_derivatives(t, x, u, dx, s, p, e):
 
 
 @kernel
-def find_slopes(t, x, u, by, s, p, e):
-    """d(dx/dt)/dx with springs for contacts, which also pull, into s.slopes[0], by differences over `by`; dx/dt into s.work[2].
+def touching(t, x, u, dx, s, p, e):
+    """dx/dt of the state with springs for contacts, which also pull: all is linear but friction and stops."""
+    rates(t, x, u, dx, spring_forces(t, x, u, None, s, p, e), s, p, e)
 
-    All is linear but friction and stops: where they stay as they are, the differences are exact.
-    """
-    n = x.size
-    here, there, moved = s.work[2, :n], s.work[3, :n], s.work[4, :n]
-    rates(t, x, u, here, spring_forces(t, x, u, None, s, p, e), s, p, e)
-    for j in range(n):
-        for i in range(n):
-            moved[i] = x[i]
-        moved[j] += by
-        rates(t, moved, u, there, spring_forces(t, moved, u, None, s, p, e), s, p, e)
-        for i in range(n):
-            s.slopes[0, i, j] = (there[i] - here[i]) / by
+
+slopes_touching = bind(find_slopes, __name__, derivatives=touching)  # exact as long as friction and stops stay as they are
 
 
 @kernel
@@ -454,7 +445,7 @@ def pantograph_stable(t, s, p, e):
         x[2] = e.bump_stops.travel + 2.0
     if e.frame_friction is not None:
         x[3] = 40.0 * e.frame_friction.width  # where it is constant
-    find_slopes(t, x, u, 1.0, s, p, e)
+    slopes_touching(t, x, u, 1.0, s, p, e)
     if e.frame_friction is not None:
         s.slopes[0, 3, 3] -= e.frame_friction.level / e.frame_friction.width / p.frame_mass
     return step_within(RK4_STABILITY_RADIUS, spectral_radius(s.slopes[0], s.slopes[1]))
@@ -515,7 +506,7 @@ def rest_on_strips(t, s, p, e):
     by = 1.0
     if e.bump_stops is not None and e.bump_stops.travel > 0.0:
         by = min(by, e.bump_stops.travel)
-    find_slopes(t, s.x, u, by, s, p, e)
+    slopes_touching(t, s.x, u, by, s, p, e)
     A, b = s.slopes[1, :n, :n], s.work[5, :n]
     for i in range(n):
         b[i] = -s.work[2, 2 * i + 1]

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import factor_band, solve_band
 from ..core.contract import Refusal
 from ..core.errors import StepFailed
 from ..core.kernels import OWN, kernel, kernel_tuple
+from ..core.linear import factor_band, solve_band
 from .contact import add_contact, contact_compliance, wire_height
 from .implicit import RIGID_CLAMP
 from .line.layout import GRAVITY

@@ -10,7 +10,7 @@ from ..core.kernels import kernel, kernel_tuple
 
 # N; every nodal force starts from this instead of 0. Ahead of the wave front displacements would otherwise shrink into
 # the subnormal numbers, where each operation takes a hundred times as long. It lifts the wires by less than 1e-25 m.
-WHISPER = 1e-27
+DENORMAL_GUARD = 1e-27
 
 
 @kernel_tuple

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.banded import add_product
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.linear import add_product
 from ..core.variables import input_, output, parameter
 from .elements import Disk, solid_disk
 from .frame import FrameRotation

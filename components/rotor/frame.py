@@ -17,9 +17,9 @@ and Coriolis forces is missing, and the work on the frame is what the rotor lose
 
 from __future__ import annotations
 
-from ..core.banded import add_product
 from ..core.component import Effect
 from ..core.kernels import kernel
+from ..core.linear import add_product
 from ..core.variables import Causality, input_, output, parameter
 from .model import DOFS
 from .ports import STIFFNESS, Bearing

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..core.banded import add_product, factor_general, solve_general
 from ..core.kernels import DONE, OWN, kernel
+from ..core.linear import add_product, factor_general, solve_general
 from .elements import circular_section
 from .frame import add_frame_load, turn_frame
 from .integration import NODES, SPEED, STEP, WATCHED, add_imbalance

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-from ..core.banded import factor_general, solve_general
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel
+from ..core.linear import factor_general, solve_general
 from .frame import add_frame_load, frame_outputs
 from .model import DOFS, HALF, WIDTH, add_band
 from .ports import add_loads, add_tangents, follow_tangents, port_outputs

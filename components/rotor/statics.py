@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from ..core.banded import add_product, factor_general, solve_general
 from ..core.kernels import kernel
+from ..core.linear import add_product, factor_general, solve_general
 from .model import DOFS, HALF
 from .ports import add_loads, add_tangents, follow_tangents
 

@@ -20,8 +20,7 @@ import math
 import numpy as np
 
 from ..core.contract import Refusal
-from ..core.kernels import DONE, OWN, kernel
-from ..core.plain import in_python
+from ..core.kernels import DONE, OWN, in_python, kernel
 
 HORIZONTAL_RADIUS = 0.15125  # m
 HORIZONTAL_HEIGHT = -0.00387  # m, above the origin

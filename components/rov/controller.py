@@ -9,10 +9,9 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
-from ..core.courses import is_zero_behind, rows_in_use
 from ..core.kernels import DONE, OWN, kernel
 from ..core.rotation import quaternion_of_angles, to_body, to_world
-from ..core.sampled import SampledComponent, sampled_kernels
+from ..core.sampled import SampledComponent, is_zero_behind, rows_in_use, sampled_kernels
 from ..core.variables import input_, output, parameter
 from .allocation import THRUSTERS, allocate, chosen, fill_allocation
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement

@@ -10,8 +10,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
-from ..core.kernels import DONE, OWN, kernel
-from ..core.plain import in_python
+from ..core.kernels import DONE, OWN, in_python, kernel
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter

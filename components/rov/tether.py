@@ -11,8 +11,7 @@ from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel, kernel_tuple
-from ..core.oscillator import fastest_rate
-from ..core.spectrum import step_within
+from ..core.spectrum import fastest_rate, step_within
 from ..core.variables import input_, integer, output, parameter
 from .tether_statics import ROWS, WAY, hanging_chain
 

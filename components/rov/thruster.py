@@ -10,8 +10,7 @@ from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
-from ..core.oscillator import fastest_rate
-from ..core.spectrum import spectral_radius, step_within
+from ..core.spectrum import fastest_rate, spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_refusals, curve_thrust
 

@@ -22,7 +22,7 @@ from ..core.component import Effect
 from ..core.events import event_kernels
 from ..core.integrators import RK4_STABILITY_RADIUS, SUBSTEP
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel
-from ..core.oscillator import fastest_rate
+from ..core.spectrum import fastest_rate
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
     LOAD,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..core.events import event_kernels
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, kernel
-from ..core.oscillator import fastest_rate
+from ..core.spectrum import fastest_rate
 from ..core.variables import parameter
 from .driven_shaft import (
     DISSIPATION_OUT,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, Course, Ends, Finite, HardCase, Refused, jumps, ramp, sine
+from ..core.hard_cases import AtLeast, AtMost, Ends, Finite, HardCase, InputSignal, Refused, jumps, ramp, sine
 
 PEAK = 0.05 * 20.0 * 2.0 * 0.05 * 18.0**2  # N.m, torque of the default inertial converter at 3 rad/s of the turbine
 WOUND = 2000.0 * 3.0 + 5.0 * 3.0  # N.m, of a shaft that 3 rad of the turbine wind up at 3 rad/s against a standing pump
@@ -158,7 +158,7 @@ HARD_CASES = {
             (AtMost(_events, 9.0, "events"), AtLeast("speed", 0.0)),
             (),
             {},
-            {"turbine_speed": Course(lambda t: t * t)},
+            {"turbine_speed": InputSignal(lambda t: t * t)},
             duration=0.5,
             step=0.05,
         ),
@@ -237,7 +237,7 @@ HARD_CASES = {
             (AtLeast("speed", 0.0), Finite()),
             (),
             {},
-            {"load_torque": 10.0, "turbine_speed": Course(lambda t: min(max(2.0 + 60.0 * (t - 1.0), 2.0), 8.0))},
+            {"load_torque": 10.0, "turbine_speed": InputSignal(lambda t: min(max(2.0 + 60.0 * (t - 1.0), 2.0), 8.0))},
             duration=4.0,
             step=0.05,
         ),
@@ -364,7 +364,7 @@ HARD_CASES = {
             (AtLeast("flow", 0.0), AtLeast("hydraulic_power", 0.0), Finite()),
             (),
             {},
-            {"speed": Course(lambda t: 150.0 * math.sin(3.0 * t) ** 2), "head": 10.0},
+            {"speed": InputSignal(lambda t: 150.0 * math.sin(3.0 * t) ** 2), "head": 10.0},
             duration=2.0,
             step=0.01,
         ),

@@ -21,8 +21,7 @@ from typing import Any
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component, Effect
 from ...components.core.errors import BadInput
-from ...components.core.ports import gathered
-from ...components.core.variables import Causality, Variable
+from ...components.core.variables import Causality, Variable, gathered
 from ..scene.drawing import Drawing, sketch
 from ..scene.files import read_file, scene_files
 from .studies.full_model import with_required
@@ -167,7 +166,7 @@ def _page(name: str, cls: type[Component], states: Mapping[str, int | None]) -> 
         tuple(passages(inspect.getdoc(cls) or "")),
         tuple(_variable(v, full, cls) for v, full in variables),
         tuple(_effect(e, effect, states.get(e)) for e, effect in cls.effects.items()),
-        tuple(PresetRow(n, p.source, p.standing, p.effects, p.parameters) for n, p in cls.presets.items()),
+        tuple(PresetRow(n, p.source, p.provenance, p.effects, p.parameters) for n, p in cls.presets.items()),
         tuple(_ports({full: v.causality for v, full in variables}, cls)),
         tuple(HardCaseRow(c.name, c.text, _claims(c.holds)) for c in declared().get(name, ())),
         {scene: title for scene, (title, used) in _scenes().items() if name in used},
@@ -181,7 +180,7 @@ def _page(name: str, cls: type[Component], states: Mapping[str, int | None]) -> 
 def _variable(variable: Variable, name: str, cls: type[Component]) -> VariableRow:
     output = variable.causality is Causality.OUTPUT
     sources = [
-        f"{preset} ({p.standing})"
+        f"{preset} ({p.provenance})"
         for preset, p in cls.presets.items()
         if name in p.parameters and not variable.size and p.parameters[name] == variable.start
     ]

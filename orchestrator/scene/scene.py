@@ -15,7 +15,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
-from ...components.core.ports import port_of
+from ...components.core.variables import port_of
 from ..engine.coupling import Coupling, resolve_coupling
 from ..loading import loading
 from ..output import ensure_directory

@@ -10,8 +10,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.measure import parse
-from cosimo.components.core.ports import gathered
-from cosimo.components.core.variables import Causality, Kind
+from cosimo.components.core.variables import Causality, Kind, gathered
 from cosimo.tests.contract.configurations import FACTS, SMALL, compatible, in_plain_python
 
 VARIABLES = [(c, v) for c in CATALOGUE for v in component_class(c).variables]

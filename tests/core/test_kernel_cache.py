@@ -90,7 +90,7 @@ def test_where_nothing_can_be_written_kernels_run_all_the_same(package, tmp_path
 
 LATER = """
 import json
-from own.core.dispatch import callable_from_python
+from own.core.compiler import callable_from_python
 from own.inner import inner
 from own.outer import outer
 

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.banded import factor_band, factor_general, solve_band, solve_general
 from ...core.contract import filled as in_words
 from ...core.errors import BadInput
 from ...core.kernels import DONE, kernel, kernel_tuple
+from ...core.linear import factor_band, factor_general, solve_band, solve_general
 from .from_table import lay_out
 from .layout import GRAVITY, Layout
 from .plan import (

@@ -185,10 +185,10 @@ def test_frame_friction_holds_against_a_small_change_of_force():
     assert dry["contact_force"] == pytest.approx(120.0, rel=1e-3)  # the head's oscillation has decayed by e^-8
 
 
-def test_presets_have_a_source_and_a_standing():
+def test_presets_have_a_source_and_a_provenance():
     for name, preset in Pantograph.presets.items():
         assert preset.source, name
-        assert preset.standing in ("verbatim", "recalled", "inferred", "computed")
+        assert preset.provenance in ("verbatim", "recalled", "inferred", "computed")
         pantograph = Pantograph(preset=name)
         pantograph.initialize(0.0)
         assert np.isfinite(pantograph.y).all()

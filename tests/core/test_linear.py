@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.banded import add_product, banded_product, factor_band, factor_general, solve_band, solve_general
+from cosimo.components.core.linear import add_product, banded_product, factor_band, factor_general, solve_band, solve_general
 
 
 def random_system(n: int, width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from cosimo.components.core import import_index
-from cosimo.components.core.closure import imports
-from cosimo.components.core.import_index import ImportIndex
+from cosimo.components.core import closure
+from cosimo.components.core.closure import ImportIndex, imports
 
 SOURCE, EDITED = b"from . import one\nimport two\n", b"from .. import one, three\n"
 
@@ -21,7 +20,7 @@ def parsed(monkeypatch) -> list[bytes]:
         sources.append(source)
         return imports(source)
 
-    monkeypatch.setattr(import_index, "imports", parse)
+    monkeypatch.setattr(closure, "imports", parse)
     return sources
 
 
@@ -72,7 +71,7 @@ def test_where_nothing_can_be_written_sources_are_parsed(tmp_path, parsed):
 
 
 def test_the_oldest_go(tmp_path, parsed, monkeypatch):
-    monkeypatch.setattr(import_index, "MOST", 1)
+    monkeypatch.setattr(closure, "INDEXED_SOURCES", 1)
     file = tmp_path / "imports.json"
     keep(file, SOURCE)
     keep(file, EDITED)
