@@ -89,5 +89,5 @@ def test_every_row_of_every_table_has_standing_and_source(name):
 def test_every_preset_says_where_it_was_read():
     for name in CATALOGUE:
         for title, preset in component_class(name).presets.items():
-            assert preset.standing in STANDINGS, (name, title)
+            assert preset.provenance in STANDINGS, (name, title)
             assert preset.source.strip(), (name, title)

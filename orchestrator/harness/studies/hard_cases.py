@@ -18,7 +18,7 @@ import numpy as np
 from ....components.catalogue import CATALOGUE, component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
-from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
+from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Refused, seen
 from ...output import write_table
 from ...progress import tracked
 from ..journal import once
@@ -137,7 +137,7 @@ def _initial_component(name: str, case: HardCase, instead: Mapping[str, Any]) ->
     """The component of a case at its start, with some parameters and inputs of other values."""
     component = component_class(name)(case.effects)
     for variable, value in {**case.parameters, **case.inputs, **instead}.items():
-        component.set(variable, value.start if isinstance(value, Course) else value)
+        component.set(variable, value.start if isinstance(value, InputSignal) else value)
     component.initialize(0.0)
     return component
 
@@ -161,7 +161,7 @@ def _advance(component: Component, case: HardCase, k: int) -> None:
     t, h = k * case.step, case.step
     for column, name in enumerate(component.inputs):
         course = case.inputs.get(name)
-        if not isinstance(course, Course):
+        if not isinstance(course, InputSignal):
             continue
         if not course.smooth:
             component.u[:, column] = course.at(t), 0.0, 0.0
