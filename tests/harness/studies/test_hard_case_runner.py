@@ -12,10 +12,10 @@ from cosimo.components.core.hard_cases import (
     AtLeast,
     AtMost,
     BoundedEnergy,
-    Course,
     Ends,
     Finite,
     HardCase,
+    InputSignal,
     Invariant,
     Refused,
     jumps,
@@ -71,7 +71,7 @@ def test_courses_follow_time_within_a_step_and_jumps_do_not():
         ("ramp", ramp(1.0)),
         ("jump", jumps(0.0, (0.05, 1.0))),
         ("start", jumps(7.0, (0.0, 2.0))),
-        ("held", Course(lambda t: t, smooth=False)),
+        ("held", InputSignal(lambda t: t, smooth=False)),
     ):
         ends[name] = one(Ends("rear_position", 10.0), inputs={"rear_position": course}, duration=0.1, step=0.02).reached
     assert ends == pytest.approx({"ramp": 0.1, "jump": 1.0, "start": 2.0, "held": 0.08})
