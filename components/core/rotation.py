@@ -51,7 +51,7 @@ def to_body(w, x, y, z, a, b, c):
 
 @kernel
 def angles(w, x, y, z, held_roll):
-    """(roll, pitch, yaw, determinate) of a quaternion, rad; `determinate` is 1.0 where roll and yaw are determinate, else 0.0.
+    """(roll, pitch, yaw, validity) of a quaternion, rad; the last is 1.0 where roll and yaw are determinate, else 0.0.
 
     Within 0.1 degrees of the vertical they turn about the same axis, and only their sum or difference is a fact: there
     roll is `held_roll`, such as the last determinate one, and yaw takes the rest, so that neither jumps.
