@@ -144,16 +144,18 @@ class Case:
         charts: dict[str, tuple[Chart | Grid, ...]] = {}
         for e in evidence:
             charts[e.claim] = (*charts.get(e.claim, ()), *e.charts)
-        rows, claims = tuple(row for e in evidence for row in e.rows), ()
+        rows = tuple(row for e in evidence for row in e.rows)
+        claims: tuple[ClaimResult, ...] = ()
         if measured:
             table = load_table(self.name)
             rows += compare(table.rows, measured)
             if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
                 raise ValueError(f"case {self.name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
             claims = claim_results(table.claims, rows, charts)
+        shown = {label: result for e in evidence for label, result in e.shown.items()}
         return Findings(
             rows,
-            {label: result for e in evidence for label, result in e.shown.items()} | (failure.runs if failure else {}),
+            {**shown, **failure.runs} if failure else shown,
             charts.get("", ()),
             (*(note for e in evidence for note in e.notes), *(failure.notes if failure else ())),
             {condition: text for e in evidence for condition, text in e.settings.items()},

@@ -86,7 +86,8 @@ def drives(result: Result) -> list[Drive]:
 
 
 def _drive(unit: RecordedUnit) -> Drive:
-    wheels, rests = [], {}
+    wheels: list[Wheel] = []
+    rests: dict[str, np.ndarray] = {}
     for name in WHEELS:
         motor = unit.driven_by(f"{name}_rate")  # None where the whole drive is one unit
         signals = unit.recorded({n: f"{name}_{n}" for n in ("rate", "torque")})

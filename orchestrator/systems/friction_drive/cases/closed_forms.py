@@ -21,9 +21,9 @@ LIMIT = 12.0  # N, 2 mu N
 SHARES = (0.0, 0.25, 0.5, 0.75, math.cos(ANGLE), 0.9)  # of it, that load the sleeve
 LOADS = {"axial": (1.0, 0.0), "around": (0.0, 1.0), "both": (0.6, 0.8)}  # of force and torque, on the limit's ellipse
 NEAR = 0.01  # share by which a load is below or above it
-VOLTAGES = {"first_voltage": 6.0, "second_voltage": 2.0}
+VOLTAGES: dict[str, Any] = {"first_voltage": 6.0, "second_voltage": 2.0}
 STEPS = (2e-3, 1e-3, 5e-4)  # s, macro steps of the split drive
-ROLLERS = {"layout": "skewed_free_rollers"}
+ROLLERS: dict[str, Any] = {"layout": "skewed_free_rollers"}
 
 
 def wheels(parameters: Mapping[str, Any], effects: tuple[str, ...] = ("exact_slip",)) -> dict[str, Any]:

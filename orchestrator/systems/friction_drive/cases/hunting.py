@@ -17,7 +17,7 @@ from ... import build_scene
 from ..records import starts
 
 TARGET, RADIUS = 2e-4, 0.01  # m
-GAINS = {"layout": "orthogonal", "feedback": "wheels", "set_feed": TARGET, "rate_integral_gain": 0.0}
+GAINS: dict[str, Any] = {"layout": "orthogonal", "feedback": "wheels", "set_feed": TARGET, "rate_integral_gain": 0.0}
 KINDS: Mapping[str, tuple[float, float]] = {  # integral gain of the way, 1/s2; static over kinetic friction
     "seeking": (400.0, 1.5),
     "without_drop": (400.0, 1.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ READ = {"rate": (1e-3, 5e-3, 2e-2), "current": (2e-4, 1e-3, 5e-3)}  # s
 
 def scenes() -> dict[str, Scene]:
     """Motors side by side, let go at 12 V with the current of standstill; but those that run out, and that friction holds."""
-    fine = {"substep": 1e-5, "voltage": VOLTAGE, "inductance.start_current": VOLTAGE / RESISTANCE}
+    fine: dict[str, Any] = {"substep": 1e-5, "voltage": VOLTAGE, "inductance.start_current": VOLTAGE / RESISTANCE}
     bare = partial(unit, "ServoMotor", preset="motor alone", **fine)
     with_friction = partial(unit, "ServoMotor", effects=["shaft_friction"])
     units = {

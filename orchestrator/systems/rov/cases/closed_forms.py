@@ -77,12 +77,13 @@ def scenes() -> dict[str, Scene]:
         {**LEVEL, "start_surge": 1.0, "start_pitch_rate": small, "substep": 2e-3, "start_heave": small * 17.0 / (26.07 * rate)},
         ["pitch_rate"],
     )
-    pose = {"start_roll": 0.0, "start_pitch": 0.0, "start_yaw": 0.0, "start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
+    pose: dict[str, Any] = {f"start_{angle}": 0.0 for angle in ("roll", "pitch", "yaw")}
+    pose |= {"start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
     signals = ["position_north", "position_east", "depth", "roll", "pitch"]
     still = unit("RovHull", effects=WATER, **pose)
-    drift = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
-    current = {f"current.velocity_{n}": v for n, v in FLOW.items()}
-    moved = unit("RovHull", effects=[*WATER, "current"], **pose, **drift, **current)
+    drift: dict[str, Any] = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
+    drift |= {f"current.velocity_{n}": v for n, v in FLOW.items()}
+    moved = unit("RovHull", effects=[*WATER, "current"], **pose, **drift)
     record = {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]}
     units = {"still": still, "moved": moved}
     cases["in still and in moving water"] = build_scene(units, stop_time=20.0, step=0.02, name="rov", record=record)

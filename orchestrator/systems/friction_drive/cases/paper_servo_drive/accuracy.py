@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -36,9 +37,9 @@ SEAL_STATIC = 2.6  # N
 STEP = 1e-6  # m, of the sleeve's own sensor
 
 
-def scenes() -> dict[float | str, Scene]:
+def scenes() -> dict[Any, Scene]:
     """Fifty approaches of a second by their start in m, and a drive without friction at full voltage."""
-    losses = {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0}
+    losses: dict[str, Any] = {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0}
     full = unit("FrictionDrive", effects=FULL, first_voltage=VOLTAGE, second_voltage=VOLTAGE, **losses)
     approaches = {float(start): approach(float(start)) for start in STARTS}
     return {**approaches, "full voltage": side_by_side({"drive": full}, 0.3, ["feed_rate"])}

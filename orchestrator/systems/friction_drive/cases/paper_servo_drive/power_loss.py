@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
@@ -85,7 +87,7 @@ def brake() -> float:
     return 2.0 * (GEAR * CONSTANT) ** 2 / RESISTANCE * (COSINE / WHEEL) ** 2
 
 
-def _drive(parameters: dict[str, float]) -> dict:
+def _drive(parameters: dict[str, Any]) -> dict[str, Any]:
     return unit("FrictionDrive", effects=FULL, layout=ROLLERS, **parameters)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def _sea_scene() -> Scene:
 
 def free_scene() -> Scene:
     """A neutral vehicle without thrust in a regular wave; its drag is linear, so that its response has a closed form."""
-    parameters = {"start_depth": DEPTH, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": NEUTRAL}
+    parameters: dict[str, Any] = {"start_depth": DEPTH, "centre_of_gravity_z": 0.0, "pressure_gradient.displaced_mass": NEUTRAL}
     wave = {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}
     return build_scene(
         {
