@@ -120,7 +120,7 @@ def default_experiment(path: str, folder: str) -> tuple[bool, str]:
 
 
 def state(path: str, folder: str) -> tuple[bool, str]:
-    """Save, step, restore, step again: the same bits; then the same through the serialized state."""
+    """Save, step, restore, step again: bit-identical; then the same through the serialized state."""
     unit = Instance(path, folder, "state")
     offered = unit.description.coSimulation
     if not offered.canGetAndSetFMUstate:

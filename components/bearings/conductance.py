@@ -373,7 +373,7 @@ def conductance_outputs(t, s, p, e):
     u, y, places = s.u[0], s.y, s.places
     forces, free, q = s.ring[0], s.ring[1], s.ring[2]
     forces[0], forces[2] = u[RADIAL_FORCE], max(u[AXIAL_FORCE], 0.0)
-    q[:] = 0.0  # always the same way to the equilibrium: a repeated step gives the same bits
+    q[:] = 0.0  # always the same way to the equilibrium: a repeated step is bit-identical
     status = equilibrium(forces, free, ball_contacts_of(s, p), places, q, (s.tangent[0], s.tangent[1], s.rows))
     if status != DONE:
         return status

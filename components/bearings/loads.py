@@ -30,7 +30,7 @@ NO_FORCE = 1e-10  # N; forces below it count as none. The approach of a ball tha
 OVERSHOOT, LEFT = 0.3, 0.5  # of the unbalanced force along a step, that may be left behind it with the other, with its own sign
 FLOOR = 1e-11  # of the largest stiffness, that Newton's matrix keeps of the identity: above rounding, so that it stays definite
 START = 0.05  # of the distance of the groove centres, the approach of a ball under the load from which a smaller one comes down
-COARSE = 1e-3  # tolerance on the way there
+COARSE = 1e-3  # tolerance of the first iterations
 
 
 class StaticLoads(NamedTuple):

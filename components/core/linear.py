@@ -49,7 +49,7 @@ def factor_band(band, start, first, end):
 
     band: (N, w) upper band, band[i, k] = A[i, i + k]; afterwards band[i, 0] = 1 / D[i] and band[i, k] = U[i, k].
     Rows start <= i < first must hold the factors of the same matrix: after a change in row `first` only the rows from
-    there on are factored again, and the result has the same bits as a complete factorisation.
+    there on are factored again, and the result is bit-identical to a complete factorisation.
     """
     width = band.shape[1]
     for i in range(first, end):

@@ -189,7 +189,7 @@ HARD_CASES = {
     "TowCoupling": (
         HardCase(
             "a rope that tightens and goes slack",
-            "It never pushes, and action is reaction to the last bit.",
+            "It never pushes, and action is exactly reaction.",
             (AtLeast("rear_force", 0.0), AtMost(lambda c: c["rear_force"] + c["front_force"], 0.0, "sum of the forces, N")),
             ("slack",),
             {},

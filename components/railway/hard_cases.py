@@ -36,7 +36,7 @@ HARD_CASES = {
         ),
         HardCase(
             "no force at all",
-            "A drive without force leaves the wire alone, to the last bit.",
+            "A drive without force leaves the wire exactly at rest.",
             (AtMost("contact_force", 0.0), AtMost("head_height", 0.0)),
             ("contact_loss",),
             {"static_force": 0.0},

@@ -83,7 +83,7 @@ HARD_CASES = {
         ),
         HardCase(
             "friction at its very level",
-            "The outer torque is the level to the last bit while the inner axis comes to rest.",
+            "The outer torque is exactly the level while the inner axis comes to rest.",
             (AtMost("outer_rate", 0.0), Ends("inner_angle", 1e-13, value=0.5 - 0.125), AtMost(_events, 1.0, "events")),
             ("stick_friction",),
             LEVELS | {"start_inner_rate": -0.5},
@@ -276,7 +276,7 @@ HARD_CASES = {
         ),
         HardCase(
             "through the play and back",
-            "No force within the play; action is reaction to the last bit, everywhere.",
+            "No force within the play; action is exactly reaction, everywhere.",
             (AtMost(_balance, 0.0, "sum of the forces, N"), AtMost("second_force_x", 1e5 * 1e-4 + 100.0 * 0.02)),
             ("clearance", "rotation"),
             {},

@@ -29,7 +29,7 @@ def _water(component: Component) -> float:
 
 CALM = HardCase(
     "nothing moves",
-    "Drive and load are equal to the last bit: 0.",
+    "Drive and load are exactly equal: 0.",
     (AtMost(_still, 0.0, "speed, torques, ratio"),),
     duration=1.0,
     step=0.1,
@@ -98,7 +98,7 @@ HARD_CASES = {
         ),
         HardCase(
             "friction at its level",
-            "The load is the static friction to the last bit, and then grows: T t²/2 / J.",
+            "The load is exactly the static friction, and then grows: T t²/2 / J.",
             (Ends("speed", 1e-12, value=0.5 / 15.0),),
             ("bearing_friction",),
             {},
@@ -154,7 +154,7 @@ HARD_CASES = {
         NO_NUMBER,
         HardCase(
             "a rest that is left as the drive grows",
-            "Drive and load are 0 to the last bit; the turbine's speed grows as t².",
+            "Drive and load are exactly 0; the turbine's speed grows as t².",
             (AtMost(_events, 9.0, "events"), AtLeast("speed", 0.0)),
             (),
             {},
@@ -164,7 +164,7 @@ HARD_CASES = {
         ),
         HardCase(
             "a seized pump",
-            "A load that nothing moves: the shaft winds up and the pump stands, to the last bit.",
+            "A load that nothing moves: the shaft winds up and the pump stays exactly at rest.",
             (AtMost("speed", 0.0),),
             (),
             {},

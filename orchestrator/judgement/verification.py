@@ -307,7 +307,7 @@ def _cost(result: Result, in_process: bool) -> float:
 
 
 def _over_windows(scene: Scene) -> Verification:
-    """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which has the same bits."""
+    """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which is bit-identical."""
     wish = WindowsWish(0.0)
     again = run_once(scene, in_process=True, windows=wish)
     return _of_windows(scene, wish) if again.outcome == "done" else Verification(False, again.message)

@@ -23,7 +23,7 @@ def describe(name: str, settings: UnitSettings) -> Interface:
 
 
 def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None) -> Simulator:
-    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit.
+    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are bit-identical.
 
     `native`: the native FMU of a component, which is run instead.
     """

@@ -3,7 +3,7 @@
 Inputs follow their polynomials wherever the integrator looks. A multistep integrator goes on across macro steps, and begins
 anew behind an event, where an input jumps by more than the tolerance, behind `restore`, and behind `pack`, so that a run that
 is resumed from a file takes the steps of the one that wrote it. Its past is no part of a state: a step that is repeated
-gives the same bits each time, and what the first try gave within the tolerance. An event is one of time, announced by the
+is bit-identical each time, and what the first try gave within the tolerance. An event is one of time, announced by the
 FMU, one of state, where an event indicator changes between positive and not positive, or one of a completed step; all of
 them are dealt with inside the macro step.
 """

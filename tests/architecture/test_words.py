@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -98,3 +99,33 @@ def test_names_are_seen_wherever_they_are_written(tmp_path):
     path = tmp_path / "module.py"
     path.write_text("import a.settle\ndef idle(told, *, made=1):\n    self.found, came = f(said=2)\nfor things in x: pass\n")
     assert {"settle", "idle", "told", "made", "found", "came", "said", "things"} <= identifiers(path)
+
+
+PHRASES = {  # of this house, that a stranger does not know: the field's
+    r"same bits": "bit-identical",
+    r"held against (a table|its|the|published)": "compared with",
+    r"told once": "exchanged once per step",
+    r"without measure": "infinite",
+    r"comes? to stand": "converge",
+    r"without a word": "silently",
+    r"said in vain": "ignored",
+    r"processor time": "CPU time",
+    r"on the way there": "in the transient",
+    r"less than none": "what the value means",
+}
+
+
+def test_phrases_of_the_house_do_not_return():
+    texts = [
+        *(path for place in CLEAN for ending in ("py", "toml", "html", "csv") for path in (ROOT / place).rglob(f"*.{ending}")),
+        *(path for path in (ROOT / "docs").rglob("*.md") if "generated" not in path.parts),
+        ROOT / "README.md",
+        ROOT / "CHANGELOG.md",
+    ]
+    used = [
+        f"{path.relative_to(ROOT)}: {match[0]!r}, say {plain!r}"
+        for path in texts
+        for phrase, plain in PHRASES.items()
+        for match in re.finditer(phrase, path.read_text(encoding="utf-8"), re.IGNORECASE)
+    ]
+    assert used == []

@@ -29,5 +29,5 @@ def test_the_drive_runs_ten_times_faster_than_real_time(options):
         assert result.outcome == "done", result.message
         wall.append(result.info["timing"]["run"])
     print(f"\n{options or 'FMUs'}: {min(wall):.2f} s for {END:g} s, {END / min(wall):.0f} times real time; "
-          f"processor time with the start {min(used):.2f} s")  # fmt: skip
+          f"CPU time with the start {min(used):.2f} s")  # fmt: skip
     assert END / min(wall) >= LEAST

@@ -118,7 +118,7 @@ class Gain(Component):
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 @pytest.mark.parametrize(("name", "steps", "least"), [("Gain", 20_000, 500_000), ("KernelGain", 200_000, 5_000_000)])
 def test_steps_of_trivial_units_a_second(name, steps, least, algorithm, degree, record):
-    """Two of them, by processor time of stepping; the longer run is that in which what happens once a run does not count."""
+    """Two of them, by CPU time of stepping; the longer run is that in which what happens once a run does not count."""
     gain = {"component": f"cosimo.tests.benchmarks.test_master_speed:{name}"}
     scene = read_scene(
         {

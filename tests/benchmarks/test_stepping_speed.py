@@ -1,6 +1,6 @@
 """A macro step of scenes in process beside its physics: the kernels of all units, called in a compiled loop and nothing else.
 
-Run with `pytest -m benchmark -n 0 -s`. Processor time, best of five, all in one run. The physics goes on from where the run has
+Run with `pytest -m benchmark -n 0 -s`. CPU time, best of five, all in one run. The physics goes on from where the run has
 ended, with the inputs of that instant. A run of 20 000 steps has its fixed costs in it, such as finding the units' addresses.
 """
 
@@ -37,7 +37,7 @@ def physics(functions, arguments, times, h):
 
 
 def best(function) -> float:
-    """Least processor time of five calls, s."""
+    """Least CPU time of five calls, s."""
     spent = []
     for _ in range(5):
         begin = process_time()
@@ -47,7 +47,7 @@ def best(function) -> float:
 
 
 def measured(scene, steps: int) -> tuple[float, float]:
-    """Processor time of a macro step in the compiled loop and of its physics, s."""
+    """CPU time of a macro step in the compiled loop and of its physics, s."""
     h = scene.master.step
     with ExitStack() as stack:
         units = open_units(scene, stack, in_process=True)

@@ -67,7 +67,7 @@ def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(componen
 
 @pytest.mark.parametrize("component", in_plain_python(CLASSIC))
 def test_without_effects_it_is_the_component_without_their_source(component):
-    """Kernels from whose source every branch of an effect has been cut out: the same calls, the same bits."""
+    """Kernels from whose source every branch of an effect has been cut out: the same calls, bit-identical."""
     cls = component_class(component)
     here, bare = cls((), SMALL[component]), never_written(cls)((), SMALL[component])
     calls, rows = calls_of(here)

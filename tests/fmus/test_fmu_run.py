@@ -1,4 +1,4 @@
-"""An FMU is its component: the same bits, for any effects, with polynomial inputs, with inputs set between steps."""
+"""An FMU is its component: bit-identical, for any effects, with polynomial inputs, with inputs set between steps."""
 
 import math
 

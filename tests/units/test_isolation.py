@@ -1,4 +1,4 @@
-"""Units in worker processes: the same bits, one message a step, side by side; crashes and hangs end the unit, not the run.
+"""Units in worker processes: bit-identical, one message a step, side by side; crashes and hangs end the unit, not the run.
 
 The start of a worker takes a second of CPU time: where one will do, only one unit is isolated.
 """

@@ -1,4 +1,4 @@
-"""Model exchange of FMI 3: the same equations behind both versions give the same bits, and each form of an input is followed.
+"""Model exchange of FMI 3: the same equations behind both versions are bit-identical, and each form of an input is followed.
 
 The FMU is that of `test_model_exchange`, where its results are compared with closed forms; it complains of every call in a
 mode that does not allow it.

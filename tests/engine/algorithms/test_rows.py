@@ -30,7 +30,7 @@ class Sink(Integrals):
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
-    """Split over units with few inputs each, the same signals give the same bits."""
+    """Split over units with few inputs each, the same signals are bit-identical."""
     here = "cosimo.tests.engine.algorithms.test_rows"
     master = {"algorithm": algorithm, "step": 0.05, "extrapolation": degree}
     wide = run(

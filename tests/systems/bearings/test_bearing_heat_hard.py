@@ -118,7 +118,7 @@ def test_one_tiny_mass_among_heavy_ones():
 
 
 def test_steps_of_any_length_give_the_same_end():
-    """Macro steps of 1000 s and of 10 s with a substep of 10 s: the same internal steps, the same bits but for the times."""
+    """Macro steps of 1000 s and of 10 s with a substep of 10 s: the same internal steps, bit-identical but for the times."""
     ends = []
     for step in (10.0, 1000.0):
         made = temperatures(("radiation", "housing"), friction_power=20.0, substep=10.0)

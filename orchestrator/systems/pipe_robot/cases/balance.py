@@ -115,7 +115,7 @@ CASE = function_case(
     "Over a period of the steady motion the mean friction is weight and load, and what the exciter gives is what friction, "
     "damper, weight and load take. Below the threshold of the force the body stands, above it it moves as an independent "
     "solution says, and with friction alike in both directions it gets nowhere. On a slope, shaken below the threshold "
-    "for a minute, the body with exact friction stays to the last bit, while those with smoothed and with LuGre friction creep "
+    "for a minute, the body with exact friction stays exactly at rest, while those with smoothed and with LuGre friction creep "
     "as far as independent integrations of their equations do.",
     "pipe_robot",
     findings,

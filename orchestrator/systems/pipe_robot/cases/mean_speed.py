@@ -55,7 +55,7 @@ def findings(options: Options) -> Findings:
     notes = (
         "Averaging predicts the mean speed to the first order in the friction; in the periodic motion itself the error is of "
         "second order, as the exact solution has it: V = -b cos(pi p) sqrt(1 - d²), d = (F+ + G) pi p / (M b w sin(pi p)). The "
-        "first order is seen on the way there: the distance from the averaged motion, from rest on.",
+        "first order is seen in the transient: the distance from the averaged motion, from rest on.",
         "A robot turns back where (F- - F+) / 2 is its weight down the pipe, whatever shakes it: weight and friction together "
         "are then the same in both directions.",
     )

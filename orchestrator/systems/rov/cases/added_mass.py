@@ -102,7 +102,7 @@ CASE = Case(
     "rov-added-mass",
     "Added mass exchanged as a force",
     "A vehicle that takes more water along than it weighs (14.57 kg to 11.5 kg in heave, Wu 2018), the water's inertia once "
-    "inside the hull and once as a force from another unit. Told once a step the acceleration grows by the ratio of the "
+    "inside the hull and once as a force from another unit. Exchanged once per step, the acceleration grows by the ratio of the "
     "masses a step, however short the step; the loop solved in every instant, by relaxation here, gives the motion of the one"
     " unit. Reported by users of several simulators as instability, such as uuvsimulator/uuv_simulator #181 and #96, gazebo-"
     "classic #2066, gz-sim #749.",

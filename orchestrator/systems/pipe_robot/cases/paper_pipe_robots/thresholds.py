@@ -1,4 +1,4 @@
-"""Thresholds: the force at which a standing body breaks loose, the slope and the load at which it turns back or slides."""
+"""Thresholds: the force at which a body at rest breaks loose, the slope and the load at which it turns back or slides."""
 
 from __future__ import annotations
 
@@ -88,9 +88,9 @@ def _chart() -> Chart:
     at = Series("tried 2 % below and above", FREQUENCIES, [breakaway(STANDARD.at(frequency=x)) for x in FREQUENCIES], "points")
     panel = Panel("force, N", (*lines, at), logarithmic=True)
     return Chart(
-        "Force at which a standing body breaks loose",
+        "Force at which a body at rest breaks loose",
         "exciter, rad/s",
         (panel,),
         "Between both lines of a spring a body steps forwards only. It takes least where the inner mass resonates "
-        "against the standing body.",
+        "against the body at rest.",
     )
