@@ -14,6 +14,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -98,7 +99,7 @@ class Block:
     def view(self, path: tuple[str | int, ...], dtype: Any = np.float64) -> np.ndarray:
         """An array of the block."""
         leaf = self._leaves[path]
-        size = int(np.prod(leaf.shape))
+        size = prod(leaf.shape)
         first = CELL * leaf.cell
         return self.memory.view(np.uint8)[first : first + size * leaf.itemsize].view(dtype).reshape(leaf.shape)
 

@@ -153,6 +153,11 @@ class Component:
         self.outputs = tuple(n for n, v in active.items() if v.causality is Causality.OUTPUT)
         self._input_index = {n: i for i, n in enumerate(self.inputs)}
         self._output_index = {n: i for i, n in enumerate(self.outputs)}
+        # by effect, the position of its first input and of its first output
+        self._first_of_effect = [
+            {n.partition(".")[0]: i for i, n in reversed([*enumerate(names)]) if "." in n}
+            for names in (self.inputs, self.outputs)
+        ]
         self.u = np.zeros((3, len(self.inputs)))  # value now, slope, half of the second derivative over the coming step
         self.u[0] = [active[n].start for n in self.inputs]
         self.y = np.zeros(len(self.outputs))
@@ -249,9 +254,8 @@ class Component:
         if name not in self.on:
             return None
         effect = type(self).effects[name]
-        fields = [self._value(v, name + ".") for v in effect.variables if v.causality is Causality.PARAMETER]
-        for names in (self.outputs, self.inputs):
-            fields[:0] = [i for i, n in enumerate(names) if n.startswith(name + ".")][:1]
+        fields = [index[name] for index in self._first_of_effect if name in index]
+        fields += [self._value(v, name + ".") for v in effect.variables if v.causality is Causality.PARAMETER]
         return effect.Values(*(fields or [True]))
 
     def _value(self, variable: Variable, owner: str = "") -> Any:

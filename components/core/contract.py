@@ -111,7 +111,8 @@ class KernelComponent(Component):
         """Memory for the present structure; inputs are taken over."""
         cls = type(self)
         shapes = self.shapes()
-        contents: dict[str, Any] = {"u": self.u, "y": self.y, "x": np.zeros(0), "counts": np.zeros_like(self.counts)}
+        contents: dict[str, Any] = {n: np.zeros_like(getattr(self, n)) for n in ("u", "y")}
+        contents |= {"x": np.zeros(0), "counts": np.zeros_like(self.counts)}
         contents |= {
             n: v if isinstance(v, np.ndarray) or v is None or hasattr(v, "_fields") else np.zeros(v) for n, v in shapes.items()
         }
@@ -119,9 +120,10 @@ class KernelComponent(Component):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
         self.block = block = Block(cls.Memory(**contents), p, e)
-        self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
         self._structure, self._calls = self._present_structure(), dict[str, Any]()
-        self._contents = hash(block.memory.tobytes()) if cls.kept else 0
+        self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
+        block.s.u[...], block.s.y[...] = self.u, self.y
+        self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
         self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
 
     @classmethod

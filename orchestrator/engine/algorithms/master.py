@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from math import inf, isfinite
+from operator import itemgetter
 from typing import Any, Literal
 
 import numpy as np
@@ -306,11 +308,11 @@ class Master:
     def watch(self, ends: Sequence[Endpoint]) -> slice | None:
         """Columns of a batch's `outputs` in which these outputs will stand; None where not all are those of components."""
         at: list[int] = []
-        for name, output in ends:
+        for name, of_unit in groupby(ends, key=itemgetter(0)):
             unit = self.node_of[name].unit if name in self.node_of else None
             if not isinstance(unit, ComponentSimulator):
                 return None
-            at += unit.outputs_at([output])
+            at += unit.outputs_at([output for _, output in of_unit])
         return self.machine.watch(at)
 
     def halt(self) -> None:
