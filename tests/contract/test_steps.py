@@ -14,15 +14,15 @@ from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import CONFIGURATIONS, EVERYTHING_ON, bits, excite, slope_inputs, span
 from cosimo.tests.short_run import ONE_A_SYSTEM
 
-# Machine code of all components takes the compiler minutes: here one a system, all of them against plain Python in
-# test_processes.py. Plain Python with nothing and with everything on is in every run.
+# Machine code of all components takes the compiler minutes: here one a system without effects, which others compile, too; all of
+# them against plain Python in test_processes.py. Plain Python with nothing and with everything on is in every run.
 pytestmark = [pytest.mark.full] if COMPILED else []
 EPSILON = np.finfo(float).eps
-MACHINE_CODE = [c for c in EVERYTHING_ON if c.component in ONE_A_SYSTEM]
+MACHINE_CODE = [c for c in CONFIGURATIONS if c.effects == () and c.component in ONE_A_SYSTEM]
 
 
 def over(cases):
-    """In every run nothing and everything on, in the complete one all; compiled: everything on, one a system."""
+    """In every run nothing and everything on, in the complete one all; compiled: nothing on, one a system."""
     return pytest.mark.parametrize(
         "configuration",
         [
