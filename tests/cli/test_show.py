@@ -67,6 +67,7 @@ def test_a_component(capsys):
     assert found["hard_cases"]
 
 
+@pytest.mark.full
 def test_a_case_and_a_scene_that_has_its_name(capsys, tmp_path):
     rows = shown(capsys, "iso16281")["reference"]
     assert {"quantity", "low", "high", "provenance", "source"} <= rows[0].keys()

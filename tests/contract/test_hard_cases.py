@@ -115,7 +115,7 @@ def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     assert np.abs(catenary.x[: catenary.mesh.mass.size]).max() > 0.01  # m; it still swings
 
 
-@pytest.mark.first
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_one_span(method):
     catenary = Catenary(["dropper_slackening", "gravity_sag"], {"spans": 1, "method": method})
@@ -168,6 +168,7 @@ def test_slack_droppers_around_a_large_force_settle(force):
     assert catenary.work["solves"] <= 2 * catenary.work["steps"]
 
 
+@pytest.mark.full
 def test_a_dropper_that_would_push_at_rest_is_refused():
     light = Catenary(["dropper_slackening", "pre_sag"], {"spans": 2, "pre_sag.depth": 0.3, "contact_wire_mass": 0.3})
     with pytest.raises(BadInput, match=r"dropper at .* would carry -.* N at rest"):

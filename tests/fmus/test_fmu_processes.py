@@ -33,6 +33,7 @@ def pantograph():
     return built("Pantograph")
 
 
+@pytest.mark.full
 def test_many_instances_leave_no_trace(pantograph):
     lines = run_script(
         RUN
@@ -100,6 +101,7 @@ assert all(map(math.isfinite, answers(path)))
     )
 
 
+@pytest.mark.full
 def test_the_second_process_compiles_nothing(pantograph, tmp_path):
     script = (
         RUN

@@ -72,6 +72,7 @@ def compiles_nothing(run, answers):
     assert given == answers
 
 
+@pytest.mark.full
 def test_a_rebuilt_fmu_compiles_nothing(tmp_path):
     first, second = built("Pantograph"), renamed(built("Pantograph"), tmp_path)
     ((hits, misses, answers),) = runs(tmp_path / "cache", (first, *PANTOGRAPH))

@@ -278,7 +278,7 @@ def test_numbers_and_names_that_nothing_can_hold(place, value, named):
 
 
 # The same examples each time: a dry run takes steps of the scene, which may hold any number of internal steps.
-@settings(max_examples=60, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, derandomize=True, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(scenes())
 def test_the_command_line_has_an_exit_code_and_one_message_for_each(tmp_path, data):
     """A scene that is still good is shown without being run, which takes up to fifty of its steps."""
@@ -327,7 +327,7 @@ TEXTS = st.one_of(st.sampled_from(WORDS + MORE_WORDS), st.text(max_size=8), st.f
 )  # which no shell can hand over, or which name options
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.sampled_from(OPTIONS), TEXTS), min_size=1, max_size=3))
 def test_options_of_anything_are_taken_or_refused_with_one_message(tmp_path, options):
     path = tmp_path / "good.toml"
@@ -344,7 +344,7 @@ def is_number(text: str) -> bool:
     return True
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda s: s.encode("utf-8", "surrogatepass"))))
 def test_a_file_of_anything_is_refused_with_one_message(tmp_path, content):
     path = tmp_path / "anything.toml"

@@ -14,7 +14,7 @@ from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import cases
 
 UNDECIDED = ("passed", "recalled", "undecided")
-SHORT = ("jeffcott", "pipe-robot-balance", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
+SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
 WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its macro steps
 
 

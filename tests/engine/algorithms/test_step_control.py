@@ -100,6 +100,7 @@ def test_a_looser_tolerance_takes_fewer_steps(method):
     assert all(fewer < 0.7 * more for more, fewer in pairwise(steps))
 
 
+@pytest.mark.full
 def test_steps_follow_a_motion_that_dies_out():
     """What a decaying oscillation leaves needs longer steps: far fewer than equal ones of the length at the start."""
     scene = two_masses("jacobi", 1e-3, 1)

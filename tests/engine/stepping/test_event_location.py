@@ -87,6 +87,7 @@ def arcs(step: float, events: list, **master) -> float:
     return abs(result["mass.v_out"][-1] - (np.cos(rest) - np.sin(rest)))
 
 
+@pytest.mark.full
 def test_order_through_events_is_that_of_the_inputs():
     """Where in a step the events lie changes its error by a factor of up to 5 either way: many steps tell the order."""
     steps = [float(f"{h:.4g}") for h in np.geomspace(0.08, 0.0025, 24)]
