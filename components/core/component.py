@@ -59,10 +59,10 @@ class Effect:
     A subclass declares its own variables. Kernels get `Values` or None: the parameters, `u` and `y`, the positions of
     the effect's first input and first output where it has such, and `on` where there is nothing else to hold.
 
-    `explicit_only`: what a scene has or has not, such as a part, a defect, a load, a programme or another form of the model, and
-    no refinement of what it has: only a scene that names it has it, and no study of effects adds it.
+    `explicit_only`: only a scene switches the effect on; a study of effects never adds it. So are parts, defects, loads, programmes
+    and other forms of the model, which do not refine what a scene already has.
 
-    `replaces`: own parameters of the component that have no part where the effect is on, arrays without an index.
+    `replaces`: parameters of the component that the effect makes ineffective; arrays without an index.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()

@@ -1,10 +1,10 @@
 """Whether a coupled run lets a small disturbance grow: two runs from one start, in one of which all inputs are pushed once.
 
-What the two differ by, in every signal that is handed over and in parts of its nominal value, is looked at in its second
-differences over time: of what stands off or drifts away evenly, as a free body does that was pushed, nothing is left, and what
-goes to and fro keeps its rate of growth. A fourth of the run is for what dies out; the largest second differences of the last
-fourth over those of the second one are the growth. What grows by itself, such as a chaotic motion, or comes back as a wave does,
-is seen in a run with short steps, and allowed.
+The difference of the two runs is taken in every exchanged signal, relative to its nominal value. Its second difference over time is
+judged: this removes a constant or linear drift, such as that of a free body that was pushed, and keeps the growth rate of an
+oscillation. The first fourth of the run is for transients. The growth is the largest second difference of the last fourth over that
+of the second fourth. A run with short steps shows what grows without the coupling, such as a chaotic motion or a wave that returns;
+this growth is allowed.
 """
 
 from __future__ import annotations

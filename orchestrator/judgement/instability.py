@@ -1,8 +1,7 @@
-"""A run that becomes unstable is stopped while it does: the miss of an input grows, and with it the input itself.
+"""An unstable run is stopped early: the extrapolation error of an input grows, and the input grows with it.
 
-A coupling that is unstable does not find what its extrapolation foretold, and what it finds instead is larger every time. Both
-belong together: a miss alone is a coarse step or noise, growth alone may be a motion that swings up and is followed well. The
-same is asked of the energy at power bonds: that the coupling makes it, and more of it every time.
+Both conditions are needed. An extrapolation error alone may come from a coarse step or noise. Growth alone may be a motion that is
+extrapolated well. For power bonds the two conditions are that the coupling creates energy, and that it creates more each time.
 """
 
 from __future__ import annotations

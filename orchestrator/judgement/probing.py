@@ -1,13 +1,13 @@
 """What a run will need, before it is made: how long its macro step may be, and how long it will take.
 
-Where two units feed one another without delay in between (one gets forces and moves, the other gives forces for that motion)
-the limit of the macro step is known in closed form once stiffness, damping and the masses behind the forces are. The units tell
-them when probed: the giver by small changes of its inputs at the start, the mover by short steps under slightly changed forces,
-which are then taken back. What answers with the square of the time is a mass. What answers in proportion to it is a damper,
-such as a long wire, or a velocity. Several forces and motions are taken apart into the modes of the pair.
+Two units that feed one another without delay (one gets forces and moves, the other gives forces for this motion) have a limit of the
+macro step in closed form. It needs stiffness, damping and the masses behind the forces, which probing measures: small changes of the
+inputs of the unit that gives forces, at the start; short steps of the unit that moves, under slightly changed forces, which are then
+taken back. A response with the square of time is a mass. A response in proportion to time is a damper, such as a long wire, or a
+velocity. Several forces and motions are decomposed into the modes of the pair.
 
-What damps a pair beside its contact is not seen: a step somewhat above the limit may do. How much damping the coupling takes
-away at the scene's step is therefore reported as well.
+Probing does not see other damping of the pair: a step somewhat above the limit may be stable. The damping that remains at the scene's
+step is therefore reported as well.
 
 A macro step may hold millions of internal steps. Its cost is therefore seen over parts of it, each ten times as long as the one
 before, which are made and taken back, until the next part would take too much. Such a unit is probed over a part of its step,

@@ -1,8 +1,8 @@
 """A run is judged by repeating it: every recorded signal and every figure of a run gets its numerical error.
 
-The run is repeated with half the macro step, and with a quarter of it where the two differ by much; a run that is too long for
-that is repeated over windows. All other settings stay, so that what shows is the error of the macro step; with "full", internal
-steps, tolerances and meshes of the units are halved as well, one after the other.
+The run is repeated with half the macro step, and with a quarter if the two differ by much. A run that is too long for this is repeated
+over windows. All other settings stay: the error is that of the macro step. With "full", internal steps, tolerances and meshes of the
+units are halved as well, one after the other.
 """
 
 from __future__ import annotations

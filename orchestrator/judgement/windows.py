@@ -1,12 +1,11 @@
 """Verification of a run that is too long to repeat: windows of it are repeated with the macro step and with half of it.
 
-Both start from a state that was saved on the way, so that what a window shows is what its steps do wrong, not what came before.
-That is the error of the run where the system forgets within a window. Where a difference still grows at the end of a window, as
-a phase does that drifts away, it is taken to go on like that over the whole run. `slower` names the signals that do not return
-to their mean in a window.
+Both start from a state that was saved during the run, so a window shows the error of its own steps only. This is the error of the run
+if the system forgets its past within a window. A difference that still grows at the end of a window, such as a drifting phase, is
+extrapolated over the whole run. `slower` names the signals that do not return to their mean in a window.
 
-A run that waits, then moves, shows its error where it moves: states are saved at many instants, and beside the first window and
-the last those are repeated in which the recorded signals bend most.
+States are saved at many instants. The first window, the last, and those in which the recorded signals bend most are repeated, because a
+run that rests and then moves has its error where it moves.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ NONE: np.ndarray = np.zeros(0, dtype=np.int64)
 
 
 class Runaway(StepFailed):
-    """Outputs that are no finite numbers; what would help is for those to say who know the scene."""
+    """Outputs are not finite. The caller, who knows the scene, adds the advice."""
 
 
 class Unstable(Runaway):

@@ -1,7 +1,7 @@
 """What accuracy costs: a scene at many settings, the error of each against a reference, its CPU time and its counted work.
 
 Conventions are those of SciML's work-precision diagrams: minimum of several warm runs, failures kept with their reason, a
-reference from another method. Beside seconds stands counted work, which is the same on every machine. A time that no second
+reference from another method. Counted work stands beside seconds, because it does not depend on the machine. A time that no second
 measurement confirms is refused. The error of a run is its distance from the reference and, added, the reference's own error.
 """
 

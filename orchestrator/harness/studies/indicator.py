@@ -1,12 +1,14 @@
 """How much an effect will turn out to matter, predicted from a running solution without a run of its own.
 
-The solution with all effects is run once, and saved at some instants. From each of them the scene without one effect makes a
-short way, beside the solution that is known. What they come to differ by, and how it grows from the first half of the ways to
-the second, tells what a whole run would show: a difference that grows less than evenly tends to a limit as 1 - exp(-t / T); one
-that grows evenly or faster goes on with a power of time, halfway between even and as before, for as long as the run; what
-the ways come to in one direction adds up, and what they come to in both only by chance.
+The solution with all effects is run once, and saved at some instants. From each instant the scene without one effect makes a short
+run, the branch, beside the known solution. The difference of the two, and its growth from the first half of the branches to the
+second, predict the difference of a whole run:
 
-An effect with states of its own cannot start from a state without them: there the way is one from the start of the run.
+- A difference that grows less than linearly tends to a limit as 1 - exp(-t / T).
+- A difference that grows linearly or faster continues with a power of time, halfway between 1 and the observed power.
+- Differences of one sign in all branches add up; differences of both signs add up as random numbers do.
+
+An effect with states of its own cannot start from a state without them: its only branch starts with the run.
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ def text_drawing(form: Form, width: int = WIDTH) -> str:
 def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: float | None = None) -> str:
     """Side view and, where there is stagger, plan: lengths to scale, heights and sides enlarged by a stated factor.
 
-    part: the positions that are drawn, m, all if left out; width: px, left out so many that a metre has `PER_METRE`.
+    part: the positions that are drawn, m; default all. width: px; default `PER_METRE` for each metre.
     """
     shapes = [list(_shape(form, wire)) for wire in form.layout.wires]
     every = np.array([p for shape in shapes for p in shape])
