@@ -22,6 +22,7 @@ KINDS = {
     "ssp": "FMUs out of .ssp files",
     "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",
+    "lists": "names and titles of all components, scenes and cases",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger
 TIDIED, DAY = "tidied", 86400.0  # the file that says when it was done last; s

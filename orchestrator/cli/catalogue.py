@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,12 +12,14 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest
-from ...components.core.store import replaced
+from ...components.core.folders import cache_root
+from ...components.core.store import digest_of, read_kept, replaced, write_kept
 from .common import app, output_width, print_table, print_written
 from .completion import kinds_and_systems, scene_files
 from .options import AsJson, refuse
 from .schema import place_of
 
+PACKAGE = Path(__file__).parents[2]
 ACTIONS = ("show", "clear", "prune")
 DAYS = 30.0
 
@@ -34,15 +37,16 @@ def list_(
     as_json: AsJson = False,
 ) -> None:
     """What there is. Example: cosimo list scenes; also cosimo list, cosimo list bearings"""
-    kinds = {"components": _components, "fmus": _fmus, "scenes": _scenes, "cases": _cases}
-    listed = {name: entries() for name, entries in kinds.items() if what in ("", name) or what not in kinds}
-    if what and what not in kinds:
-        listed = _selected(listed, what)
+    everything = _everything()
+    if what in everything:
+        listed = {what: everything[what]}
+    else:
+        listed = _selected(everything, what) if what else everything
     if as_json:
         print(json.dumps(listed, indent=2))
     elif what:
         for name, entries in listed.items():
-            if entries and not (name == "fmus" and what not in kinds):  # which are those of the components
+            if entries and (name != "fmus" or what == "fmus"):  # which are those of the components
                 print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
     else:
         _print_names(listed)
@@ -83,45 +87,20 @@ def _print_names(listed: dict[str, list[dict[str, Any]]]) -> None:
     print("titles: cosimo list KIND, cosimo list SYSTEM, cosimo list WORD; more of one: cosimo show NAME")
 
 
-def _components() -> list[dict[str, Any]]:
-    from ...components.catalogue import CATALOGUE, component_class
+def _everything() -> dict[str, list[dict[str, Any]]]:
+    """All entries, kind by kind. They are kept until a file of the package changes: to load all components and cases takes long."""
+    folders = [PACKAGE / "components", PACKAGE / "orchestrator" / "systems"]
+    files = sorted(file for folder in folders for file in folder.rglob("*.*") if file.suffix != ".pyc")
+    state = digest_of(*(f"{file} {s.st_size} {s.st_mtime_ns}" for file in files for s in [file.stat()]))
+    path = Path(cache_root()) / "lists" / state[:16]
+    if (content := read_kept(path)) is None:
+        from .show_parts import everything
 
-    classes = {name: component_class(name) for name in CATALOGUE}
-    return [
-        {
-            "name": name,
-            "title": cls.title,
-            "system": cls.system,
-            "effects": list(cls.effects),
-            "presets": list(cls.presets),
-            "variables": [
-                {"name": v.name, "causality": v.causality.value, "unit": v.unit, "start": v.start, "text": v.text}
-                for v in cls.variables.values()
-            ],
-        }
-        for name, cls in classes.items()
-    ]
-
-
-def _fmus() -> list[dict[str, Any]]:
-    from ...components.catalogue import CATALOGUE, component_class
-
-    return [{"name": name, "title": (cls := component_class(name)).title, "system": cls.system} for name in CATALOGUE]
-
-
-def _scenes() -> list[dict[str, Any]]:
-    from ..scene.scene import read_toml, scene_files
-
-    return [
-        {"name": name, "title": read_toml(path).get("title", ""), "system": path.parents[1].name}
-        for name, path in scene_files().items()
-    ]
-
-
-def _cases() -> list[dict[str, Any]]:
-    from ..systems import cases
-
-    return [{"name": name, "title": case.title, "system": case.system} for name, case in cases().items()]
+        content = json.dumps(everything()).encode()
+        with suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_kept(path, content)
+    return json.loads(content)
 
 
 @app.command()

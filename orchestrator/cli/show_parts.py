@@ -1,4 +1,4 @@
-"""Components and scenes as plain data for `cosimo show`. Loaded when something is shown: components are initialized."""
+"""Components, scenes and lists of them as plain data. Loaded when something is shown: components are initialized."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from time import process_time
 from typing import Any
 
-from ...components.catalogue import component_class
+from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, StepFailed
@@ -17,11 +17,40 @@ from ..harness.studies.trial import Timing, repeated
 from ..harness.validation.reference import load_table, table_files
 from ..judgement.dry_run import stepping_path
 from ..scene.drawing import Drawing
+from ..scene.scene import read_toml, scene_files
+from ..systems import cases
 from .common import changes_of, fail, loaded_scene, switched_on
 from .options import listed, parameters_of, preset_of
 
 STEPS = 200  # of a measurement of time
 STEPPED = "compiled loop, units called by address"
+
+
+def everything() -> dict[str, list[dict[str, Any]]]:
+    """Names, titles and systems of all components, FMUs, scenes and cases; of components what they declare, too."""
+    classes = {name: component_class(name) for name in CATALOGUE}
+    return {
+        "components": [
+            {
+                "name": name,
+                "title": cls.title,
+                "system": cls.system,
+                "effects": list(cls.effects),
+                "presets": list(cls.presets),
+                "variables": [
+                    {"name": v.name, "causality": v.causality.value, "unit": v.unit, "start": v.start, "text": v.text}
+                    for v in cls.variables.values()
+                ],
+            }
+            for name, cls in classes.items()
+        ],
+        "fmus": [{"name": name, "title": cls.title, "system": cls.system} for name, cls in classes.items()],
+        "scenes": [
+            {"name": name, "title": read_toml(path).get("title", ""), "system": path.parents[1].name}
+            for name, path in scene_files().items()
+        ],
+        "cases": [{"name": name, "title": case.title, "system": case.system} for name, case in cases().items()],
+    }
 
 
 def of_component(
