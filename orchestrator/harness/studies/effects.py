@@ -16,7 +16,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ...output import write_table
 from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
-from .indicator import Windows
+from .indicator import EffectIndicator
 from .quantities import Quantity, errors, percent, quantities_to_judge, recording
 from .trial import Trial, trial
 
@@ -215,10 +215,10 @@ class _Bench:
             full = self._build_up(full)
         self._trials: dict[frozenset[Place], Trial] = {frozenset(): full}
         self.remarks: tuple[str, ...] = ()
-        self._windows: Windows | None = None
+        self._indicator: EffectIndicator | None = None
         on_message("states along the solution")
         try:
-            self._windows = Windows(self.model.scene, self.quantities)
+            self._indicator = EffectIndicator(self.model.scene, self.quantities)
         except (BadInput, StepFailed) as error:
             self.remarks = (f"no predictions: {error}",)
 
@@ -254,8 +254,8 @@ class _Bench:
             return replace(finding, status="required", reason=without.reason, chosen=True)
         error, worst = self._error(without)
         finding = replace(finding, actual=error, worst=worst, reason=without.reason)
-        if self._windows is not None:
-            predicted, states = self._windows.look(self.model.without(dropped))
+        if self._indicator is not None:
+            predicted, states = self._indicator.predict(self.model.without(dropped))
             finding = replace(finding, predicted=predicted, states=states)
         if not without.done:
             return finding

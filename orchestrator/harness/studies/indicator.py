@@ -1,4 +1,4 @@
-"""How much an effect will turn out to matter, predicted from a running solution without a run of its own.
+"""How large the effect of an option of a model will be, predicted from one solution without a whole run of its own.
 
 The solution with all effects is run once, and saved at some instants. From each instant the scene without one effect makes a short
 run, the branch, beside the known solution. The difference of the two, and its growth from the first half of the branches to the
@@ -28,14 +28,14 @@ from ...scene.scene import Scene
 from ...units.component import ComponentSimulator
 from .quantities import Quantity
 
-WAYS = 4  # from as many instants of the run
-SHARE = 1.0 / 4.0  # of the run, that all ways of an effect take together
-FEWEST = 8  # macro steps of a way
-EVEN = 0.99  # growth in the second half over that in the first, from which on there is no limit in sight
+BRANCHES = 4  # from as many instants of the run
+SHARE = 1.0 / 4.0  # of the run, that all branches of an effect take together
+FEWEST = 8  # macro steps of a branch
+EVEN = 0.99  # growth in the second half over that in the first: from here on the growth is not taken to end
 
 
-class Windows:
-    """The solution of a scene, with saved states on the way, from which other scenes can start.
+class EffectIndicator:
+    """The solution of a scene, with saved states along it, from which other scenes can start.
 
     Raises `BadInput` or `StepFailed` where the scene cannot be run with macro steps of one length, or its units cannot save
     their state.
@@ -47,10 +47,10 @@ class Windows:
         scene = _plain(scene)
         self._step, self._end = scene.master.step, scene.stop_time
         count = max(int(scene.stop_time / self._step * (1.0 + 1e-12)), 1)
-        self._length = min(max(int(SHARE * count / WAYS), FEWEST), count)
-        self._from_start = min(WAYS * self._length, count)
+        self._length = min(max(int(SHARE * count / BRANCHES), FEWEST), count)
+        self._from_start = min(BRANCHES * self._length, count)
         room = count - self._length
-        starts = {room * k // WAYS for k in range(WAYS)}  # the start is among them: much happens there and never again
+        starts = {room * k // BRANCHES for k in range(BRANCHES)}  # the start is among them: much happens there and never again
         with ExitStack() as stack:
             self._master = master = self._started(scene, stack)
             if not all(interface.saves_state for interface in master.coupling.interfaces.values()):
@@ -66,10 +66,10 @@ class Windows:
                 rows.append(self._row(master))
         self._rows = np.array(rows)
 
-    def look(self, scene: Scene) -> tuple[float, int]:
-        """Of the scene with other effects: the largest error of the quantities to be expected, and the states it has less.
+    def predict(self, scene: Scene) -> tuple[float, int]:
+        """(largest expected error of the quantities, number of states fewer) of the scene with other effects.
 
-        The error is NaN where the scene cannot start, and infinite where it fails on the way.
+        The error is NaN where the scene cannot start, and infinite where it fails in a branch.
         """
         try:
             with ExitStack() as stack:
@@ -77,35 +77,35 @@ class Windows:
                 others = _components(master)
                 fewer = sum(c.x.size - others[n].x.size for n, c in self._components.items())
                 try:
-                    return self._expected(self._ways(master, others)), fewer
+                    return self._expected(self._branches(master, others)), fewer
                 except (StepFailed, ArithmeticError, np.linalg.LinAlgError):
                     return math.inf, fewer
         except (BadInput, StepFailed):
             return math.nan, 0
 
-    def _ways(self, master: Master, others: Mapping[str, Component]) -> list[np.ndarray]:
-        """What the quantities' signals differ by after each macro step of each way, (n, signals) each."""
+    def _branches(self, master: Master, others: Mapping[str, Component]) -> list[np.ndarray]:
+        """Differences of the quantities' signals after each macro step, (n, signals) for each branch."""
         changed = [n for n, c in self._components.items() if others[n].on != c.on]
         if not self._alike(master) or any(others[n].x.size != self._components[n].x.size for n in changed):
-            return [self._way(master, 0, self._from_start)]
-        ways = []
+            return [self._branch(master, 0, self._from_start)]
+        branches = []
         for first, saved in self._saved.items():
             self._restore(master, saved, changed, others, first * self._step)
-            ways.append(self._way(master, first, self._length))
-        return ways
+            branches.append(self._branch(master, first, self._length))
+        return branches
 
-    def _expected(self, ways: Sequence[np.ndarray]) -> float:
+    def _expected(self, branches: Sequence[np.ndarray]) -> float:
         names = [".".join(end) for end in self._signals]
         errors = []
         for q in self._quantities:
             column = names.index(q.signal)
-            each = [way[:, column] for way in ways]
+            each = [branch[:, column] for branch in branches]
             if q.unit == "rad":
                 each = [np.remainder(d + np.pi, 2.0 * np.pi) - np.pi for d in each]
             first = min(int(q.transient / self._step), self._rows.shape[0] - 1)
             solution = self._rows[first:, column]
             whole = self._rows.shape[0] - 1
-            if q.kind in ("maximum", "minimum"):  # what happens behind it does not count
+            if q.kind in ("maximum", "minimum"):  # later differences do not count
                 whole = first + int(np.argmax(solution) if q.kind == "maximum" else np.argmin(solution))
             error = expected(each, whole, q.kind) / _scale(solution, q.nominal)
             errors.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
@@ -145,7 +145,7 @@ class Windows:
                 node.read()
         master.follow(t)
 
-    def _way(self, master: Master, first: int, count: int) -> np.ndarray:
+    def _branch(self, master: Master, first: int, count: int) -> np.ndarray:
         rows = []
         for k in range(first, first + count):
             master.step(k * self._step, self._step)
@@ -179,17 +179,17 @@ def _scale(solution: np.ndarray, nominal: float) -> float:
     return next((s for s in (width, size) if s > 1e-6 * max(size, nominal)), nominal)
 
 
-def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
-    """What a difference will have become after `whole` steps, seen on ways of a few steps each, (n,), the first from the start.
+def expected(branches: Sequence[np.ndarray], whole: int, kind: str) -> float:
+    """The expected difference after `whole` steps, from branches of a few steps each, (n,), the first from the start.
 
     kind: of the quantity. A history and the like are means over the run, a maximum and the like the largest value.
     """
-    n = min(way.size for way in ways)
+    n = min(branch.size for branch in branches)
     if whole < n:
-        return float(np.abs(ways[0][: max(whole, 1)]).max())
+        return float(np.abs(branches[0][: max(whole, 1)]).max())
     half = max(n // 2, 1)
-    early = math.sqrt(np.mean([np.abs(way[:half]).max() ** 2 for way in ways]))
-    late = math.sqrt(np.mean([np.abs(way[:n]).max() ** 2 for way in ways]))
+    early = math.sqrt(np.mean([np.abs(branch[:half]).max() ** 2 for branch in branches]))
+    late = math.sqrt(np.mean([np.abs(branch[:n]).max() ** 2 for branch in branches]))
     if late == 0.0 or not math.isfinite(late):
         return late
     growth = late / early - 1.0 if early else math.inf  # of the second half over the first
@@ -198,9 +198,9 @@ def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
         size = late * (1.0 - growth ** (2.0 * times)) / (1.0 - growth**2) if growth else late
     else:
         power = 0.5 * (1.0 + min(math.log2(1.0 + growth), 2.0))
-        size = late * _together([float(way[n - 1]) for way in ways], times) * times**power
+        size = late * _together([float(branch[n - 1]) for branch in branches], times) * times**power
         shape = 1.0 / math.sqrt(2.0 * power + 1.0)  # mean square of a power of time, over its end
-    seconds = [way[half:n] for way in ways if n > half] or list(ways)
+    seconds = [branch[half:n] for branch in branches if n > half] or list(branches)
     largest = max(float(np.abs(s).max()) for s in seconds)
     if largest == 0.0:
         return size
@@ -213,7 +213,7 @@ def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
 
 
 def _together(ends: Sequence[float], times: float) -> float:
-    """How much of the differences at the ends of some ways adds up over so many ways: all of it, if it has one sign."""
+    """The share of the differences at the ends of branches that adds up over so many branches: 1 where all have one sign."""
     square = float(np.mean(np.square(ends)))
     mean = float(np.mean(ends)) ** 2
     return math.sqrt((mean + (square - mean) / times) / square) if square else 1.0
