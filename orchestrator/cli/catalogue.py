@@ -1,4 +1,4 @@
-"""What there is: components, FMUs, scenes, cases, keys of scene files; and what is kept in the user's cache."""
+"""Lists of components, FMUs, scenes and cases; the JSON schema of scene files; the user's cache."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a shell completes besides commands and options, which Typer knows: names of components, scenes, units and parameters."""
+"""Completions of a shell: names of components, scenes, units, parameters. Typer completes commands and options by itself."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _shipped(folder: str, suffix: str) -> dict[str, Path]:
 
 
 def _files(incomplete: str) -> Iterator[str]:
-    """Folders and scene files in the folder of what is typed, which stands before them as it is."""
+    """Folders and scene files of the folder that the incomplete text names; each starts with that folder as it was typed."""
     folder = incomplete[: incomplete.rfind("/") + 1]
     with suppress(OSError), os.scandir(folder or ".") as entries:
         for entry in entries:
@@ -53,7 +53,7 @@ def scenes(incomplete: str) -> list[str]:
 
 
 def cases() -> list[str]:
-    """Validation cases that have a table; to load all of them would take longer than one waits for a list."""
+    """Validation cases that have a table. The others are known only after all cases have been loaded, which takes too long."""
     return ["papers", *_shipped("cases", ".csv")]
 
 
@@ -67,7 +67,7 @@ def _units(ctx: Context) -> dict[str, str]:
     from ...components.catalogue import CATALOGUE
 
     arguments = [p.name for p in ctx.command.params if p.param_type_name == "argument"]
-    # behind an option that has no value yet, what was given before stands in `args`
+    # behind an option without a value, the arguments before it are in `args`
     given = (ctx.params.get(arguments[0] or "") if arguments else None) or ctx.args
     name = str(given[0] if isinstance(given, list | tuple) and given else given)
     if name in CATALOGUE:

@@ -92,7 +92,7 @@ class PresetRow:
 
 @dataclass(frozen=True)
 class Port:
-    """Signals that go to one partner together: a declared port, what is left of an effect, or "" the rest."""
+    """Signals that go to one partner together: a declared port, the other signals of an effect, or "" all others."""
 
     name: str
     inputs: tuple[str, ...]

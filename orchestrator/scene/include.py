@@ -1,4 +1,4 @@
-"""Scenes inside scenes: an entry of `units` that names another scene stands for its units, connections and contacts."""
+"""Scenes inside scenes: an entry of `units` that names another scene is replaced by its units, connections and contacts."""
 
 from __future__ import annotations
 

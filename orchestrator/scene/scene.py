@@ -36,7 +36,7 @@ Models = Mapping[str, type[AnalysisKeys]]  # of [analysis], by the name of a sys
 
 
 class KnownSystems(dict[str, type[AnalysisKeys]]):
-    """`Models` together with what sums up and draws results of these systems, which stands above scenes (`results.Views`)."""
+    """`Models`, with the summaries, reports and plots of results of these systems (`results.Views`)."""
 
     def __init__(self, models: Models, views: Any):
         super().__init__(models)

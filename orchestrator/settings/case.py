@@ -78,6 +78,6 @@ class CaseSettings(Model):
     text: str = Field(default="", description="what the case shows, and what it cannot show")
     scene: str
     sources: Annotated[dict[str, str], Field(min_length=1)]
-    runs: tuple[RunSettings, ...] = Field(default=(), description="without them the scene as it is")
+    runs: tuple[RunSettings, ...] = Field(default=(), description="without them one run of the scene with its own settings")
     rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
     curves: tuple[CurveSettings, ...] = ()

@@ -1,4 +1,4 @@
-"""What Pydantic finds wrong with a table, in the form of all other messages: where, what came, what was expected."""
+"""Pydantic's findings in the form of all other messages: the place, the actual value, the expected one."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ class KeepSettings(Model):
 
 
 class PlanSettings(Model):
-    """Which points are run, and what is kept of them."""
+    """The points that are run, and the results that are kept of them."""
 
     method: Literal["grid", "list", "latin-hypercube", "sobol", "random"] = Field(
         default="grid", description="grid: every combination; list: the first values together, the second ...; others: samples"

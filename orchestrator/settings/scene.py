@@ -180,7 +180,7 @@ class SceneSettings(Model):
 
     @property
     def name(self) -> str:
-        """Stem of the file the scene came from."""
+        """Stem of the scene's file."""
         return self._name
 
     @property

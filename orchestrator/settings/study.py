@@ -1,4 +1,4 @@
-"""What studies of a scene look at: quantities of interest, meshes, a monolithic scene to compare with, maps of stability.
+"""Settings of studies: quantities of interest, meshes, a monolithic scene to compare with, maps of stability.
 
 [study]
 quantities = ["pantograph.contact_force, time history below 20 Hz", "rotor.displacement_x, amplitude at 12.5 Hz"]
@@ -64,7 +64,7 @@ def _frequency(text: str, number: str) -> float:
 
 
 class MonolithSettings(Model):
-    """Another scene with the same physics in one unit: solved once, it tells what the coupled scene should give."""
+    """Another scene with the same physics in one unit: its solution is what the coupled scene should give."""
 
     scene: str = Field(description="name of a shipped scene or path of a file")
     signals: dict[str, str] = Field(

@@ -1,4 +1,4 @@
-"""Nonlinear least squares within bounds, with the uncertainty of the fitted parameters and what the data cannot tell.
+"""Nonlinear least squares within bounds, with the uncertainty of the fitted parameters, and those that the data do not determine.
 
     r(p) residuals over their standard deviations,  J = dr/dp at the fit,  C = s² (JᵀJ)⁻¹,  s² = |r|² / (m - n)
 
@@ -18,7 +18,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 
 LARGEST_CONDITION = 1e6  # of the scaled Jacobian: beyond it a direction is known a million times worse than another
-LARGEST_CORRELATION = 0.98  # of two fitted parameters that the data can hardly tell apart (our choice)
+LARGEST_CORRELATION = 0.98  # of two fitted parameters that the data can hardly distinguish (our choice)
 AT_BOUND = 1e-6  # of the range between the bounds
 COVERAGE = 0.95  # of the intervals
 

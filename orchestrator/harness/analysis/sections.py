@@ -29,7 +29,7 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
     if turned.size < 4 or not (np.diff(turned) > 0.0).all():
         raise BadInput(
             "section",
-            "an angle that stands or turns back",
+            "an angle that rests or turns back",
             "one that always turns the same way",
             "Leave out the part of the run in which it does not.",
         )

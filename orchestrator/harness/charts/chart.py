@@ -1,4 +1,4 @@
-"""A chart as plain data: what a study found, without saying how it is drawn."""
+"""A chart as plain data: the results of a study, without how they are drawn."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Series:
 class Lines:
     """Places on the x axis where something of one name is expected: vertical lines through the panel with an entry in the legend.
 
-    at: (position, short text); the text stands above the panel where there is room.
+    at: (position, short text); the text is above the panel where there is room.
     """
 
     name: str

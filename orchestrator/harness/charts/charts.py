@@ -52,7 +52,7 @@ LEGEND_ENTRY = (55.0, 6.4)  # px, about: of an entry's line and gaps, and of a c
 
 @dataclass
 class _Drawing:
-    """What has been drawn so far."""
+    """The parts of a figure that are drawn already."""
 
     names: list[str]  # of the series; the place of a name is its colour
     line_names: list[str]

@@ -48,7 +48,7 @@ def signal_figure(result: Result, signals: str | Iterable[str] | None = None, *,
 
 
 def _axis(unit: str, series: list[Series]) -> str:
-    """What stands at an axis: the unit of measure, with the signal where it is the only one."""
+    """The label of an axis: the unit of measure, with the signal where it is the only one."""
     if len(series) > 1:
         return unit if unit not in ("", "1") else "–"
     name = series[0].name.rpartition(".")[2].replace("_", " ")

@@ -140,21 +140,21 @@ def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
 
 
 def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings) -> Cells:
-    """What went through each bond, and what the coupling made of nothing on the way."""
+    """The energy that went through each bond, and the energy that the coupling created there."""
     rows = [
         (bond, number(e["exchanged"]), number(e["created"]), _percent(e["created"] / e["exchanged"]) if e["exchanged"] else "–")
         for bond, e in energy.items()
     ]
     text = (
-        "Exchanged: what went through the bond, in both directions together. Created: what the units on both sides disagree by, "
-        "as each takes its inputs from polynomials of the past. Above 0, the coupling has fed the system, as negative damping "
+        "Exchanged: the energy through the bond, in both directions together. Created: the difference between the energies of the "
+        "two sides, which extrapolate their inputs. Above 0, the coupling has fed the system, as negative damping "
         "would; below 0, it has damped it. Residual: created over exchanged; it falls with the macro step, and above "
         f"{100.0 * ENERGY:g} % amplitudes are off by several per cent."
     )
     if scene.master.energy_correction:
-        text += " What a step has created is returned with the next ones; the numbers are what is left."
+        text += " The energy that a step has created is returned in the next ones; the numbers are the rest."
     if scene.faults:
-        text += " What a fault adds or takes at a bond, and what a lost unit does not follow, counts as created, too."
+        text += " Energy that a fault adds or takes at a bond counts as created, too, and so does that which a lost unit does not take."
     return Cells("Energy account", ("bond", "exchanged, J", "created, J", "residual"), rows, text, frozenset((1, 2, 3)))
 
 

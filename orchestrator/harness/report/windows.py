@@ -22,7 +22,7 @@ WIDTH = 860  # px between the margins of a figure on a usual screen
 
 @dataclass(frozen=True)
 class Window:
-    """A fault as far as the run has seen it, s or what stands for it. `colour`: of the shade and the name."""
+    """A fault within the run. begin, end: in the unit of the figure's x axis.  colour: of the shade and the name."""
 
     name: str
     begin: float
@@ -81,7 +81,7 @@ def shaded(figure: Figure, windows: Sequence[Window], span: tuple[float, float],
         "shapes": [*given.get("shapes", ()), *shapes],
         "annotations": [*given.get("annotations", ()), *notes],
     }
-    if given["legend"].get("yanchor") == "bottom":  # it stands above the panels, too
+    if given["legend"].get("yanchor") == "bottom":  # the legend is above the panels, too
         layout["legend"] = given["legend"] | {"y": given["legend"]["y"] + more / inner}
     caption = f"{figure.caption} Shaded: faults on purpose.".strip()
     return replace(figure, figure=figure.figure | {"layout": layout}, caption=caption)

@@ -22,11 +22,11 @@ from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .trial import REPEATS, SCATTER, Timing, Trial, trial
 
-USELESS = 1.0  # error from which a run tells nothing
+USELESS = 1.0  # error from which a run is of no use
 OWN = "the scene's own settings"
 BUDGET = 60.0  # s
 PATIENCE = 0.01  # of the budget: a setting is not run again once its runs have taken that long and two of them agree
-PROBED = 0.02  # of a run, to tell how long the whole will take
+PROBED = 0.02  # of a run, from whose time that of the whole is estimated
 FIRST = 0.6  # of the budget, for how the scene is coupled; the rest for internal steps
 DEAREST = 0.05  # of the budget, for one run
 REFINED = 4  # settings on the front whose internal steps are varied

@@ -1,8 +1,8 @@
 """What is known of a scene's accuracy: measured fronts in the user's cache, shipped ones, and the setting they advise.
 
-A front belongs to the physics of a scene: what is simulated, for how long, and what is looked at. How it is coupled and how
-long internal steps are is what the front is about, and does not change whose it is. A front is stale when the scene at its own
-settings gives other numbers than it gave when the front was measured, whatever has changed them, and not before.
+A front belongs to the physics of a scene: its model, its length, its quantities of interest. Coupling and internal steps are the
+settings that the front compares; a scene with others has the same front. A front is stale when the scene at its own settings
+gives other numbers than at the time of the measurement, whatever the reason.
 
 A shipped table has errors and counted work, which depend on no machine. The times of the settings that come into question are
 measured here, in a part of the run.
@@ -43,7 +43,7 @@ DEARER = 5.0  # times the least work, from which a setting does not come into qu
 
 
 def scene_digest(scene: Scene) -> str:
-    """Of what a scene simulates and of what is looked at; not of how it is computed."""
+    """Of a scene's model, length and quantities of interest; not of its settings."""
     data = scene.model_dump(mode="json", exclude=NOT_PHYSICS)
     for name, unit in data["units"].items():
         meshes = {m.removeprefix(f"{name}.") for m in scene.study.mesh if m.startswith(f"{name}.")}
@@ -95,7 +95,7 @@ def quantity_signals(scene: Scene) -> list[str]:
 
 
 def marked(scene: Scene, measured: Accuracy) -> Accuracy:
-    """The measurement with what tells whose it is: the scene's digest, and its numbers at its own settings."""
+    """The measurement with the scene's digest, and its numbers at its own settings."""
     numbers = numbers_of(scene, measured.own.changes)
     kept = {name: float(f"{numbers[name]:.8g}") for name in quantity_signals(scene)}
     return replace(measured, marks={SCENE: scene_digest(scene), NUMBERS: json.dumps(kept)})

@@ -1,4 +1,4 @@
-"""How long the internal step of a component may be before its own integrator lets disturbances grow, against what it says itself.
+"""How long the internal step of a component may be before its integrator lets disturbances grow, and its own `stable_step()`.
 
 The component runs alone with its inputs held, twice; in one of the runs the inputs are pushed for one step. Effects that are
 off are measured, too: each alone with what it needs.
@@ -28,13 +28,13 @@ from .full_model import with_required
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
 
 STEPS = 600  # internal steps of a run that decides
-SMALL = 1e-3  # of the largest first difference: what a push reaches late does not grow because it arrives
+SMALL = 1e-3  # of the largest first difference: a state that the push reaches late is not one that grows
 FARTHEST = 30.0  # times the first step tried: beyond it no limit is looked for
-PACE = 1.25  # from one trial to the next: far beyond a limit all is lost at once, and what bounds it looks like rest
-PUSH = 1e-8  # of an input's value or nominal value: what grows must have room before something bounds it
+PACE = 1.25  # from one trial to the next: far beyond a limit a motion reaches its bounds at once, and seems to rest there
+PUSH = 1e-8  # of an input's value or nominal value: small, so that growth has room before something bounds it
 FLOOR = 1e-12  # of a state: a difference below it is rounding
-EVEN = 1.5  # a factor that modes which beat may have; beyond its limit a method makes much more of them
-FINE = 8.0  # part of the own limit at which it is seen what grows by itself
+EVEN = 1.5  # a factor that beating modes may have; beyond its limit a method makes much more of them
+FINE = 8.0  # part of the own limit at which intrinsic growth is measured
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class InternalStep:
 
     @property
     def margin(self) -> float:
-        """Measured over own limit: below 1 the component promises too much. NaN where one of them is not known."""
+        """Measured over own limit: below 1 the component's `stable_step()` is too long. NaN where one of them is not known."""
         known = math.isfinite(self.own) and math.isfinite(self.longest) and self.own > 0.0
         return self.longest / self.own if known else math.nan
 
@@ -134,7 +134,7 @@ def _measured(
 
 
 def _usual(component: Component) -> float:
-    """The internal step a component takes as it stands, s."""
+    """The component's present internal step, s."""
     step = component.internal_step() if isinstance(component, OdeComponent) else float(component.get("substep"))
     return step if math.isfinite(step) else component.default_step
 
@@ -149,7 +149,7 @@ def _growth(make: Making, h: float, steps: int) -> GrowthRate:
 
 
 def _sizes(make: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
-    """Sizes of what steps of h, s, make of a push, each state in parts of what the push first did to it, and steps made."""
+    """(sizes of a push's effect after each step of h, s; number of steps). Each state is scaled by the push's first effect on it."""
     calm, pushed = (_states(make(h), h, steps, push) for push in (0.0, PUSH))
     differences = pushed - calm
     early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)

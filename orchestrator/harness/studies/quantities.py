@@ -1,10 +1,10 @@
-"""Quantities of interest of a run, and how far they are from a reference: errors a user can read as percent.
+"""Quantities of interest of a run, and their errors against a reference as shares that a user reads in percent.
 
 The error of a quantity is its distance from the reference's over the range that the reference's signal goes through, or over
 its magnitude where it is constant; of a low-pass-filtered signal, over its standard deviation, as contact forces are compared.
-The distance of two histories is its rms over the part of the run in which the reference moves, so that rest does not make an
-error smaller, or over the whole run where that is larger, as it is for a law that creeps at rest. The largest distance stands
-beside it. The error of a run is the largest of its quantities'.
+The distance of two histories is the larger one of two rms values: over the part of the run in which the reference moves, so that
+rest does not make an error smaller, and over the whole run, for a law that creeps at rest. The largest distance is given, too.
+The error of a run is the largest error of its quantities.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ FINER_MESH = 0.5  # times the lengths of the scene's elements
 ORDERS = (1.0, 2.0)  # between which the order of a mesh is taken, whatever three meshes show
 # algorithm and degree of the inputs, of which the first two that come to the end are taken
 MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi", 1), ("iterative", 1), ("gauss-seidel", 0))
-PROBED = 100  # macro steps, to tell how long a run will take
+PROBED = 100  # macro steps, from whose time that of a run is estimated
 TOLERANCE = 1e-10  # of the iteration
 EQUATIONS, INTEGRATORS, COUPLING, MESH = (
     "the components' equations",
@@ -60,7 +60,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class SecondSolution:
-    """Another solution of the same scene. errors: by quantity, against the reference; those it cannot tell are missing."""
+    """Another solution of the same scene. errors: by quantity, against the reference; quantities that it does not have are missing."""
 
     method: str
     errors: Mapping[str, float]

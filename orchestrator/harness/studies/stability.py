@@ -1,7 +1,7 @@
 """How long the macro step of a scene may be before its coupling lets disturbances grow: measured, by algorithm and extrapolation.
 
-Over the values of up to two parameters it is a map. Where units tell what a closed form needs, its limit stands beside the
-measured one, which knows nothing of it.
+Over the values of up to two parameters it is a map. A closed form is evaluated where units give the numbers that it needs; the
+measured limit does not depend on it.
 
     [study]
     stability = { spring.stiffness = [25.0, 100.0, 400.0], mass.mass = { from = 0.5, to = 4.0, points = 8 } }
@@ -33,18 +33,18 @@ Scheme = tuple[str, int]  # algorithm, extrapolation
 
 STEPS = 1000  # macro steps of a run that decides
 SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
-FINE = 4.0  # part of the scene's macro step with which it is seen what grows by itself,
+FINE = 4.0  # part of the scene's macro step with which intrinsic growth is measured,
 AHEAD = 2.0  # for as long as steps of so many macro steps take
-EVEN = 1.01  # a factor that the sampling of an oscillation's crests may feign
+EVEN = 1.01  # growth below this factor may be due to the sampling of an oscillation's crests
 
 
 @dataclass(frozen=True)
 class Limit:
     """The longest stable macro step of one scheme at one point of a map.
 
-    point: "unit.parameter" -> value.  longest: s; infinite where even `tried` is stable, 0 where even that is not, NaN where
-    nothing was measured.  closed: s, of the closed form; NaN where there is none.  seen: what the next longer step did, or why
-    nothing was measured.  tried: s, the longest or shortest step that was looked at.  steps: macro steps made to find out.
+    point: "unit.parameter" -> value.  longest: s; infinite where the longest step tried is stable, 0 where the shortest is not,
+    NaN where nothing was measured.  closed: s, of the closed form; NaN where there is none.  seen: what the next longer step
+    did, or why nothing was measured.  tried: s, the longest or shortest step of all runs.  steps: macro steps of all runs.
     """
 
     point: Mapping[str, float]
@@ -147,7 +147,7 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
 
 
 def _with(scene: Scene, scheme: Scheme) -> Scene:
-    """The scene with a scheme, and without what bends macro steps or signals on purpose or only keeps account."""
+    """The scene with a scheme, without step control, events, faults and energy accounts."""
     algorithm, degree = scheme
     changes = {"algorithm": algorithm, "extrapolation": degree, "control": None, "events": ()}
     changes |= {} if ALGORITHMS[algorithm].sequential else {"order": ()}
@@ -157,13 +157,13 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
 
 
 def _own(scene: Scene, steps: int) -> IntrinsicGrowth:
-    """What disturbances do where the coupling hardly takes part: with short steps and quadratic inputs."""
+    """Growth of disturbances where the coupling has hardly any part in it: with short steps and quadratic inputs."""
     step = scene.master.step
     with ExitStack() as stack:
         try:
             return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).intrinsic_growth(step / FINE, AHEAD * steps * step)
         except (BadInput, StepFailed):
-            return IntrinsicGrowth(np.zeros(0), step)  # what cannot start is listed with each scheme
+            return IntrinsicGrowth(np.zeros(0), step)  # a scene that cannot start is listed with each scheme
 
 
 def _remarks(scene: Scene, own: IntrinsicGrowth) -> Iterator[str]:
@@ -203,7 +203,7 @@ def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Int
 
 
 def _closed_form(disturbed: Disturbed, degree: int) -> float:
-    """The shortest limit of all pairs that tell what it needs, s; NaN where none does."""
+    """The shortest limit of all pairs of units for which the closed form is known, s; NaN where there is none."""
     scene = disturbed.scene
     if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces

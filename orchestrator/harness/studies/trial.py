@@ -70,7 +70,7 @@ def repeated(measure: Callable[[], float], *, repeats: int, patience: float = in
 REPEATS = 3  # timed runs
 PATIENCE = 2.0  # s: runs are not repeated any more once they have taken this together
 WARMING = 3  # macro steps
-_warm: set[tuple[Any, ...]] = set()  # what this process has compiled, or loaded from the disk, already
+_warm: set[tuple[Any, ...]] = set()  # kernels that this process has compiled or loaded from the disk
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ def work_of(result: Result) -> dict[str, int]:
 
     hand_overs: macro steps, or iterations where there are more of them, times units.  unit_steps: internal steps of all units.
     derivative_calls: of those that count them.  iterations, rollbacks, events: of the master and the units.  calls: of each
-    unit the largest of its counters, which is its dearest operation, summed, and the hand-overs: the one number for the work
+    unit the largest of its counters, which is its most frequent operation, summed, and the hand-overs: one number for the work
     of a run, the same on every machine.
     """
     counters = result.info["counters"]

@@ -55,7 +55,7 @@ class Flat:
         self.units = {self.names[path]: self._settings(path, e) for path, e in self.components.items()}
 
     def _connect(self, path: Path, system: Element, connection: Connection) -> None:
-        """Note who feeds whom: an element's outputs and the system's own inputs give, whichever end stands first.
+        """Note which end feeds which: an element's outputs and the system's own inputs are sources, in whichever order the file has them.
 
         Arrays are connected element by element.
         """
@@ -106,7 +106,7 @@ class Flat:
         self._edges[takes[0]] = Edge(gives[0], connection)
 
     def _taken_from_fmu(self, element: Element, name: str) -> bool:
-        """Whether a connector that the file leaves out is a variable of the component's FMU, which then stands in for it."""
+        """Whether a connector that the file leaves out is a variable of the component's FMU, which then replaces it."""
         scalar = element.description.scalars.get(name) if element.description is not None else None
         if scalar is None or scalar.variable.causality not in GIVES + TAKES:
             return False

@@ -161,7 +161,7 @@ def parsed(content: bytes, where: str, remarks: list[str]) -> etree._Element:
     if root.getroottree().docinfo.internalDTD is not None:
         raise BadInput(where, "a document type with entities of its own", "plain XML")
     for prefix, line in undeclared.items():
-        meaning = f"taken as {NAMESPACES[prefix]}" if prefix in NAMESPACES else "what it stands for is not read"
+        meaning = f"taken as {NAMESPACES[prefix]}" if prefix in NAMESPACES else "its meaning is not known"
         remarks.append(f"{_at(where, line)}: the prefix {prefix!r} is not declared; {meaning}")
     for element in root.iter() if undeclared else ():
         prefix, _, name = element.tag.rpartition(":")

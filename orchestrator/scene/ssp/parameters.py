@@ -131,7 +131,7 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
 def _content(
     node: etree._Element, holder: str, wanted: str, package: Package, fmu: Path | None, where: str
 ) -> tuple[etree._Element | None, str]:
-    """The root of a set or mapping, from another file or inline, and where it stands."""
+    """The root of a set or mapping, from another file or inline, and its file and line."""
     source = node.get("source")
     if not source:  # some tools write an empty one beside what is inline
         nodes = find_all(node, *filter(None, (holder, wanted)))

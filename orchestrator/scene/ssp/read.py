@@ -1,9 +1,9 @@
 """An .ssd or .ssp file as the data of a scene.
 
-What the standard has words for is read from its elements: components, connectors, connections, parameters, stop time.
-What it has none for (master, records, faults ...) stands in an annotation of ours, which other tools pass by. Where that is
-missing the step is the one that libcosim's or OMSimulator's annotation gives, with the algorithm that both have: Jacobi with
-held inputs. Failing that, the FMUs' default experiments are asked, and a remark says so.
+The standard has elements for components, connectors, connections, parameters and stop time. Master, records, faults and the other
+tables of a scene are in an annotation of cosimo, which other tools ignore. Without that annotation the step is that of
+libcosim's or OMSimulator's annotation, with the algorithm of both: Jacobi with held inputs. Without any of these the step is
+taken from the FMUs' default experiments, and a remark says so.
 """
 
 from __future__ import annotations

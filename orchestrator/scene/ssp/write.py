@@ -287,7 +287,7 @@ def _used(name: str, coupling: Coupling) -> Iterator[tuple[str, str]]:
 
 
 def _values(name: str, unit: UnitSettings) -> dict[str, Any]:
-    """Values of a unit's parameters as its FMU takes them: effects, what differs from the FMU's defaults, what is given."""
+    """Values of a unit's parameters for its FMU: effects, values that differ from the FMU's defaults, values of the scene."""
     if unit.fmu:
         return {**{f"effects.{e}": True for e in unit.effects}, **unit.parameters}
     component = make(name, unit)

@@ -384,7 +384,7 @@ LENIENT = [  # what other tools write, and what the one remark on it names
         document(
             system("s", component("a", more='tool:colour="red"') + component("b"), connection("a.y", "b.u")), annotations=STEP
         ),
-        "the prefix 'tool' is not declared; what it stands for is not read",
+        "the prefix 'tool' is not declared; its meaning is not known",
     ),
     (
         document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace(" xmlns:ssc=", " xmlns:other="),

@@ -50,7 +50,7 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
     refusals = [v for v in every if v.holds and isinstance(v.case.holds, Refused)]
     data = [
         _marks("holds", claims, rows, BLUE, "circle"),
-        _marks("refused, with a word of what helps", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
+        _marks("refused, with a remedy", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
         _marks("does not hold", [v for v in every if not v.holds], rows, VERMILION, "x"),
     ]
     exact = label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})
