@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from math import inf, isfinite, isnan, nan
@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.scene import Scene
-from .quantities import Quantity, errors, quantities_to_judge, recording
+from .quantities import Quantity, TimeHistory, errors, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .trial import REPEATS, SCATTER, Timing, Trial, trial
@@ -244,18 +244,21 @@ class _Bench:
 
     def _judged(self, point: Point, run: Trial) -> Point:
         point = replace(point, outcome=run.outcome, reason=run.reason, work=run.work).timed(run.timing)
-        if not run.done:
-            return point
-        distances, uncertainty = errors(self._quantities, run.history, self._truth.history), self._truth.uncertainty
-        each = {name: distance + uncertainty.get(name, 0.0) for name, distance in distances.items()}
-        error = max(each.values())
-        if not error <= USELESS:
-            worst = max(each, key=lambda name: each[name])
-            return replace(
-                point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=distances, error=error
-            )
-        largest = max(q.largest(run.history, self._truth.history) for q in self._quantities)
-        return replace(point, error=error, errors=distances, largest=largest)
+        return judged(point, self._quantities, run.history, self._truth.history, self._truth.uncertainty) if run.done else point
+
+
+def judged(
+    point: Point, quantities: Sequence[Quantity], history: TimeHistory, reference: TimeHistory, uncertainty: Mapping[str, float]
+) -> Point:
+    """The point with the errors of its history; "useless" where one is above `USELESS`. uncertainty: of the reference."""
+    distances = errors(quantities, history, reference)
+    each = {name: distance + uncertainty.get(name, 0.0) for name, distance in distances.items()}
+    worst = max(each, key=lambda name: each[name])
+    largest = max(q.largest(history, reference) for q in quantities)
+    point = replace(point, errors=distances, error=each[worst], largest=largest)
+    if each[worst] <= USELESS:
+        return point
+    return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * each[worst]:.3g} %")
 
 
 def with_finer_errors(points: Iterable[Point]) -> list[Point]:

@@ -21,9 +21,9 @@ from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ..journal import once
-from .accuracy import OWN, PATIENCE, USELESS, Accuracy, Point, machine_name, versions, with_finer_errors
+from .accuracy import OWN, PATIENCE, Accuracy, Point, judged, machine_name, versions, with_finer_errors
 from .coupled_ode import rate_kernel
-from .quantities import Quantity, TimeHistory
+from .quantities import Quantity, TimeHistory, errors
 from .reference import EQUATIONS, INTEGRATORS, Solution
 from .trial import REPEATS, WORK, repeated
 
@@ -175,49 +175,29 @@ def component_accuracy(
         for n in probe.outputs
         for v in [probe.variables[n]]
     ]
-    agreement = {q.name: q.error(second.history, truth.history) for q in quantities}
+    agreement = errors(quantities, second.history, truth.history)
     points: list[Point] = []
 
     def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
         on_message(f"{series}, {size:.3g}")
-        points.append(
-            once(
-                "point",
-                (*one.key, budget, repeats, series, size),
-                partial(measured, series, size, solve),
-                lambda kept: Point(**kept),
-            )
-        )
+        key = (*one.key, budget, repeats, series, size)
+        points.append(once("point", key, partial(measured, series, size, solve), lambda kept: Point(**kept)))
 
     def measured(series: str, size: float, solve: Callable[[], Solved]) -> Point:
         axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
         point, solved = Point(series, axis, size, {}, "done"), list[Solved]()
 
-        def once() -> float:
+        def seconds() -> float:
             solved[:] = [solve()]
             return solved[0].seconds
 
         try:
-            timing = repeated(once, repeats=repeats, patience=PATIENCE * budget, confirm=repeats > 1)
+            timing = repeated(seconds, repeats=repeats, patience=PATIENCE * budget, confirm=repeats > 1)
         except (BadInput, StepFailed) as error:
-            outcome = "refused" if isinstance(error, BadInput) else "failed"
-            return replace(point, outcome=outcome, reason=str(error))
-        each = {q.name: q.error(solved[0].history, truth.history) for q in quantities}
-        worst = max(each, key=lambda name: each[name] + agreement[name])
-        largest, work = each[worst] + agreement[worst], solved[0].work
-        useless = not largest <= USELESS
+            return replace(point, outcome="refused" if isinstance(error, BadInput) else "failed", reason=str(error))
+        work = solved[0].work
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
-        reason = f"error of {worst}: {100.0 * largest:.3g} %" if useless else ""
-        distances = (q.largest(solved[0].history, truth.history) for q in quantities)
-        return replace(
-            point,
-            outcome="useless" if useless else "done",
-            errors=each,
-            error=largest,
-            reason=reason,
-            largest=max(distances),
-            work=counted,
-        ).timed(timing)
+        return judged(replace(point, work=counted), quantities, solved[0].history, truth.history, agreement).timed(timing)
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)

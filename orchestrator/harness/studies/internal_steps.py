@@ -93,15 +93,11 @@ def internal_steps(
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
     sets = [tuple(effects)] if effects is not None else [*each]
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
-    limits = [
-        once(
-            "internal step",
-            (cls, one, dict(parameters or {}), preset, steps),
-            partial(_measured, cls, one, parameters or {}, preset, steps),
-            lambda kept: InternalStep(**kept),
-        )
-        for one in chosen
-    ]
+    limits = []
+    for one in chosen:
+        key = (cls, one, dict(parameters or {}), preset, steps)
+        measure = partial(_measured, cls, one, parameters or {}, preset, steps)
+        limits.append(once("internal step", key, measure, lambda kept: InternalStep(**kept)))
     return InternalSteps(name, cls.title, tuple(limits))
 
 

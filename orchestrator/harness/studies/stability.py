@@ -135,14 +135,8 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
         if place not in own:
             own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: IntrinsicGrowth(**kept))
             messages |= dict.fromkeys(_remarks(one, own[place]))
-        limits.append(
-            once(
-                "limit",
-                (one, scheme, steps),
-                partial(_measured, point, one, scheme, own[place], steps),
-                lambda kept: Limit(**kept),
-            )
-        )
+        measure = partial(_measured, point, one, scheme, own[place], steps)
+        limits.append(once("limit", (one, scheme, steps), measure, lambda kept: Limit(**kept)))
     return Stability(scene, varied, tuple(limits), tuple(messages))
 
 
