@@ -12,7 +12,7 @@ import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
-from .recorded import Recorded
+from . import Recorded
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from ...components.core.errors import BadInput
-from .recorded import Recorded
+from . import Recorded
 
 WIDTH, HEIGHT = 150, 22  # px
 BINS = 36  # of the width; of each, extremes are kept
