@@ -89,7 +89,7 @@ def test_a_missing_compiler_is_one_message(monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
-    (["build", "PlanarLink", "--fmi", "3"], "--fmi without --native"),
+    (["build", "PlanarLink", "--fmi", "3"], "none without --native"),
     (["build", "PlanarLink", "--native", "--fmi", "1"], "--fmi: '1'"),
     (["build", "PlanarLink", "--native", "--target", "linux46"], "did you mean 'linux64'"),
     (["build", "PlanarLink", "--native", "--target", "linux-arm46"], "did you mean 'linux-arm64'"),
