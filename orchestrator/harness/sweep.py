@@ -11,8 +11,9 @@ multiple of something: the raw material of a bifurcation diagram.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from signal import Signals
@@ -26,20 +27,21 @@ from ..output import locked
 from ..results import Result
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
-from .many import store
-from .many.execute import compute_here, compute_with
+from .many.execute import Computing
+from .many.files import NOT_RUN, collect, provenance, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
 from .many.live import Live
-from .many.measures import OUTCOMES, Task, check_analysis, prepared
-from .many.plan import Points, plan_of, plan_settings, read_plan, unit_of
+from .many.measures import Task, check_analysis
+from .many.plan import Points, changes, plan_of, plan_settings, read_plan, unit_of
 from .many.repetition import Repeated, compared, ends_and_some, repeat
-from .many.workers import Cluster, Pool, Workers, cores
+from .many.store import SIGNAL, TIME, Store, array_of
 
 if TYPE_CHECKING:
     from .summary import Summary
 
-NOT_RUN = "not run"
-ALONE = 4.0  # s that this process works before it starts others
+
+POINTS = "points"  # folder of the stores
+SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,9 @@ class Sweep:
     varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind" and the like -> (n,), NaN where a
     run failed.  outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
     units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
-    plan: how the points were chosen.  files: what was written.  efficiency: share of the workers' time in runs.
+    plan: how the points were chosen.  files: what was written.  computed: runs of this call.
     repeated: what half of every macro step changes at some points; None where nothing was repeated.
+    rows: the points' rows, a store and their places in it; None without a directory.
     """
 
     scene: Scene
@@ -64,8 +67,7 @@ class Sweep:
     files: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
     computed: int = 0
-    efficiency: float = 1.0
-    located: store.Located | None = None
+    rows: tuple[Store, np.ndarray] | None = None
     repeated: Repeated | None = None
 
     def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -73,9 +75,14 @@ class Sweep:
 
         Raises `BadInput` for a signal that was not kept, and for a sweep without a directory.
         """
-        if self.located is None or name not in self.plan.keep.signals:
+        if self.rows is None or name not in self.plan.keep.signals:
             raise BadInput("signals", repr(name), "a signal that the plan keeps, of a sweep with a directory")
-        return store.signals_of(self.located, name)
+        store, places = self.rows
+        return (
+            (array_of(table, TIME, k), array_of(table, SIGNAL + name, k))
+            for some, table in store.pieces(places, [TIME, SIGNAL + name], SIGNALS_AT_ONCE)
+            for k in range(some.stop - some.start)
+        )
 
     @property
     def done(self) -> np.ndarray:
@@ -97,8 +104,6 @@ def sweep_settings(scene: Scene) -> PlanSettings:
 
 def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
     """(values by "unit.parameter", the scene with them) of every combination of [sweep], all checked; raises `BadInput`."""
-    from .many.plan import changes
-
     plan = plan_of(scene, sweep_settings(scene))
     return [(values, scene.with_changes(changes(scene, values))) for values in map(plan.values, range(plan.size))]
 
@@ -134,39 +139,44 @@ def sweep(
     chosen = plan_of(scene, _with_more(settings, add), cube)
     check_analysis(scene)
     task = Task.of(scene, settings.keep, summarize)
-    with ExitStack() as stack:
-        folder = (
-            stack.enter_context(locked(directory))
-            if directory is not None
-            else Path(stack.enter_context(TemporaryDirectory(prefix="cosimo-sweep-")))
-        )
-        base = store.base_of(prepared(scene, settings.keep), task)
-        parts, digests = store.points_folder(folder, base), chosen.digests(base)
-        missing = store.locate_points(parts, digests, retry).missing
+    with points_directory(directory, "cosimo-sweep-") as folder:
+        store, digests = Store(folder / POINTS / task.base), chosen.digests(task.base)
+        missing = store.missing(digests, retry)
         stopped = None
         title = f"Sweep of {scene.title or scene.name}"
         with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
-            if missing.size:
-                stopped = _compute(task, chosen, digests, missing, parts, live, jobs, scheduler)
-            efficiency = live.efficiency()
-            if verify and stopped is None:
+            with Computing(jobs, scheduler, live.count) as computing:
+                if missing.size:
+                    stopped = computing(task, chosen, digests, missing, store)
+            repeating = verify and stopped is None
+            if repeating:
                 live.repeating()
             collected = collected_sweep(
                 scene,
                 chosen,
                 folder,
-                base,
-                digests=digests,
+                store,
+                task,
                 stopped=stopped,
                 kept=directory is not None,
                 computed=missing.size,
-                efficiency=efficiency,
-                verify=task if verify else None,
+                verify=repeating,
             )
             live.end("stopped" if stopped is not None else "done")
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
     return collected
+
+
+@contextmanager
+def points_directory(directory: str | Path | None, prefix: str) -> Iterator[Path]:
+    """The directory, locked, where one is given; else a temporary one."""
+    if directory is not None:
+        with locked(directory) as path:
+            yield path
+    else:
+        with TemporaryDirectory(prefix=prefix) as temporary:
+            yield Path(temporary)
 
 
 def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
@@ -185,93 +195,55 @@ def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
     )
 
 
-def _compute(
-    task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Live, jobs: int | None, scheduler: str
-) -> Signals | None:
-    if jobs is not None and jobs < 1:
-        raise BadInput("--jobs", str(jobs), "at least 1")
-    if not scheduler and jobs is None:  # what is short is done before other processes have started; and compiled for them
-        if (stopped := compute_here(task, plan, digests, missing, folder, live, ALONE)) is not None:
-            return stopped
-        missing, jobs = store.locate_points(folder, digests).missing, cores()
-        if not missing.size:
-            return None
-    count = min(jobs or 1, missing.size)
-    if not scheduler and count == 1:
-        return compute_here(task, plan, digests, missing, folder, live)
-    workers: Workers = Cluster(scheduler) if scheduler else Pool(count)
-    live.workers = workers.count
-    try:
-        stopped = compute_with(workers, task, plan, digests, missing, folder.resolve(), live)
-    except BaseException:
-        workers.stop()
-        raise
-    if stopped is None:
-        workers.close()
-    return stopped
-
-
 def collected_sweep(
     scene: Scene,
     plan: Points,
     folder: Path,
-    base: str,
+    store: Store,
+    task: Task,
     *,
-    digests: np.ndarray | None = None,
     stopped: Signals | None = None,
     kept: bool = True,
     computed: int = 0,
-    efficiency: float = 1.0,
-    verify: Task | None = None,
+    verify: bool = False,
 ) -> Sweep:
-    """The points as they lie in the folder, with table and data set where they stay there; `verify`: whose runs to repeat."""
-    parts = store.points_folder(folder, base)
-    digests = plan.digests(base) if digests is None else digests
-    located = store.locate_points(parts, digests)
-    collected = store.collect(located, folder)
+    """The points as they lie in the store, with table and data set where the folder is kept; `verify`: some are run again."""
+    digests = plan.digests(task.base)
+    rows = store, store.places(digests)
+    collected = collect(*rows, folder)
     repeated = None
-    if verify is not None and stopped is None:
-        places = ends_and_some(plan, collected.outcomes == OUTCOMES.index("done"))
-        repeated = compared(places, repeat(verify, plan, digests, places, parts), collected.numbers)
+    if verify:
+        chosen = ends_and_some(plan, collected.done)
+        again = repeat(task, plan, digests, chosen, folder / POINTS / task.base)
+        repeated = compared(chosen, again, collected.numbers)
     varied = {name: column.labels for name, column in plan.columns.items()}
     units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)
     units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
     files: list[Path] = []
     if kept:
-        about = store.provenance(scene, plan, base, units)
+        about = provenance(scene, plan, task.base, units)
         about |= {"verification": repeated.to_json()} if repeated is not None else {}
-        store.write_provenance(folder, about)
-        files.append(store.write_tables(folder, varied, units, collected))
+        write_provenance(folder, about)
         attributes = {
             "title": scene.title or scene.name,
             "source": f"cosimo {about['versions']['cosimo']}",
-            "provenance": _json(about),
+            "provenance": json.dumps(about),
         }
-        data = store.write_data_set(folder, varied, units, collected, located, attributes, plan.settings.keep.interval)
-        files += [data] if data is not None else []
-    outcomes = tuple(
-        OUTCOMES[o] if OUTCOMES[o] in ("done", NOT_RUN) else collected.reasons[r]
-        for o, r in zip(collected.outcomes, collected.reason, strict=True)
-    )
+        data = write_data_set(folder, varied, units, collected, rows, attributes, plan.settings.keep.interval)
+        files = [write_tables(folder, varied, units, collected), *([data] if data is not None else [])]
+    outcomes = (o if o in ("done", NOT_RUN) else r for o, r in zip(collected.outcomes, collected.reasons, strict=True))
     return Sweep(
         scene,
         varied,
-        dict(collected.numbers),
-        outcomes,
+        collected.numbers,
+        tuple(outcomes),
         collected.section,
         units,
         stopped,
         plan.settings,
         tuple(files),
-        (*plan.remarks, *(repeated.messages() if repeated is not None else ())),
+        (*store.remarks, *plan.remarks, *(repeated.messages() if repeated is not None else ())),
         computed,
-        efficiency,
-        located if kept else None,
+        rows if kept else None,
         repeated,
     )
-
-
-def _json(content: Any) -> str:
-    import json
-
-    return json.dumps(content)

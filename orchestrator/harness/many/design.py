@@ -17,7 +17,7 @@ from ...scene.scene import Scene, read_toml
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import one_message
 from ..sweep import Sweep
-from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
+from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
@@ -153,7 +153,7 @@ def design(
     if several:
         check_pymoo()
     keep = keep_for([*wanted.aims, *wanted.constraints], wanted.keep)
-    with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
+    with Evaluations(scene, wanted.vary, keep, summarize, SearchSettings(directory, jobs, scheduler, observe)) as runs:
         start = runs.start(wanted.vary)
         (first,) = runs([start])
         if first.outcome != "done":

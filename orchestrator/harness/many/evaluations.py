@@ -7,27 +7,24 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ...output import locked
 from ...results import Result
 from ...scene.scene import Scene
 from ...settings.answers import RangeSettings
 from ...settings.plan import KeepSettings
 from ...settings.study import wanted
 from ..journal import Stopped
-from ..sweep import ALONE, Sweep, collected_sweep
-from . import store
-from .batches import SUFFIX, BatchReport
-from .execute import compute_here, compute_with
-from .measures import Row, Task, prepared
+from ..sweep import POINTS, Sweep, collected_sweep, points_directory
+from .execute import Computing
+from .executors import BatchRows
+from .measures import Row, Task
 from .plan import Column, Points, changes, place, plan_settings
 from .repetition import Repeated, compared, repeat
-from .workers import Cluster, Pool, Workers, cores
+from .store import Store
 
 if TYPE_CHECKING:
     from ..summary import Summary
@@ -76,8 +73,8 @@ def column_name(names: Iterable[str], name: str, where: str) -> str:
 
 
 @dataclass(frozen=True)
-class Computing:
-    """Where the runs of a search are computed and kept: as those of a sweep."""
+class SearchSettings:
+    """Where the runs of a search are kept, and who computes them: as those of a sweep. observe: is told how many there were."""
 
     directory: str | Path | None = None
     jobs: int | None = 1
@@ -97,45 +94,32 @@ class Evaluations:
         vary: Mapping[str, RangeSettings],
         keep: KeepSettings,
         summarize: Summarize | None,
-        computing: Computing,
+        search: SearchSettings,
     ):
         self.names = list(vary)
         for name in self.names:
             place(scene, name)
-        if computing.jobs is not None and computing.jobs < 1:
-            raise BadInput("--jobs", str(computing.jobs), "at least 1")
         self.low, self.high = (np.array([getattr(vary[n], end) for n in self.names]) for end in ("low", "high"))
-        self._own, self._keep, self._computing = scene, keep, computing
+        self._own, self._keep, self._search = scene, keep, search
         self._task = Task.of(scene, keep, summarize)
         self.scene = self._task.scene()
         for end in (self.low, self.high):  # before a long search
             self.scene.with_changes(changes(self.scene, self.values(end)))
-        self._base = store.base_of(prepared(scene, keep), self._task)
         self._points: dict[int, np.ndarray] = {}  # that were asked for, by digest, in this order
-        self._lies: dict[int, tuple[Path, int]] = {}  # where a digest's row is
-        self._parts: set[Path] = set()  # that are in `_lies`
-        self._row = lru_cache(RECENT)(store.read_row)
-        self._workers: Workers | None = None
+        self._computing = Computing(search.jobs, search.scheduler, self._count)
         self.computed = 0
-        self._report = BatchReport()
 
     def __enter__(self) -> Evaluations:
         with ExitStack() as stack:
-            directory = self._computing.directory
-            self._directory = (
-                stack.enter_context(locked(directory))
-                if directory is not None
-                else Path(stack.enter_context(TemporaryDirectory(prefix="cosimo-search-")))
-            )
-            self._folder = store.points_folder(self._directory, self._base)
-            self._look()
+            self._directory = stack.enter_context(points_directory(self._search.directory, "cosimo-search-"))
+            self._store = Store(self._directory / POINTS / self._task.base)
+            self._row = lru_cache(RECENT)(self._store.row)
+            stack.enter_context(self._computing)
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(self, kind: object, *_: object) -> None:
-        with self._stack:
-            if self._workers is not None:
-                (self._workers.close if kind is None else self._workers.stop)()
+    def __exit__(self, *error: object) -> None:
+        self._stack.__exit__(*error)  # type: ignore[arg-type]
 
     def start(self, vary: Mapping[str, RangeSettings]) -> np.ndarray:
         """Where a search starts, (n,): as given, else as the scene has it, else in the middle of the bounds."""
@@ -158,22 +142,24 @@ class Evaluations:
         Raises `Stopped` where a signal has ended them; what they have computed is kept.
         """
         plan = self._plan(points)
-        digests = plan.digests(self._base)
-        self._points.update(
-            {d: np.asarray(p, dtype=float) for d, p in zip(digests.tolist(), points, strict=True) if d not in self._points}
-        )
-        missing = [k for k, d in enumerate(digests.tolist()) if d not in self._lies]
-        missing = list({int(digests[k]): k for k in reversed(missing)}.values())[::-1]  # each once
-        if missing:
-            self._compute(plan, digests, np.array(missing))
-        return [self._row(*self._lies[d]) for d in digests.tolist()]
+        digests = plan.digests(self._task.base)
+        for digest, p in zip(digests.tolist(), points, strict=True):
+            self._points.setdefault(digest, np.asarray(p, dtype=float))
+        if (missing := self._store.missing(digests)).size:
+            stopped = self._computing(self._task, plan, digests, missing, self._store)
+            if stopped is not None:
+                signal = Stopped(stopped)
+                signal.kept = self._store.size
+                raise signal
+        return self._rows(digests)
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
         """Rows at points that were run, with half of every macro step, None where that takes too long; and what this changes."""
         rows, plan = self(points), self._plan(points)
         names = dict.fromkeys(n for row in rows for n in row.numbers)
         numbers = {n: np.array([row.numbers.get(n, np.nan) for row in rows]) for n in names}
-        again = repeat(self._task, plan, plan.digests(self._base), range(len(points)), self._folder)
+        folder = self._directory / POINTS / self._task.base
+        again = repeat(self._task, plan, plan.digests(self._task.base), range(len(points)), folder)
         return [again.get(k) for k in range(len(points))], compared(range(len(points)), again, numbers)
 
     def _plan(self, points: Sequence[np.ndarray]) -> Points:
@@ -183,50 +169,21 @@ class Evaluations:
         )
         return Points(settings, {n: Column(c) for n, c in zip(self.names, columns, strict=True)}, len(points))
 
-    def _compute(self, plan: Points, digests: np.ndarray, missing: np.ndarray) -> None:
-        workers = self._pool() if missing.size > 1 else None
-        if workers is None:
-            stopped = compute_here(self._task, plan, digests, missing, self._folder, self)
-        else:
-            stopped = compute_with(workers, self._task, plan, digests, missing, self._folder.resolve(), self, compiled=True)
-        self._look()
-        if stopped is not None:
-            self._workers = None
-            signal = Stopped(stopped)
-            signal.kept = len(self._lies)
-            raise signal
+    def _rows(self, digests: np.ndarray) -> list[Row]:
+        return [self._row(place) for place in self._store.places(digests).tolist()]
 
-    def _pool(self) -> Workers | None:
-        """Workers, from when they pay: the first run is of this process, which compiles for them."""
-        if self._workers is not None:
-            return self._workers
-        jobs, here = self._computing.jobs, self._computing
-        if here.scheduler:
-            self._workers = Cluster(here.scheduler)
-        elif (jobs if jobs is not None else cores() if self._report.seconds > ALONE else 1) > 1:
-            self._workers = Pool(jobs or cores())
-        return self._workers
-
-    def count(self, report: BatchReport) -> None:
-        """A batch has ended."""
-        self.computed += report.done + report.failed
-        self._report.seconds += report.seconds
-        self._computing.observe(self.computed)
-
-    def _look(self) -> None:
-        """Find what has been written since the last look."""
-        for path in sorted(set(self._folder.glob("*" + SUFFIX)) - self._parts):
-            self._parts.add(path)
-            self._lies.update({d: (path, k) for k, d in enumerate(store.digests_in(path))})
+    def _count(self, rows: BatchRows, workers: int) -> None:
+        self.computed += rows.table.num_rows
+        self._search.observe(self.computed)
 
     @property
     def history(self) -> list[tuple[np.ndarray, Row]]:
         """All points in the order in which they were asked for first."""
-        return [(p, self._row(*self._lies[d])) for d, p in self._points.items()]
+        return list(zip(self._points.values(), self._rows(np.array(list(self._points))), strict=True))
 
     def sweep(self) -> Sweep | None:
         """The runs as a sweep, in the order of the search, with its table and data set; None without a directory."""
-        if self._computing.directory is None:
+        if self._search.directory is None:
             return None
         plan = self._plan(list(self._points.values()))
-        return collected_sweep(self._own, plan, self._directory, self._base, computed=self.computed)
+        return collected_sweep(self._own, plan, self._directory, self._store, self._task, computed=self.computed)

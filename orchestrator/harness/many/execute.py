@@ -1,211 +1,210 @@
-"""Compute the missing points of a plan, here or by workers; what they compute, they write themselves."""
+"""Compute the points of a plan that a store has not: batches go to an executor, their rows come back into the store."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass, field
 from math import inf
-from pathlib import Path
 from signal import Signals
 from time import perf_counter
-from typing import Any, Protocol
 
 import numpy as np
 
 from ....components.core.errors import BadInput
 from ...progress import Interrupt
-from .batches import BatchReport, Point, run_batch, signal_of, write_outcome
-from .measures import Task
+from .executors import BatchRows, Cluster, Executor, Here, Pool, cores
+from .measures import Row, Task
 from .plan import Points
-from .store import locate_points
-from .workers import Workers
+from .store import Store, table_of
 
 BATCH_SECONDS = 1.0  # of work, at least: three orders above what a scheduler needs for a batch
 TASKS_A_SECOND = 650.0 / 5.0  # a fifth of what a Dask scheduler was measured to handle: batches of many workers are longer
 MOST_IN_BATCH = 1000
-IN_FLIGHT = 3  # batches a worker
 LOOK = 0.2  # s between two looks at signals
+ALONE = 4.0  # s of runs in this process before it starts others
 KILLED = "the process that ran this point ended without an answer: it crashed, or was killed, such as for want of memory"
+Observe = Callable[[BatchRows, int], None]  # what is told of every batch that has ended, and how many processes there are
 
 
-class Observer(Protocol):
-    """Who is told of batches that have ended."""
+@dataclass(frozen=True)
+class Batch:
+    """places: of points in the plan.  alone: nothing else runs, so that this point did it where its process crashes."""
 
-    def count(self, report: BatchReport) -> None: ...
-
-
-@dataclass
-class _Batch:
-    places: np.ndarray  # of points in the plan
-    group: int = -1  # whose first point it is, alone: its machine code is compiled once, before the others of its group start
-    alone: bool = False  # nothing else runs: where it crashes, this point did it
+    places: np.ndarray
+    alone: bool = False
 
 
 @dataclass
 class Schedule:
-    """Which points come next. missing: places in the plan.  compiled: there is machine code for all of them."""
+    """Which points come next. missing: places in the plan.  compiled: groups of points for which there is machine code, which
+    grows: of each other group one point is run before the others start, and compiles for them."""
 
     plan: Points
     missing: np.ndarray
     workers: int
-    compiled: bool = False
-    per_point: float = 0.0  # s, of the fastest recent batch; 0: not known
-    _ready: deque[np.ndarray] = field(default_factory=deque)
-    _first: deque[_Batch] = field(default_factory=deque)
+    compiled: set[int]
+    per_point: float = 0.0  # s, of recent batches; 0: not known
+    suspects: deque[int] = field(default_factory=deque)  # of batches whose process crashed
+    _first: deque[Batch] = field(default_factory=deque)
     _waiting: dict[int, np.ndarray] = field(default_factory=dict)
-    suspects: deque[int] = field(default_factory=deque)
-    left: int = 0
+    _ready: deque[np.ndarray] = field(default_factory=deque)
 
     def __post_init__(self) -> None:
         groups = self.plan.kernels[self.missing]
-        if np.ptp(groups) > 0:
-            order = np.argsort(groups, kind="stable")
-            split = np.split(self.missing[order], np.flatnonzero(np.diff(groups[order])) + 1)
-        else:
-            split = [self.missing]
-        for members in split:
-            if members.size and self.compiled:
+        for group in np.unique(groups).tolist():
+            members = self.missing[groups == group]
+            if group in self.compiled:
                 self._ready.append(members)
-            elif members.size:
-                group = int(self.plan.kernels[members[0]])
-                self._first.append(_Batch(members[:1], group))
+            else:
+                self._first.append(Batch(members[:1]))
                 self._waiting[group] = members[1:]
-        self.left = self.missing.size
+        self._left = self.missing.size
 
-    @property
-    def seconds(self) -> float:
-        """Of work in a batch."""
-        return max(BATCH_SECONDS, self.workers / TASKS_A_SECOND)
-
-    def next(self, in_flight: int) -> _Batch | None:
-        """A batch; None where the workers have enough, or others must end first."""
+    def next(self, flying: list[Batch], most: int) -> Batch | None:
+        """A batch; None where `most` are on their way, or others must end first."""
         if self.suspects:
-            return _Batch(np.array([self.suspects.popleft()]), alone=True) if not in_flight else None
-        if in_flight >= IN_FLIGHT * self.workers:
+            return Batch(np.array([self.suspects.popleft()]), alone=True) if not flying else None
+        if len(flying) >= most or any(batch.alone for batch in flying):
             return None
         if self._first:
             return self._first.popleft()
         if not self._ready:
             return None
-        size = 1 if not self.per_point else int(np.clip(self.seconds / self.per_point, 1, MOST_IN_BATCH))
-        size = min(size, max(1, self.left // (2 * self.workers)))  # none waits long for the last one
-        ahead = self._ready.popleft()
-        if ahead.size > size:
-            self._ready.appendleft(ahead[size:])
-        self.left -= min(size, ahead.size)
-        return _Batch(ahead[:size])
+        seconds = max(BATCH_SECONDS, self.workers / TASKS_A_SECOND)
+        size = 1 if not self.per_point else int(np.clip(seconds / self.per_point, 1, MOST_IN_BATCH))
+        size = min(size, max(1, self._left // (2 * self.workers)))  # none waits long for the last one
+        members = self._ready.popleft()
+        if members.size > size:
+            self._ready.appendleft(members[size:])
+        self._left -= min(size, members.size)
+        return Batch(members[:size])
 
-    def ended(self, batch: _Batch, seconds: float) -> None:
-        """A batch has come back after so many s of runs."""
-        if batch.group < 0 and not batch.alone:
+    def ended(self, batch: Batch, seconds: float) -> None:
+        """A batch has ended after so many s of runs: where it was the first of its group, the others of the group may start."""
+        group = int(self.plan.kernels[batch.places[0]])
+        if (rest := self._waiting.pop(group, None)) is not None:
+            self.compiled.add(group)
+            if rest.size:
+                self._ready.append(rest)
+        elif not batch.alone:
             now = max(seconds / batch.places.size, 1e-6)
             self.per_point = now if not self.per_point else 0.5 * (self.per_point + now)
-        self.release(batch)
 
-    def release(self, batch: _Batch) -> None:
-        """The others of its group may start."""
-        rest = self._waiting.pop(batch.group, None) if batch.group >= 0 else None
-        if rest is not None and rest.size:
-            self._ready.append(rest)
+    def lost(self, batch: Batch) -> None:
+        """The process of a batch is gone. Which of its points did it shows when each runs alone."""
+        self.suspects.extend(batch.places.tolist())
+        self.ended(batch, 0.0)
 
 
-def compute_here(
-    task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Observer, seconds: float = inf
-) -> Signals | None:
-    """In this process, one after the other, a batch at least, for about so many s; the signal that has ended it early."""
-    schedule, since = Schedule(plan, missing, 1), perf_counter()
-    while (batch := schedule.next(0)) is not None:
-        report = run_batch(task, list(_points(plan, digests, batch)), str(folder))
-        live.count(report)
-        if report.stopped is not None:
-            return signal_of(report)
-        schedule.ended(batch, report.seconds)
-        if perf_counter() - since >= seconds:
-            break
-    return None
-
-
-def compute_with(
-    workers: Workers,
+def compute(
+    executor: Executor,
     task: Task,
     plan: Points,
     digests: np.ndarray,
     missing: np.ndarray,
-    folder: Path,
-    live: Observer,
-    compiled: bool = False,
+    store: Store,
+    observe: Observe = lambda rows, workers: None,
+    seconds: float = inf,
+    compiled: set[int] | None = None,
 ) -> Signals | None:
-    """By workers; the signal that has ended it, and them, early. A point that ends its process is a row "killed"; the others go
-    on.
+    """Run the missing points, a batch at least, and start none after so many s; the signal that has ended it early.
 
-    Raises `BadInput` where the scheduler is gone, or the directory cannot be written.
+    A point that ends its process is a row "killed"; the others go on. Raises `BadInput` where the executor is gone for good, or
+    the store cannot be written.
     """
-    schedule = Schedule(plan, missing, workers.count, compiled)
-    flying: dict[Future[BatchReport], _Batch] = {}
-    with Interrupt(lambda: None) as interrupt:
-        while True:
-            while interrupt.wanted is None and (batch := schedule.next(len(flying))) is not None:
-                flying[workers.submit(task, list(_points(plan, digests, batch)), str(folder))] = batch
-            if interrupt.wanted is not None:
-                workers.stop()
-                return interrupt.wanted
-            if not flying:
-                return None
-            ended = wait(flying, timeout=LOOK, return_when=FIRST_COMPLETED).done
-            lost = [b for f in ended if (b := _come_back(f, flying.pop(f), schedule, live, workers))]
-            if lost:
-                _crashed(lost, flying, schedule, live, workers, digests, folder)
+    workers = min(executor.count, missing.size)
+    schedule = Schedule(plan, missing, workers, set() if compiled is None else compiled)
+    flying: dict[Future[BatchRows], Batch] = {}
+    since, stopped = perf_counter(), None
+    started = False
 
+    def take(rows: BatchRows) -> None:
+        store.append(rows.table)
+        observe(rows, workers)
 
-def _come_back(future: Future[BatchReport], batch: _Batch, schedule: Schedule, live: Observer, workers: Workers) -> _Batch | None:
-    """Count an ended batch; returns it where its process is gone."""
     try:
-        report = future.result()
-    except (Exception, CancelledError) as error:
-        if workers.crashed(error):
-            return batch
-        if isinstance(error, BadInput | OSError):
-            raise
-        if "Comm" in type(error).__name__ or isinstance(error, CancelledError | TimeoutError):
-            raise BadInput(
-                "--scheduler",
-                f"no answer any more ({type(error).__name__}: {error})",
-                "a running scheduler",
-                "What was computed is written; the same command computes the rest.",
-            ) from None
-        raise
-    live.count(report)
-    schedule.ended(batch, report.seconds)
-    return None
+        with Interrupt(lambda: None) as interrupt:
+            while stopped is None:
+                while interrupt.wanted is None and (not started or perf_counter() - since < seconds):
+                    if (batch := schedule.next(list(flying.values()), executor.in_flight)) is None:
+                        break
+                    points = [(int(digests[i]), plan.values(int(i))) for i in batch.places]
+                    flying[executor.submit(task, points)], started = batch, True
+                if not flying:
+                    return interrupt.wanted
+                if (stopped := interrupt.wanted) is not None:
+                    executor.stop()
+                    ended = {f for f in flying if f.done()}
+                else:
+                    ended = wait(flying, timeout=LOOK, return_when=FIRST_COMPLETED).done
+                    if any(executor.crashed(error) for f in ended if (error := _error(f)) is not None):
+                        executor.restart()
+                        ended = {f for f in flying if f.done()}  # with those that were lost with it
+                for future in ended:
+                    batch = flying.pop(future)
+                    if _error(future) is None:
+                        rows = future.result()
+                        take(rows)
+                        schedule.ended(batch, rows.seconds)
+                        stopped = stopped or rows.stopped
+                    elif batch.alone and stopped is None:
+                        take(BatchRows(table_of([(int(digests[batch.places[0]]), Row("killed", KILLED))])))
+                    else:
+                        schedule.lost(batch)
+            return stopped
+    finally:
+        store.flush()
 
 
-def _crashed(
-    lost: list[_Batch],
-    flying: dict[Any, _Batch],
-    schedule: Schedule,
-    live: Observer,
-    workers: Workers,
-    digests: np.ndarray,
-    folder: Path,
-) -> None:
-    """A process is gone, and with those of this machine all batches that were on their way. Which point did it shows when each
-    of those that have not been written runs alone."""
-    if len(lost) == 1 and lost[0].alone and not flying:
-        write_outcome(folder, int(digests[lost[0].places[0]]), "killed", KILLED)
-        live.count(BatchReport(failed=1, reasons={KILLED: 1}))
-    else:
-        for future in [f for f in flying if f.done() and (e := f.exception()) is not None and workers.crashed(e)]:
-            lost.append(flying.pop(future))
-        places = np.concatenate([b.places for b in lost])
-        written = locate_points(folder, digests[places]).part >= 0
-        live.count(BatchReport(done=int(written.sum())))
-        schedule.suspects.extend(int(k) for k in places[~written])
-    for batch in lost:
-        schedule.release(batch)
-    workers.restart()
+def _error(future: Future[BatchRows]) -> BaseException | None:
+    return CancelledError() if future.cancelled() else future.exception()
 
 
-def _points(plan: Points, digests: np.ndarray, batch: _Batch) -> Iterator[Point]:
-    return ((int(digests[i]), plan.values(int(i))) for i in batch.places)
+class Computing:
+    """Who computes the runs of a sweep or of a search, from when they are needed; a context that ends their processes.
+
+    jobs: processes of this machine, 1: this one, None: others where it pays, after some seconds in this one.  scheduler: address
+    of a Dask cluster instead.  Neither changes a number.  Raises `BadInput`.
+    """
+
+    def __init__(self, jobs: int | None, scheduler: str = "", observe: Observe = lambda rows, workers: None):
+        if jobs is not None and jobs < 1:
+            raise BadInput("--jobs", str(jobs), "at least 1")
+        self._jobs, self._scheduler, self._observe = jobs, scheduler, observe
+        self._others: Executor | None = None
+        self._compiled: set[int] = set()
+        self._seconds = 0.0  # of runs in this process
+
+    def __enter__(self) -> Computing:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self._others is not None:
+            (self._others.close if kind is None else self._others.stop)()
+
+    def __call__(self, task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, store: Store) -> Signals | None:
+        """Run the missing points of a plan; the signal that has ended it early, and with it the processes."""
+
+        def run(executor: Executor, missing: np.ndarray, seconds: float = inf) -> Signals | None:
+            return compute(executor, task, plan, digests, missing, store, self._count, seconds, self._compiled)
+
+        if not self._scheduler and min(self._jobs or cores(), missing.size) == 1:
+            return run(Here(), missing)
+        if not self._scheduler and self._jobs is None and self._seconds < ALONE:
+            # what is short is done before other processes have started, and compiled for them
+            if (stopped := run(Here(), missing, ALONE - self._seconds)) is not None:
+                return stopped
+            if not (missing := missing[store.places(digests[missing]) < 0]).size:
+                return None
+        if self._others is None:
+            self._others = Cluster(self._scheduler) if self._scheduler else Pool(self._jobs or cores())
+        if (stopped := run(self._others, missing)) is not None:
+            self._others = None
+        return stopped
+
+    def _count(self, rows: BatchRows, workers: int) -> None:
+        if workers == 1:
+            self._seconds += rows.seconds
+        self._observe(rows, workers)

@@ -22,7 +22,7 @@ from ..charts.chart import Chart
 from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
-from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
+from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
 from .measures import Row
 from .plan import changes, unit_of
 from .repetition import OF_DEVIATION
@@ -114,7 +114,7 @@ def fit(
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
-    with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
+    with Evaluations(scene, wanted.vary, keep, summarize, SearchSettings(directory, jobs, scheduler, observe)) as runs:
         return _Fitting(scene, wanted, folder, runs).answer(verify)
 
 

@@ -7,9 +7,9 @@ import sys
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from time import perf_counter, time
-from typing import Any
 
 from ....components.core.store import replaced
+from .executors import BatchRows
 
 PAGE_EVERY = 2.0  # s
 SHOWN_REASONS = 12
@@ -55,13 +55,18 @@ class Live:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def count(self, report: Any) -> None:
-        """A batch has ended."""
-        self.done += report.done
-        self.failed += report.failed
-        self.seconds += report.seconds
-        for reason, number in report.reasons.items():
-            self._reasons[reason] = self._reasons.get(reason, 0) + number
+    def count(self, rows: BatchRows, workers: int) -> None:
+        """A batch has ended, of so many workers."""
+        self.workers = workers
+        self.seconds += rows.seconds
+        for outcome, reason in zip(
+            rows.table.column("outcome").to_pylist(), rows.table.column("reason").to_pylist(), strict=True
+        ):
+            if outcome == "done":
+                self.done += 1
+            else:
+                self.failed += 1
+                self._reasons[reason] = self._reasons.get(reason, 0) + 1
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done + self.failed, failed=f"{self.failed} failed" if self.failed else "")
         if perf_counter() - self._page_at >= PAGE_EVERY:
@@ -76,27 +81,18 @@ class Live:
         """The last page, which no longer reloads itself."""
         self._write(state)
 
-    @property
-    def rate(self) -> float:
-        """Points a second of this call."""
-        spent = perf_counter() - self._since
-        return (self.done + self.failed - self._before) / spent if spent > 0.0 else 0.0
-
-    def efficiency(self) -> float:
-        """Share of the workers' time that was spent in runs."""
-        spent = (perf_counter() - self._since) * self.workers
-        return self.seconds / spent if spent > 0.0 else 0.0
-
     def _write(self, state: str) -> None:
         self._page_at = perf_counter()
-        ended, total, rate = self.done + self.failed, max(self._total, 1), self.rate
+        spent = max(perf_counter() - self._since, 1e-9)
+        ended, total = self.done + self.failed, max(self._total, 1)
+        rate = (ended - self._before) / spent
         left = (self._total - ended) / rate if rate > 0.0 else float("nan")
         rows = [
             ("points", f"{ended} of {self._total}"),
             ("failed", str(self.failed)),
             ("rate", f"{rate:.3g} points/s"),
             ("time left", "–" if state != "running" or left != left else duration(left)),
-            ("workers", f"{self.workers}, {100.0 * self.efficiency():.0f} % of their time in runs"),
+            ("workers", f"{self.workers}, {100.0 * self.seconds / (spent * self.workers):.0f} % of their time in runs"),
         ]
         table = "".join(f"<tr><td>{name}<td>{value}" for name, value in rows)
         common = sorted(self._reasons.items(), key=lambda item: -item[1])[:SHOWN_REASONS]

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
 from signal import Signals
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
+from ....components.core.store import digest_of
+from ...checkpoint import digest as scene_digest
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
 from ..analysis.records import KINDS, after_transient
 from ..analysis.sections import section as section_of
+from ..code_digests import components_digest
 from .plan import changes
 
 if TYPE_CHECKING:
@@ -49,13 +57,15 @@ class Task:
     """A scene and what is kept of its runs, as plain data that another process can take.
 
     data, name: of the scene.  models: of its [analysis], by system.  summarize: figures of a run, an importable function.
+    base: digest of what the results of all points depend on: scene, what is kept, own code, version.
     """
 
     data: Mapping[str, Any]
     name: str
     models: Mapping[str, Any]
     keep: KeepSettings
-    summarize: Callable[[Result], Summary] | None = None
+    summarize: Callable[[Result], Summary] | None
+    base: str
 
     @classmethod
     def of(cls, scene: Scene, keep: KeepSettings, summarize: Callable[[Result], Summary] | None) -> Task:
@@ -63,11 +73,40 @@ class Task:
         scene = prepared(scene, keep)
         for text in keep.functions:
             function_of(text)
-        return cls(scene.settings(), scene.name, scene._models, keep, summarize if keep.summary else None)
+        summarize = summarize if keep.summary else None
+        content = {
+            "scene": scene_digest(scene),
+            "analysis": scene.model_dump(mode="json")["analysis"],
+            "quantities": list(scene.study.quantities),
+            "keep": keep.model_dump(mode="json"),
+            "version": own_version(),
+            "summary": summarize is not None,
+            "components": components_digest(scene),
+            "functions": {text: _source(text) for text in keep.functions},
+        }
+        base = digest_of(json.dumps(content, sort_keys=True, default=str))[:16]
+        return cls(scene.settings(), scene.name, scene._models, keep, summarize, base)
 
     def scene(self) -> Scene:
         """The scene, read anew."""
         return read_scene(self.data, self.name, analysis=self.models)
+
+
+def _source(text: str) -> str:
+    """Digest of the file of "module:name"."""
+    with suppress(ImportError, ValueError, OSError):
+        spec = find_spec(text.partition(":")[0])
+        if spec is not None and spec.origin:
+            return digest_of(Path(spec.origin).read_bytes())
+    return ""
+
+
+def own_version() -> str:
+    """Version of cosimo."""
+    try:
+        return version("cosimo")
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def prepared(scene: Scene, keep: KeepSettings) -> Scene:

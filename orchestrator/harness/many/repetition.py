@@ -13,15 +13,14 @@ from typing import Any
 import numpy as np
 
 from ...judgement.thresholds import SECONDS, WARN
-from ...output import not_written
 from ...shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error
-from .batches import BatchReport
-from .execute import compute_here
+from .execute import compute
+from .executors import Here
 from .measures import Row, Task
 from .plan import Points
-from .store import locate_points, read_row
+from .store import Store
 
 AT_RANDOM = 3  # points besides those at the ends
 SEED = 0
@@ -99,22 +98,14 @@ def repeat(
     task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
 ) -> dict[int, Row]:
     """Rows with half of every macro step by place, as far as they are known or computed in this time, s; one in any case."""
-    half = folder / "half"
-    try:
-        half.mkdir(exist_ok=True)
-    except OSError as error:
-        raise not_written(half, error) from None
+    half = Store(folder / "half")
     wanted = np.array(places, dtype=int)
-    missing = wanted[locate_points(half, digests[wanted]).missing]
+    missing = wanted[half.missing(digests[wanted])]
     if missing.size:
         with shorter_steps(2):
-            compute_here(task, plan, digests, missing, half, _Unseen(), seconds)
-    located = locate_points(half, digests[wanted])
-    return {
-        int(place): read_row(located.files[part], int(row))
-        for place, part, row in zip(wanted, located.part, located.row, strict=True)
-        if part >= 0
-    }
+            compute(Here(), task, plan, digests, missing, half, seconds=seconds)
+    rows = half.places(digests[wanted]).tolist()
+    return {int(place): half.row(row) for place, row in zip(wanted, rows, strict=True) if row >= 0}
 
 
 def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:
@@ -159,10 +150,3 @@ def blurred(repeated: Repeated | None, deviations: Mapping[str, float]) -> list[
         "deviation over the points: reduce master.step"
         for name, share in shares.items()
     ]
-
-
-class _Unseen:
-    """Repeated points do not count among those of the sweep."""
-
-    def count(self, report: BatchReport) -> None:
-        pass

@@ -1,14 +1,16 @@
 """Searches that need runs: what all of them need next is computed together, so that no number depends on who computes.
 
-A search is a function that is given `ask(points) -> rows` and calls it whenever it needs runs. Each goes on in a thread of its
-own until it asks, one at a time; the runs are computed where `run_searches` was called.
+A search is a function that is given `ask(points) -> rows` and calls it whenever it needs runs. Each is in a thread of its own, of
+which one goes on at a time until it asks; the runs are computed where `run_searches` was called.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from threading import Semaphore, Thread
-from typing import Generic, TypeVar
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import SimpleQueue
+from threading import Lock
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,71 +19,60 @@ from .measures import Row
 
 T = TypeVar("T")
 Ask = Callable[[Sequence[np.ndarray]], list[Row]]
+Request = tuple[Sequence[np.ndarray], Future[list[Row]]]
 
 
 class _Abandoned(BaseException):
-    """Ends the thread of a search that is not gone on with."""
-
-
-class _Search(Thread, Generic[T]):
-    """A search up to its next request. request: the points it needs, None where it has ended with `result` or `error`."""
-
-    result: T
-
-    def __init__(self, search: Callable[[Ask], T]):
-        super().__init__(daemon=True)
-        self._search = search
-        self._its_turn, self._our_turn = Semaphore(0), Semaphore(0)
-        self._answer: list[Row] | None = []
-        self.request: Sequence[np.ndarray] | None = None
-        self.error: BaseException | None = None
-        self.start()
-
-    def run(self) -> None:
-        """In the thread."""
-        self._its_turn.acquire()
-        try:
-            if self._answer is not None:
-                self.result = self._search(self._ask)
-        except BaseException as error:  # raised where the searches are run
-            self.error = error
-        self.request = None
-        self._our_turn.release()
-
-    def _ask(self, points: Sequence[np.ndarray]) -> list[Row]:
-        self.request = points
-        self._our_turn.release()
-        self._its_turn.acquire()
-        if self._answer is None:
-            raise _Abandoned
-        return self._answer
-
-    def resume(self, answer: list[Row] | None) -> None:
-        """Go on with the rows that were asked for, up to the next request; None: end."""
-        self._answer = answer
-        self._its_turn.release()
-        self._our_turn.acquire()
-        if self.error is not None and answer is not None:
-            raise self.error
+    """Ends a search that is not gone on with."""
 
 
 def run_searches(searches: Sequence[Callable[[Ask], T]], compute: Ask) -> list[T]:
     """The results of searches, in their order. `compute`: runs points, together those that all searches have asked for."""
-    threads = [_Search(search) for search in searches]
-    try:
-        for thread in threads:
-            thread.resume([])
-        while asking := [t for t in threads if t.request is not None]:
-            requests = [list(t.request or ()) for t in asking]
-            rows = iter(compute([p for points in requests for p in points]))
-            for thread, points in zip(asking, requests, strict=True):
-                thread.resume([next(rows) for _ in points])
-    finally:
-        for thread in threads:
-            if thread.is_alive():
-                thread.resume(None)
-            thread.join()
-    return [t.result for t in threads]
+    turn = Lock()
+    news: SimpleQueue[tuple[int, Request | None]] = SimpleQueue()  # a search has asked, or (None) has ended
+
+    def run(place: int) -> T:
+        def ask(points: Sequence[np.ndarray]) -> list[Row]:
+            answer: Future[list[Row]] = Future()
+            news.put((place, (points, answer)))
+            turn.release()
+            try:
+                return answer.result()
+            finally:
+                turn.acquire()
+
+        try:
+            with turn:
+                return searches[place](ask)
+        finally:
+            news.put((place, None))
+
+    with ThreadPoolExecutor(len(searches)) as threads:
+        results = [threads.submit(run, place) for place in range(len(searches))]
+        asking: list[Request] = []
+        going_on = len(searches)
+        try:
+            while going_on:
+                latest = sorted([news.get() for _ in range(going_on)], key=lambda item: item[0])
+                asking = [request for _, request in latest if request is not None]
+                going_on = len(asking)
+                for place, request in latest:
+                    if request is None:
+                        results[place].result()  # raises what has ended the search
+                if asking:
+                    rows = iter(compute([p for points, _ in asking for p in points]))
+                    for points, answer in asking:
+                        answer.set_result([next(rows) for _ in points])
+        except BaseException:
+            while going_on:  # those that wait, and those that have been answered and ask again
+                for _, answer in asking:
+                    if not answer.done():
+                        answer.set_exception(_Abandoned())
+                _, request = news.get()
+                asking = [] if request is None else [request]
+                going_on -= request is None
+            raise
+    return [result.result() for result in results]
 
 
 def differences(

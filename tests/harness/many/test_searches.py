@@ -10,7 +10,6 @@ import time
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.many.batches import read_part
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.searches import differences, run_searches
@@ -19,6 +18,7 @@ from cosimo.tests.harness.many.points import formula
 from cosimo.tests.harness.many.test_answers import measured
 from cosimo.tests.harness.many.test_runs import contents, parts, session_of
 from cosimo.tests.harness.test_sweep import MASS
+from pyarrow import feather
 
 TWO = {  # (a - 1)² + (b - 2)² = 2 and a + b = 3: at (2, 1) and at (0, 3)
     "vary": {"f.a": {"low": -3.0, "high": 4.0, "start": 1.5}, "f.b": {"low": -3.0, "high": 6.0, "start": 1.5}},
@@ -177,7 +177,7 @@ def test_a_stopped_fit_goes_on_with_what_it_has(tmp_path, number):
         assert "the same command goes on" in messages
     while session_of(process.pid):  # workers of a killed one write their present runs and end
         time.sleep(0.05)
-    kept = sum(read_part(p).num_rows for p in parts(tmp_path / "out"))
+    kept = sum(feather.read_table(p).num_rows for p in parts(tmp_path / "out"))
     assert kept >= 5
     scene = load_scene(tmp_path / "scene.toml")
     rest = fit(scene, tmp_path / "fit.toml", tmp_path / "out")

@@ -1,50 +1,101 @@
-"""Where points lie: repeated ones, runs that took the place of failed ones, and what of it is in memory."""
+"""Where points lie: repeated ones, runs that took the place of failed ones, damaged files, and what of it is in memory."""
 
 import tracemalloc
 
 import numpy as np
-from cosimo.orchestrator.harness.many import store
-from cosimo.orchestrator.harness.many.batches import write_part
-from cosimo.orchestrator.harness.many.measures import Row
+import pyarrow.dataset
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.many import files, store
+from cosimo.orchestrator.harness.many.files import collect
+from cosimo.orchestrator.harness.many.measures import Row, Task
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
-from cosimo.orchestrator.harness.sweep import collected_sweep
+from cosimo.orchestrator.harness.many.store import Store, table_of
+from cosimo.orchestrator.harness.sweep import POINTS, collected_sweep
+from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import read_scene
-from cosimo.tests.harness.many.points import formula
+from cosimo.orchestrator.systems.many import sweep
+from cosimo.tests.harness.many.points import formula, scene
+
+
+def written(folder, *parts):
+    """A store of parts, rows of (digest, outcome); the number of a row that is done is ten times its digest."""
+    rows = Store(folder)
+    for part in parts:
+        rows.append(table_of([(k, Row(o, "", {"a": 10.0 * k}) if o == "done" else Row(o, "once")) for k, o in part]))
+        rows.flush()
+    return rows
 
 
 def test_a_run_that_is_done_takes_the_place_of_one_that_failed(tmp_path):
     """In whichever part it lies."""
-    write_part(tmp_path, [(k, Row("failed", "once") if k < 3 else Row("done", "", {"a": 10.0 * k})) for k in (4, 1, 2)])
-    write_part(tmp_path, [(k, Row("done", "", {"a": 10.0 * k})) for k in (1,)])
-    write_part(tmp_path, [(k, Row("done", "", {"a": 10.0 * k})) for k in (9, 2)])
+    parts = [(4, "done"), (1, "failed"), (2, "failed")], [(1, "done")], [(9, "done"), (2, "done")]
     digests = np.array([1, 2, 4, 7, 2, 9])  # 7 was not run, 2 is there twice
-    located = store.locate_points(tmp_path, digests)
-    assert located.missing.tolist() == [3]
-    collected = store.collect(located, tmp_path)
-    np.testing.assert_array_equal(collected.numbers["a"], [10.0, 20.0, 40.0, np.nan, 20.0, 90.0])
-    failed = store.locate_points(tmp_path, np.array([1, 2, 4, 5]), retry=True)
-    assert failed.missing.tolist() == [3]
+    for rows in (written(tmp_path, *parts), Store(tmp_path)):
+        assert rows.missing(digests).tolist() == [3]
+        collected = collect(rows, rows.places(digests), tmp_path)
+        np.testing.assert_array_equal(collected.numbers["a"], [10.0, 20.0, 40.0, np.nan, 20.0, 90.0])
+        assert collected.outcomes.tolist() == ["done", "done", "done", "not run", "done", "done"]
+
+
+def test_failed_points_are_missing_where_they_are_to_run_again(tmp_path):
+    rows = written(tmp_path, [(1, "done"), (2, "failed")], [(3, "failed")])
+    digests = np.array([3, 1, 2, 4])
+    assert rows.missing(digests).tolist() == [3]
+    assert rows.missing(digests, retry=True).tolist() == [0, 2, 3]
+
+
+def test_a_part_is_written_once_and_other_tools_read_the_folder(tmp_path):
+    """Two parts of as many rows that begin with the same point are two files."""
+    written(tmp_path, [(1, "failed"), (2, "done")], [(1, "done"), (3, "done")], [(1, "done"), (3, "done")])
+    table = pyarrow.dataset.dataset(tmp_path, format="arrow").to_table()
+    assert sorted(table.column("digest").to_pylist()) == [1, 1, 2, 3]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.7, 1.0])
+def test_one_flipped_byte_is_one_message_and_its_points_run_again(tmp_path, share):
+    plan = {"vary": {"d.value": [1.0, 2.0, 3.0]}}
+    first = sweep(read_scene(scene()), plan, tmp_path, verify=False)
+    (part,) = tmp_path.glob("points/*/*.arrow")
+    content = bytearray(part.read_bytes())
+    content[int(share * (len(content) - 1))] ^= 0x10
+    part.write_bytes(content)
+    again = sweep(read_scene(scene()), plan, tmp_path, verify=False)
+    assert again.computed == 3
+    (remark,) = again.remarks
+    assert f"{part.name} in {part.parent.name} was damaged" in remark
+    assert again.measures["d.twice, mean"].tobytes() == first.measures["d.twice, mean"].tobytes()
+    assert sweep(read_scene(scene()), plan, tmp_path, verify=False).remarks == ()
+
+
+def test_a_file_that_is_damaged_later_is_one_message(tmp_path):
+    rows = written(tmp_path, [(1, "done")])
+    (part,) = tmp_path.glob("*.arrow")
+    part.write_bytes(part.read_bytes()[:-1])
+    with pytest.raises(BadInput, match="damaged"):
+        rows.row(0)
 
 
 def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
     """Columns lie in files; in memory are digest, place, outcome, and what sorting takes. Pieces are smaller than
     the sweep, so that they count little."""
-    for name, value in {"CHUNK": 512, "PIECE": 2048, "LARGEST_PIECE": 0}.items():
-        monkeypatch.setattr(store, name, value)
+    monkeypatch.setattr(store, "PIECE", 2048)
+    monkeypatch.setattr(files, "CHUNK", 512)
+    monkeypatch.setattr(files, "LARGEST_PIECE", 0)
     scene = read_scene(formula())
+    task = Task.of(scene, KeepSettings(), None)
     uniform = {"distribution": "uniform", "low": 0.0, "high": 1.0}
     for n in (4096, 16384):  # the first one imports what is needed
         plan = plan_of(scene, plan_settings({"method": "random", "points": n, "vary": {"f.a": uniform, "f.b": uniform}}))
-        digests = plan.digests("base")
-        folder = store.points_folder(tmp_path / str(n), "base")
+        digests = plan.digests(task.base)
+        rows = Store(tmp_path / str(n) / POINTS / task.base)
         for first in range(0, n, 1024):
-            write_part(
-                folder,
-                [(int(d), Row("done", "", {f"f.x{k}": float(k) for k in range(5)})) for d in digests[first : first + 1024]],
-            )
+            some = digests[first : first + 1024].tolist()
+            rows.append(table_of([(d, Row("done", "", {f"f.x{k}": float(k) for k in range(5)})) for d in some]))
+            rows.flush()
         del digests
         tracemalloc.start()
-        result = collected_sweep(scene, plan, tmp_path / str(n), "base")
+        result = collected_sweep(scene, plan, tmp_path / str(n), rows, task)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert result.outcomes.count("done") == n

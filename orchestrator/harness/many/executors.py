@@ -1,0 +1,222 @@
+"""Who runs batches of points: this process, a pool of processes, a Dask cluster. All take points and give back rows as futures."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
+from multiprocessing.connection import Connection
+from signal import Signals
+from time import perf_counter
+from typing import Any, Protocol
+
+from ....components.core.errors import BadInput
+from ...progress import Interrupt
+from .measures import Row, Task, measure
+from .store import table_of
+
+CONNECT = 15.0  # s to wait for a scheduler, and for its first worker: a nanny needs some to start a killed one again
+Point = tuple[int, dict[str, Any]]  # digest, values
+_stopping = threading.Event()  # in a worker: the sweep is being stopped, or its process is gone
+
+
+@dataclass(frozen=True)
+class BatchRows:
+    """What a batch gave. table: of pyarrow, the rows of its points.  seconds: of real time in runs.
+
+    stopped: the signal that has ended it before its last point.
+    """
+
+    table: Any
+    seconds: float = 0.0
+    stopped: Signals | None = None
+
+
+def run_batch(task: Task, points: Sequence[Point], give_up: Callable[[], bool] = lambda: False) -> BatchRows:
+    """Run points one after the other; a signal, or `give_up`, ends the batch early."""
+    rows: list[tuple[int, Row]] = []
+    seconds, stopped = 0.0, None
+    with Interrupt(lambda: None) as interrupt:  # between two runs; a run has its own
+        scene = task.scene()
+        for digest, values in points:
+            if give_up():
+                break
+            since = perf_counter()
+            row = measure(scene, values, task)
+            seconds += perf_counter() - since
+            if row.stopped is None:
+                rows.append((digest, row))
+            stopped = row.stopped or interrupt.wanted
+            if stopped is not None:
+                break
+    return BatchRows(table_of(rows), seconds, stopped)
+
+
+class Executor(Protocol):
+    """count: of processes.  in_flight: batches that wait for them or are run."""
+
+    count: int
+    in_flight: int
+
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]: ...
+
+    def crashed(self, error: BaseException) -> bool:
+        """True: an error of a future means that the process of its batch is gone. Other errors are raised, as `BadInput` where all
+        processes are gone for good."""
+
+    def restart(self) -> None:
+        """After a crash: workers again. Futures of the earlier ones have ended."""
+
+    def stop(self) -> None:
+        """End the runs that are under way; batches that have begun end with the rows that they have."""
+
+    def close(self) -> None: ...
+
+
+class Here:
+    """This process."""
+
+    count = in_flight = 1
+
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
+        future: Future[BatchRows] = Future()
+        future.set_result(run_batch(task, points))
+        return future
+
+    def crashed(self, error: BaseException) -> bool:
+        raise error
+
+    def restart(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+class Pool:
+    """Processes of this machine, started anew (spawn): nothing of this one's threads and handles is in them."""
+
+    def __init__(self, count: int):
+        self.count, self.in_flight = count, 3 * count
+        self._start()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        until_closed, self._open = context.Pipe(duplex=False)
+        self._executor = ProcessPoolExecutor(self.count, context, _start_worker, (until_closed,))
+        self._first = self._executor.submit(os.getpid)  # a worker takes it before any batch
+
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
+        return self._executor.submit(_in_worker, task, points)
+
+    def crashed(self, error: BaseException) -> bool:
+        if not isinstance(error, BrokenProcessPool):
+            raise error
+        if self._first.exception() is not None:
+            raise BadInput(
+                "worker processes",
+                "none that came as far as its first point",
+                "processes that start",
+                'Each imports the script that is run: keep its calls behind if __name__ == "__main__": there, or use jobs=1.',
+            )
+        return True
+
+    def restart(self) -> None:
+        self.close()
+        self._start()
+
+    def stop(self) -> None:
+        self._open.close()
+        self.close()
+
+    def close(self) -> None:
+        self._executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _start_worker(until_closed: Connection) -> None:
+    """In a new process: end the run that is under way when the sweep closes its end of the pipe, or is gone, however it ended."""
+    threading.Thread(target=_watch, args=(until_closed,), daemon=True).start()
+    signal.signal(signal.SIGTERM, lambda *_: None if _stopping.is_set() else os._exit(128 + signal.SIGTERM))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _watch(until_closed: Connection) -> None:
+    with suppress(EOFError, OSError):
+        until_closed.recv()
+    _stopping.set()
+    signal.raise_signal(signal.SIGTERM)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+    os._exit(1)
+
+
+def _in_worker(task: Task, points: Sequence[Point]) -> BatchRows:
+    rows = run_batch(task, points, _stopping.is_set)
+    if rows.stopped is not None and not _stopping.is_set():  # a signal for this process alone: it is gone, its points are not
+        os._exit(128 + rows.stopped)
+    return rows
+
+
+class Cluster:
+    """The workers of a running Dask scheduler, which have cosimo installed."""
+
+    def __init__(self, address: str):
+        if find_spec("distributed") is None:
+            raise BadInput("--scheduler", repr(address), "an installed dask.distributed", "pip install cosimo[cluster]")
+        from distributed import Client
+
+        try:
+            self._client = Client(address, timeout=CONNECT, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            text = f"{type(error).__name__}: {error}".rstrip(": ")
+            expected = "the address of a running scheduler, tcp://host:port"
+            raise BadInput("--scheduler", repr(address), expected, text) from None
+        with suppress(TimeoutError):  # said below
+            self._client.wait_for_workers(1, timeout=CONNECT)
+        threads = [w["nthreads"] for w in self._client.scheduler_info(n_workers=-1)["workers"].values()]
+        if not threads or max(threads) > 1:
+            actual = f"a worker of {max(threads)} threads" if threads else f"a scheduler without workers for {CONNECT:g} s"
+            self._client.close()
+            raise BadInput("--scheduler", actual, "workers of one thread each", "dask worker ADDRESS --nthreads 1 --nworkers N")
+        self.count, self.in_flight = len(threads), 3 * len(threads)
+        self._executor = self._client.get_executor(pure=False, retries=0)
+
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
+        return self._executor.submit(run_batch, task, points)
+
+    def crashed(self, error: BaseException) -> bool:
+        from distributed import KilledWorker
+
+        if isinstance(error, CancelledError | TimeoutError) or "Comm" in type(error).__name__:
+            raise BadInput(
+                "--scheduler",
+                f"no answer any more ({type(error).__name__}: {error})",
+                "a running scheduler",
+                "What was computed is written; the same command computes the rest.",
+            ) from None
+        if not isinstance(error, KilledWorker):
+            raise error
+        return True
+
+    def restart(self) -> None:
+        """The scheduler's nannies do."""
+
+    def stop(self) -> None:
+        self._executor.shutdown(wait=False)
+        self.close()
+
+    def close(self) -> None:
+        self._client.close()
+
+
+def cores() -> int:
+    """Of this process."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
