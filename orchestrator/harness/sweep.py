@@ -32,7 +32,7 @@ from .many.files import NOT_RUN, collect, provenance, write_data_set, write_prov
 from .many.limits import check_limits, with_rows
 from .many.live import Live
 from .many.measures import Task, check_analysis
-from .many.plan import Points, changes, plan_of, plan_settings, read_plan, unit_of
+from .many.plan import Points, changes, plan_of, plan_settings, unit_of
 from .many.repetition import Repeated, compared, ends_and_some, repeat
 from .many.store import SIGNAL, TIME, Store, array_of
 
@@ -134,7 +134,7 @@ def sweep(
     every macro step, as far as they take no more than 5 s. Neither the number of workers nor their order changes a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
-    settings = sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
+    settings = sweep_settings(scene) if plan is None else plan_settings(plan)
     settings = with_rows(settings, table=limits, conditions=conditions)
     chosen = plan_of(scene, _with_more(settings, add), cube)
     check_analysis(scene)

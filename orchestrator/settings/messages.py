@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from ...components.core.errors import BadInput, nearest
 
+M = TypeVar("M", bound=BaseModel)
 EXPECTED = {
     "float_type": "a number",
     "string_type": "a text",
@@ -28,6 +29,16 @@ EXPECTED = {
 BOUNDS = {"greater_than": "greater than", "greater_than_equal": "of at least", "less_than_equal": "of at most"}
 LITERAL = re.compile("'(.*?)'")
 LONGEST = 200  # characters of a value that are shown
+
+
+def validated(model: type[M], data: M | Mapping[str, Any], name: str) -> M:
+    """Plain data as settings of a model; raises `BadInput`, in which the data are called `name`."""
+    if isinstance(data, model):
+        return data
+    try:
+        return model.model_validate(dict(data))  # type: ignore[arg-type]
+    except ValidationError as error:
+        raise one_message(error, model, name) from None
 
 
 def one_message(error: ValidationError, model: type[BaseModel], name: str, *table: str) -> BadInput:

@@ -218,11 +218,11 @@ def curves(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
 
 
 def plans(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
-    from cosimo.orchestrator.harness.many.plan import plan_of, read_plan
+    from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
     from cosimo.orchestrator.systems import load_scene
 
     scene = load_scene("mass-on-spring")
-    return [plan.encode() for plan in PLANS], "case.toml", lambda path: plan_of(scene, read_plan(path))
+    return [plan.encode() for plan in PLANS], "case.toml", lambda path: plan_of(scene, plan_settings(path))
 
 
 def responses(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:

@@ -9,21 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene, read_toml
 from ...settings.answers import DesignSettings, LimitSettings
-from ...settings.messages import one_message
+from ...settings.messages import validated
 from ..sweep import Sweep
 from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
-from .plan import unit_of
+from .plan import other_starts, unit_of
 from .repetition import Repeated
-from .sampling import other_starts
 from .searches import Ask, differences, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
@@ -114,18 +112,6 @@ class Design:
         return write_table(directory, "design.csv", header, rows)
 
 
-def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> DesignSettings:
-    """A design from its file or plain data, checked."""
-    if isinstance(data, DesignSettings):
-        return data
-    name, table = (Path(data).name, read_toml(Path(data))) if isinstance(data, str | Path) else ("design", dict(data))
-    folder = Path(data).parent if isinstance(data, str | Path) else Path()
-    try:
-        return with_rows(DesignSettings.model_validate(table), folder)
-    except ValidationError as error:
-        raise one_message(error, DesignSettings, name) from None
-
-
 def design(
     scene: Scene,
     settings: DesignSettings | Mapping[str, Any] | str | Path,
@@ -148,7 +134,10 @@ def design(
     runs, are made again with half of every macro step. Raises `BadInput`, also where the start cannot be
     run, and `Stopped` where a signal has ended it.
     """
-    wanted = with_rows(design_settings(settings), table=limits, conditions=conditions)
+    if isinstance(settings, str | Path):
+        path = Path(settings)
+        settings = with_rows(validated(DesignSettings, read_toml(path), path.name), path.parent)
+    wanted = with_rows(validated(DesignSettings, settings, "design"), table=limits, conditions=conditions)
     several = len(wanted.aims) > 1
     if several:
         check_pymoo()

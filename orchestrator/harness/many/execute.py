@@ -190,7 +190,7 @@ class Computing:
         def run(executor: Executor, missing: np.ndarray, seconds: float = inf) -> Signals | None:
             return compute(executor, task, plan, digests, missing, store, self._count, seconds, self._compiled)
 
-        if not self._scheduler and min(self._jobs or cores(), missing.size) == 1:
+        if missing.size == 1 or (not self._scheduler and (self._jobs or cores()) == 1):
             return run(Here(), missing)
         if not self._scheduler and self._jobs is None and self._seconds < ALONE:
             # what is short is done before other processes have started, and compiled for them

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ....components.core.store import replaced
 from ...output import write_json, write_table
 from ...scene.scene import Scene
 from . import store as stores
@@ -108,10 +109,10 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     import pyarrow.parquet as parquet
 
     columns = {**varied, **collected.numbers}
-    pieces = [slice(first, first + CHUNK) for first in range(0, collected.outcomes.size, CHUNK)]
 
     def rows() -> Iterator[tuple[Any, ...]]:
-        for some in pieces:
+        for first in range(0, collected.outcomes.size, CHUNK):
+            some = slice(first, first + CHUNK)
             ends = zip(collected.outcomes[some], collected.reasons[some], strict=True)
             outcome = [o if o in ("done", NOT_RUN) else f"{o}: {reason}" for o, reason in ends]
             yield from zip(*(c[some].tolist() for c in columns.values()), outcome, strict=True)
@@ -121,12 +122,9 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     columns |= {"outcome": collected.outcomes, "reason": collected.reasons}
     kinds = {n: pyarrow.float64() if c.dtype.kind == "f" else pyarrow.string() for n, c in columns.items()}
     schema = pyarrow.schema([pyarrow.field(n, kind, metadata={"unit": units.get(n, "")}) for n, kind in kinds.items()])
-    part = directory / f".sweep.parquet.{os.getpid()}"
-    with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
-        for some in pieces:
-            arrays = [pyarrow.array(c[some], type=kinds[n]) for n, c in columns.items()]
-            writer.write_table(pyarrow.table(arrays, schema=schema))
-    os.replace(part, directory / "sweep.parquet")
+    table = pyarrow.table([pyarrow.array(c, type=kinds[n]) for n, c in columns.items()], schema=schema)
+    with replaced(directory / "sweep.parquet", "wb") as file:
+        parquet.write_table(table, file, row_group_size=CHUNK, compression="zstd")
     return path
 
 
@@ -146,7 +144,6 @@ def write_data_set(
     import xarray
 
     n, longest = collected.outcomes.size, collected.longest
-    width = max(map(len, set(collected.reasons)))
 
     def described(name: str) -> dict[str, str]:
         return {"long_name": name, "units": units.get(name) or "1"}
@@ -155,8 +152,7 @@ def write_data_set(
         for first in range(0, n, stores.PIECE):
             some = slice(first, min(first + stores.PIECE, n))
             variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in collected.numbers.items()}
-            variables["outcome"] = ("point", collected.outcomes[some].astype("U8"))
-            variables["reason"] = ("point", collected.reasons[some].astype(f"U{max(width, 1)}"))
+            variables |= {"outcome": ("point", collected.outcomes[some]), "reason": ("point", collected.reasons[some])}
             coordinates = {name: ("point", c[some], described(name)) for name, c in varied.items()}
             yield xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
 
@@ -177,7 +173,7 @@ def write_data_set(
 
     target, part = directory / DATA_SET, directory / f".{DATA_SET}.{os.getpid()}"
     shutil.rmtree(part, ignore_errors=True)
-    _append(part, tables(), (CHUNK,) if n > CHUNK else (n,))
+    _append(part, tables(), (min(CHUNK, n),))
     if longest:
         per = max(1, min(CHUNK, LARGEST_PIECE // (longest * (1 + len(collected.signals)))))
         _append(part, signals(), (per, longest))

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene, read_toml
 from ...settings.answers import FitSettings
-from ...settings.messages import one_message
+from ...settings.messages import validated
 from ...settings.plan import KeepSettings
 from ..analysis.least_squares import Fit
 from ..analysis.least_squares import fit as least_squares
@@ -24,9 +23,8 @@ from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
 from .measures import Row
-from .plan import changes, unit_of
+from .plan import changes, other_starts, unit_of
 from .repetition import OF_DEVIATION
-from .sampling import other_starts
 from .searches import Ask, differences, run_searches
 
 SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another than this are one
@@ -66,22 +64,6 @@ class SceneFit:
         return write_table(directory, "fit.csv", header, rows)
 
 
-def read_fit(path: str | Path) -> tuple[FitSettings, Path]:
-    """A fit from its TOML file, and the folder of its measurements."""
-    path = Path(path)
-    return fit_settings(read_toml(path), path.name), path.parent
-
-
-def fit_settings(data: FitSettings | Mapping[str, Any], name: str = "fit") -> FitSettings:
-    """A fit from plain data, checked."""
-    if isinstance(data, FitSettings):
-        return data
-    try:
-        return FitSettings.model_validate(dict(data))
-    except ValidationError as error:
-        raise one_message(error, FitSettings, name) from None
-
-
 def fit(
     scene: Scene,
     settings: FitSettings | Mapping[str, Any] | str | Path,
@@ -105,8 +87,10 @@ def fit(
     cannot be run, and `Stopped` where a signal has ended it.
     """
     if isinstance(settings, str | Path):
-        settings, folder = read_fit(settings)
-    wanted, folder = fit_settings(settings), Path(folder)
+        path = Path(settings)
+        wanted, folder = validated(FitSettings, read_toml(path), path.name), path.parent
+    else:
+        wanted, folder = validated(FitSettings, settings, "fit"), Path(folder)
     for curve in wanted.curves:
         read_curve(curve, folder)
     for spectrum in wanted.spectra:

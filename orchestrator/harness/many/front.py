@@ -17,7 +17,7 @@ from ...settings.answers import DesignSettings
 from ...settings.plan import LimitSettings
 from .evaluations import Evaluations
 from .measures import Row
-from .sampling import unit_points
+from .plan import unit_points
 
 EVALUATIONS = 1000  # runs at most
 FAILED = 1e6  # of a limit's size: how far a failed run is out of its limits

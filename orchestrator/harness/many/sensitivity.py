@@ -23,9 +23,8 @@ from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for
-from .plan import plan_settings, read_plan
+from .plan import SMALLEST, plan_settings
 from .repetition import blurred
-from .sampling import SMALLEST
 
 METHODS = ("sobol", "morris")
 LEVELS = 4  # of Morris' grid
@@ -110,7 +109,7 @@ def sensitivity(
     """
     if find_spec("SALib") is None:
         raise BadInput("sensitivity", "no SALib", "an installed SALib", "pip install cosimo[many]")
-    settings = read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
+    settings = plan_settings(plan)
     if method not in METHODS or samples < FEWEST_BLOCKS:
         raise BadInput("sensitivity", f"method {method!r}, {samples} samples", f"{' or '.join(METHODS)}, {FEWEST_BLOCKS} or more")
     if settings.correlation:

@@ -23,7 +23,7 @@ from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .limits import recalled, with_rows
 from .measures import Row, Task, measure
-from .plan import plan_settings, read_plan
+from .plan import plan_settings
 from .repetition import blurred
 
 CONTENT, CONFIDENCE = 0.95, 0.95
@@ -203,7 +203,7 @@ def uncertainty(
     `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
     left out alone, the small ones together, and a run with what remains decides. Raises `BadInput`.
     """
-    settings = read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
+    settings = plan_settings(plan)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)

@@ -9,7 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.limits import check_limits, recalled, with_rows
 from cosimo.orchestrator.harness.many.measures import function_of
-from cosimo.orchestrator.harness.many.plan import plan_settings, read_plan
+from cosimo.orchestrator.harness.many.plan import plan_settings
 from cosimo.orchestrator.harness.many.uncertainty import probability, uncertainty
 from cosimo.orchestrator.harness.report import answers
 from cosimo.orchestrator.harness.sweep import sweep
@@ -108,7 +108,7 @@ def test_limits_count_all_columns_and_are_those_of_the_conditions(tmp_path):
     (tmp_path / "plan.toml").write_text(
         'rows = { table = "rows.toml", conditions = ["fast"] }\n[vary]\n"f.a" = [1.0, 2.0, 3.0, 4.0]\n'
     )
-    plan = read_plan(tmp_path / "plan.toml")
+    plan = plan_settings(tmp_path / "plan.toml")
     result = sweep(read_scene(formula()), plan)
     assert result.plan.limits["f.total, end"].high == 3.0
     assert sum(result.plan.limits["f.total, end"].keeps(x) for x in result.measures["f.total, end"]) == 3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.many.plan import changes, from_columns, plan_of, plan_settings, read_plan
+from cosimo.orchestrator.harness.many.plan import changes, from_columns, plan_of, plan_settings
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.harness.test_sweep import MASS
 
@@ -83,11 +83,11 @@ def test_a_normal_distribution_is_cut_off_where_the_plan_says():
 def test_values_from_a_table_with_and_without_units(tmp_path):
     (tmp_path / "points.csv").write_text('"m.k, N/m",m.m\n100,1\n400.5,2.5\n')
     (tmp_path / "plan.toml").write_text('method = "list"\ntable = "points.csv"\n')
-    plan = plan_of(SCENE, read_plan(tmp_path / "plan.toml"))
+    plan = plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
     assert [plan.values(i) for i in range(plan.size)] == [{"m.k": 100, "m.m": 1}, {"m.k": 400.5, "m.m": 2.5}]
     (tmp_path / "points.csv").write_text('"m.k, kN/m"\n1\n')
     with pytest.raises(BadInput, match="its SI unit, 'N/m'"):
-        plan_of(SCENE, read_plan(tmp_path / "plan.toml"))
+        plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
 
 
 def test_effects_presets_units_and_the_master_vary():
