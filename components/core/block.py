@@ -1,4 +1,4 @@
-"""One block of memory for all that a component is, and the functions through which others call its kernels on it.
+"""One block of memory for all data of a component, and the functions that call its kernels on it.
 
 A kernel of a component gets `s`, `p` and `e`, NamedTuples of views of the block (see `contract`). The block consists of cells of
 eight bytes: the time, `u`, `y`, `x`, the counters, the parameters, and behind them what follows from the parameters, and

@@ -5,9 +5,8 @@ A component declares its variables and effects on the class. An instance is made
 `save()` and `restore()` may surround a repeated step. After `StepFailed` only `restore` is allowed.
 
 Components of the catalogue are kernels, see `contract`. One in plain Python gives three methods, `_initialize`, `_step` and
-`_outputs`, besides its declarations. What a step changes belongs to `x`, an array: `save` keeps time, inputs, outputs and `x`, so
-that a step that is repeated, as iterations, events and step control do, or a resumed run would go on from any other attribute as
-it happens to be.
+`_outputs`, besides its declarations. Everything that a step changes belongs to the array `x`: `save` keeps time, inputs, outputs and
+`x` only. Iterations, events, step control and resumed runs repeat steps from there.
 """
 
 from __future__ import annotations

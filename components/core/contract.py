@@ -5,10 +5,10 @@
 `s` is what a run changes and what follows from the parameters, arrays all: inputs `u` (3, m), value, slope and half of the second
 derivative over the coming step; outputs `y` (k,); state `x` (n,); `counts`; and what the component's `shapes` names. `p` are the
 parameters, `e` the effects: of each its `Values`, or None where it is off. A status that is not `DONE` ends the initialization or
-the step; one that the class lists in `refusals` is the user's to mend.
+the step; `refusals` of the class lists those that the user can correct.
 
-Parameters that are not structural are numbers in the block, and `initialize` computes what follows from them: so they can be set
-wherever the component runs. `shapes` sees the structural ones and the effects that are on, and nothing else.
+Parameters that are not structural are numbers in the block, and `initialize` computes what follows from them. They can be set wherever
+the component runs. `shapes` sees the structural parameters and the effects that are on only.
 """
 
 from __future__ import annotations

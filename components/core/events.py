@@ -1,13 +1,13 @@
 """Runge-Kutta with events: dry friction that sticks, stops, one-way clutches, valves. Kernels as templates.
 
 Between events the equations are smooth; which ones hold is a mode, kept in the state as whole numbers whose derivative is
-zero. Besides what an `OdeComponent` has (see `ode`) a component supplies
+zero. Besides what an `OdeComponent` has (see `integrators`) a component supplies
 
     guards(t, x, u, g, s, p, e)                 g: (k,) result; each is positive as long as the present mode holds
     switch(which, t, x, u, s, p, e)             guard `which` has reached zero: puts the next mode into x; x may jump, too
 
 and has the kernels of `event_kernels`. Where nothing that is on has events, `guards_count` is zero, `s.guards` is None, and steps
-are those of `ode.rk4`. A substep at whose end a guard is negative is cut where the first one changes sign, to the
+are those of `integrators.rk4`. A substep at whose end a guard is negative is cut where the first one changes sign, to the
 last digits; the substep is resumed behind the event. A guard may rest at zero. After a switch it may, by rounding, be a little
 less; if it stays less, `switch` is called again: a mode must be able to last. A guard that goes below zero and comes back within
 a substep is not seen: the substep has to resolve the motion between events.

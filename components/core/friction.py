@@ -3,8 +3,8 @@
 All kernels are scalar and know no component: `v` is the rate at which two surfaces slide, in m/s or rad/s, and levels and
 results are forces in N or torques in N.m to match. A friction that is positive acts against a positive rate.
 
-- Smoothed: the cheapest. Surfaces under a constant load creep; nothing ever stands.
-- LuGre: surfaces hang on elastic bristles and stand, but for the bristles' own vibration; one state z per contact.
+- Smoothed: the cheapest. Surfaces under a constant load creep; nothing ever rests.
+- LuGre: elastic bristles hold the surfaces at rest, but for their own vibration; one state z per contact.
 - Exact: two levels, kinetic while sliding and static at rest, and a mode: 1 or -1, the direction of sliding, or 0, at rest.
   The mode lies in the component's state: `stick_mode` at the start, `stick_guard` for the event finder, `stick_switch` at events.
   Surfaces at rest bear HOLDS times the static level, so that a drive of just that level is not undone by its rounding.

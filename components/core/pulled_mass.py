@@ -1,7 +1,7 @@
 """A mass of 1 kg that a spring pulls over a surface: the motion by which laws of dry friction are compared.
 
-The spring's end moves at a constant speed from t = 0 on; the mass stands until the spring overcomes the static friction, slides,
-and stands again. With bristles (LuGre) the numbers are those of Canudas de Wit and others (IEEE TAC 40, 1995, 419-425), as we
+The spring's end moves at a constant speed from t = 0 on; the mass rests until the spring overcomes the static friction, slides,
+and rests again. With bristles (LuGre) the numbers are those of Canudas de Wit and others (IEEE TAC 40, 1995, 419-425), as we
 recall them; with a rigid contact friction jumps from static to kinetic, and the motion between is known in closed form.
 """
 

@@ -1,6 +1,6 @@
 """A linearly implicit integrator as a template, for stiff equations that are not to limit the step.
 
-Besides `start`, `derivatives` and `outputs` (see `ode`) a component supplies
+Besides `start`, `derivatives` and `outputs` (see `integrators`) a component supplies
 
     jacobian(t, x, u, band, s, p, e)            band: (n, 2 n - 1), d(dx[i])/d(x[j]) is added at band[i, n - 1 + j - i]
 

@@ -1,8 +1,8 @@
 """What a study has computed so far, piece by piece in its result directory: one that was stopped or killed goes on from there.
 
-A piece is a run, a solution or a limit. It is known again by what it depends on: the scene with its changes, the code of its
-components, the settings of the study, this version of cosimo. A study that goes on takes the same decisions with the same
-numbers, times included, as if nothing had happened.
+A piece is a run, a solution or a limit. Its key is what it depends on: the scene with its changes, the code of its components, the
+settings of the study, the version of cosimo. A study that continues takes the same decisions with the same numbers, times included, as
+without the interruption.
 """
 
 from __future__ import annotations

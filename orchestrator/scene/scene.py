@@ -1,6 +1,6 @@
 """Scenes: what is coupled and how, read from TOML or SSP and checked down to every connection.
 
-`load_scene` reads and checks; what it returns can be trusted by everything behind it. Every fault is one `BadInput`.
+`load_scene` reads and checks; other modules need not check again. Every fault is one `BadInput`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The driven inputs of an FMU: buffers made once, one call of the library for all inputs of a type.
 
-Inputs that change over a step are given in the best of four ways: by companion inputs "der(x)" and "der(x,2)" (our own
+Inputs that change over a step are given by the best of four methods: by companion inputs "der(x)" and "der(x,2)" (our own
 FMUs have them); by fmi2SetRealInputDerivatives where the FMU says canInterpolateInputs; whenever the FMU asks for them by
 the intermediate update of FMI 3; else the mean of the polynomial over the step is held: the unit then receives the right
 impulse, and the second order of the coupling survives.

@@ -1,9 +1,9 @@
 """Integrators for FMUs without one: CVode from the SUNDIALS libraries FMPy ships, and the methods of SciPy's solve_ivp.
 
 Both go step by step and end a step where an event indicator changes between positive and not positive, on the far side of
-the change. Multistep methods (CVode, BDF, LSODA) live from the steps behind them: begun anew they are of first order, and many
-restarts cost far more accuracy than their tolerance says. So they go on across macro steps wherever nothing jumps. One-step
-methods lose nothing at a restart but the length of their step, which is kept.
+the change. Multistep methods (CVode, BDF, LSODA) use past steps: after a restart they are of first order, and many restarts cost far
+more accuracy than their tolerance says. They therefore continue across macro steps wherever nothing jumps. One-step methods lose only
+the length of their step at a restart; it is kept.
 """
 
 from __future__ import annotations

@@ -88,6 +88,31 @@ def missing(text: str, own: frozenset[str] = frozenset()) -> list[str]:
     return absent
 
 
+def defined_in(path: Path) -> Iterator[str]:
+    """The module, its folders, its functions and classes, and the names that it and its classes assign."""
+    yield from path.relative_to(ROOT).with_suffix("").parts
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        if isinstance(node, ast.Module | ast.ClassDef):
+            assigned = (s for s in node.body if isinstance(s, ast.Assign | ast.AnnAssign))
+            yield from (n.id for s in assigned for n in ast.walk(s) if isinstance(n, ast.Name))
+
+
+def test_see_leads_to_a_module_or_something_defined():
+    """A local variable of the same name somewhere is not enough."""
+    product = [path for path in SOURCES if path.relative_to(ROOT).parts[0] != "tests"]
+    known = {name for path in product for name in defined_in(path)}
+    lost = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in product
+        for text in read(path)[1]
+        for name in re.findall(r"[Ss]ee `([A-Za-z_][\w.]*)(?:\(\))?`", text)
+        if not set(name.removesuffix(".py").split(".")) <= known
+    }
+    assert lost == set()
+
+
 def of_library(name: str) -> bool:
     """Whether a name belongs to a module of Python or of a library, such as `numpy.ndarray`."""
     first = name.partition(".")[0]

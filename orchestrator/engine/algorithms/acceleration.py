@@ -1,7 +1,7 @@
-"""Ways to the fixed point of a repeated macro step: from a guess and what came back, the next guess.
+"""Fixed-point methods for a repeated macro step: the next guess from the last guess and its response.
 
-A circle of units is cut at n signals. `respond` maps guesses of their values at the end of the step, (n,), to the values that
-the units then give; sought is the guess that comes back. Norms are taken of numbers divided by their sizes.
+A loop of units is cut at n signals. `respond` maps guesses of their values at the end of the step, (n,), to the values that the
+units then give. The solution is the guess that equals its response. Norms are of numbers divided by their sizes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A contact as a unit: the law as an output, and for the interface model the force over a whole macro step.
 
-The law is at home here, so that all algorithms can step a scene with contacts. What the interface model asks for besides:
-`predict` integrates the reduced bodies over the coming step with the other forces on them extrapolated, `correct` does so again
-with what the leader's answer shows. The other forces are estimated from what the bodies did with the known impulses.
+All algorithms can step a scene with contacts. For the interface model `predict` integrates the reduced bodies over the coming step,
+with the other forces on them extrapolated, and `correct` does so again with the leader's answer. The other forces are estimated from
+the motion of the bodies under the known impulses.
 """
 
 from __future__ import annotations

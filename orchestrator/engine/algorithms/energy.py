@@ -1,7 +1,7 @@
 """The energy account: what a co-simulation creates or loses at its power bonds, as diagnosis, error estimate and correction.
 
 Both units of a bond integrate the power of their own output and of the input they were given in place of the other's output.
-What the two disagree by is energy that the coupling has made: Sadjina, Kyllingstad, Skjong, Pedersen, "Energy conservation and
+The difference is energy that the coupling has created: Sadjina, Kyllingstad, Skjong, Pedersen, "Energy conservation and
 power bonds in co-simulations" (Engineering with Computers 33, 2017, arXiv 1602.06434); the correction: Sadjina, Pedersen,
 "Energy conservation and coupling error reduction in non-iterative co-simulations" (Engineering with Computers 36, 2020).
 """

@@ -1,14 +1,14 @@
 """The loop: what a master does in a macro step, as kernels over its `records`. No other code does any of it.
 
 A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, or both for
-one after the other (`TURN`), `UPDATE` their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have moved,
-`PUSH` the samples of the new instant. `run_steps` takes the rows of a macro step one after the other, and many macro steps;
-algorithms that decide something in between have it take the rows up to there.
+one after the other (`TURN`), `UPDATE` their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have changed,
+`PUSH` the samples of the new instant. `run_steps` executes the rows of a macro step one after the other, and many macro steps. An
+algorithm that decides inside a step has it execute the rows up to the decision.
 
 A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
-Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own is three of `UNIT`:
-the one that takes part in every macro step (`NOTED`), and behind it the one that steps, whose inputs are where those of the first
-end, and its outputs as the others see them in between.
+Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own has three records
+`UNIT`. The first (`NOTED`) takes part in every macro step. The second steps; its inputs lie where those of the first end. The third
+has the outputs that other units see between its steps.
 """
 
 from __future__ import annotations

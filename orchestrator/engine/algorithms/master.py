@@ -1,7 +1,6 @@
 """What all master algorithms share: the table of signals, initialization, and the loop of kernels that takes the steps.
 
-What a scene does not use is decided when the master is made and costs nothing in a step: rows of the program that do nothing are
-not in it.
+The program has only the rows that the scene needs, so unused features cost nothing in a step.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The memory of a master: units, links, samples and signals as records of one block, on which the kernels of the loop work.
 
-All fields are numbers of eight bytes. What a macro step changes is in the records and nowhere else, so that the block is all that
-has to be copied to come back to an instant; addresses and places in it stay as they are as long as the master lives.
+All fields are numbers of eight bytes. A macro step changes nothing but the records, so a copy of the block is enough to return to an
+instant. Addresses and places in the block do not change as long as the master lives.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Faults on purpose: signals that are changed on their way to the inputs, and units that take no more steps.
 
-A fault begins and ends at an instant that a macro step ends at. Outputs that depend on a changed input directly follow at once,
-and inputs that jump forget their past. What is recorded at such an instant is what it is from then on.
+A fault starts and ends where a macro step ends. Outputs with feed-through follow a changed input at once, and inputs that jump lose
+their samples. The row at such an instant has the values after the change.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Lyapunov exponents of a component that runs in this process.
 
-After Benettin et al. (1980): perturbations of the state are carried along and made orthogonal again after every interval;
-their mean logarithmic growth rates are the exponents. They are found by finite differences of repeated steps (save, disturb,
-step, restore), so that every component has them, without equations of its own for that.
+After Benettin et al. (1980): perturbations of the state are integrated and made orthogonal again after every interval; their mean
+logarithmic growth rates are the exponents. Finite differences of repeated steps (save, disturb, step, restore) give the
+perturbations, so a component needs no equations for them.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ The rates are any function of the state, x' = f(x), or those of a scene whose un
     rates = SceneRates(scene, {"turbine": [0], "converter": [0]})
     point = operating_point(rates, rates.start)
 
-States that go round, such as angles, and modes, which are whole numbers, belong to no equilibrium: they are left out, and keep
-what they have at the start. A set that pulsates, such as a piston pump, has no operating point but its cycle average has.
+Rotating angles and modes, which are whole numbers, have no equilibrium: they are omitted and keep their values of the start. A set that
+pulsates, such as a piston pump, has no operating point; its cycle average has one.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Fronts of several aims under limits: NSGA-II of pymoo over runs, a generation at a time.
 
 Deb, Pratap, Agarwal, Meyarivan, IEEE Transactions on Evolutionary Computation 6 (2002) 182-197 (recalled): of two points that
-keep their limits the one that no aim speaks against, of two that do not the one that breaks them less.
+keep their limits the one that dominates is better, of two that do not the one that violates them less.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Searches that need runs: what all of them need next is computed together, so that no number depends on who computes.
+"""Searches that need runs: the next runs of all searches are computed together, so that no number depends on who computes.
 
 A search is a function that is given `ask(points) -> rows` and calls it whenever it needs runs. Each is in a thread of its own, of
 which one goes on at a time until it asks; the runs are computed where `run_searches` was called.

@@ -1,9 +1,9 @@
 """Which parameters matter: Sobol's indices and Morris' elementary effects, by SALib, with their confidence intervals.
 
-Sobol: S1 the share of a quantity's variance that goes with a parameter alone, ST the share that goes with it and all its
+Sobol: S1 the share of a quantity's variance due to a parameter alone, ST the share due to it and all its
 interactions (Saltelli 2010, Jansen 1999, as SALib has them). Morris: mean of the absolute elementary effects mu*, the change of a
-quantity per range of a parameter, and their standard deviation sigma, large where it is nonlinear or acts with others. One failed
-run voids the block of runs it belongs to: the block is left out, and counted.
+quantity per range of a parameter, and their standard deviation sigma, large for nonlinear effects and interactions. A block with a
+failed run is omitted and counted.
 """
 
 from __future__ import annotations

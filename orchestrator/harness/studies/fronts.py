@@ -4,8 +4,8 @@ A front belongs to the physics of a scene: its model, its length, its quantities
 settings that the front compares; a scene with others has the same front. A front is stale when the scene at its own settings
 gives other numbers than at the time of the measurement, whatever the reason.
 
-A shipped table has errors and counted work, which depend on no machine. The times of the settings that come into question are
-measured here, in a part of the run.
+A shipped table has errors and counted work, which do not depend on the machine. The times of candidate settings are measured on this
+machine, in a part of the run.
 """
 
 from __future__ import annotations

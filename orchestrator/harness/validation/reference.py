@@ -1,4 +1,4 @@
-"""Reference tables: ranges as data, each row with its standing and its source, and rows beside what was measured.
+"""Reference tables: ranges as data, each row with its provenance and its source, and rows beside what was measured.
 
 A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its title, its text and its sources in words.
 """

@@ -1,8 +1,7 @@
 """A tree of systems as the units and connections of a scene.
 
-Systems are taken away: what reaches a component through connectors of systems becomes one connection from the component
-that gives it, with the conversions and transformations of all its parts; parameters of systems reach the variables they
-are connected with.
+A chain of connectors through systems becomes one connection between two components, with all conversions and transformations of the
+chain. Parameters of systems become parameters of the variables that they are connected with.
 """
 
 from __future__ import annotations
