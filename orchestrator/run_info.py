@@ -14,7 +14,6 @@ from .engine.algorithms import Master
 from .engine.coupling import Coupling
 from .scene.scene import Scene
 from .units import Simulator
-from .units.walls import walls_of
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk
@@ -95,13 +94,12 @@ def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator
     """What run.json holds beside outcome and timing."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}
-    walls = walls_of(units)
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
         "scene": scene_info(scene),
         "units": {
             n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
-            | ({"walls": walls[n]} if n in walls else {})
+            | ({"walls": walls} if (walls := getattr(unit, "walls", None)) else {})
             for n, unit in units.items()
         },
         "effects": {

@@ -6,7 +6,7 @@ class BadInput(ValueError):
 
     def __init__(self, where: str, actual: str, expected: str, remedy: str = ""):
         self.where, self.actual, self.expected, self.remedy = where, actual, expected, remedy
-        super().__init__(_one_line(f"{where}: {actual}; expected {expected}" + (f". {remedy}" if remedy else "")))
+        super().__init__(visible(f"{where}: {actual}; expected {expected}" + (f". {remedy}" if remedy else "")))
 
 
 class StepFailed(RuntimeError):
@@ -14,12 +14,17 @@ class StepFailed(RuntimeError):
 
     def __init__(self, unit: str, time: float, reason: str, remedy: str = ""):
         self.unit, self.time, self.reason, self.remedy = unit, time, reason, remedy
-        super().__init__(f"{unit} failed at t = {time:.9g} s: {reason}" + (f". {remedy}" if remedy else ""))
+        super().__init__(visible_lines(f"{unit} failed at t = {time:.9g} s: {reason}" + (f". {remedy}" if remedy else "")))
 
 
-def _one_line(text: str) -> str:
-    """The text with line ends and control characters escaped: names from files may hold any."""
+def visible(text: str) -> str:
+    """The text with line ends and control characters escaped: names from files and texts of foreign code may hold any."""
     return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def visible_lines(text: str) -> str:
+    """The same for a text of several lines, such as a failure and its log."""
+    return "\n".join(map(visible, text.split("\n")))
 
 
 def nearest(name: str, names) -> str:

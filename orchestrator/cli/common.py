@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest, visible_lines
 from .options import listed, value_of
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
 
     table = Table(*columns, title=title or None, title_justify="left")
     for row in rows:
-        table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
+        table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row))
     Console(width=output_width()).print(table, markup=False)
 
 
@@ -85,7 +85,7 @@ def status_spinner(text: str = "") -> Iterator[Callable[[str], None]]:
 def warn(warnings: Sequence[str]) -> None:
     """Each on a line of standard error."""
     for warning in warnings:
-        print(f"cosimo: warning: {warning}", file=sys.stderr)
+        print(f"cosimo: warning: {visible_lines(warning)}", file=sys.stderr)
 
 
 def fail(message: object, code: int = FAILED_RUN) -> SystemExit:

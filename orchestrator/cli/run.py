@@ -89,7 +89,7 @@ def run(
         bool,
         Option(
             "--isolate",
-            help="Foreign code, FMUs and module:Class, in walled worker processes: limits of time and memory, no network, files "
+            help="Foreign code, FMUs and module:Class, in the sandbox of bubblewrap: limits of time and memory, no network, files "
             "read only.",
         ),
     ] = False,
@@ -225,7 +225,7 @@ def _tolerance_of_effects(effects: list[str] | None, tolerance: str | None) -> f
 
 
 def _isolated(scene: Scene) -> dict[str, Any]:
-    """Changes that put all foreign code of a scene behind walls; `BadInput` where there is none."""
+    """Changes that put all foreign code of a scene into a sandbox; `BadInput` where there is none."""
     foreign = [name for name, unit in scene.units.items() if unit.fmu or ":" in unit.component]
     if not foreign:
         raise BadInput(

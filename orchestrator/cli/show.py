@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest, visible_lines
 from .common import app, print_table, print_written, status_spinner
 from .completion import anything
 from .options import AsJson, Changes, Presets, parameters_of
@@ -82,7 +82,7 @@ def show(
     if as_json:
         print(json.dumps(shown, indent=2))
         return
-    print(shown["title"], *([shown["text"]] if shown.get("text") else []), sep="\n\n", end="\n\n")
+    print(*(visible_lines(shown[key]) for key in ("title", "text") if key == "title" or shown.get(key)), sep="\n\n", end="\n\n")
     for title, rows in shown.items():
         if isinstance(rows, list) and rows and isinstance(rows[0], dict):
             print_table(title.replace("_", " "), tuple(rows[0]), [tuple(map(_cell, row.values())) for row in rows])

@@ -19,7 +19,7 @@ from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
-ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a process behind walls"}
+ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a sandbox"}
 
 PAIR_COLUMNS = (
     "pair",

@@ -25,7 +25,7 @@ class UnitSettings(Model):
     isolation: Literal["none", "process", "restricted"] = Field(
         default="none",
         description="process: in a worker process of its own, for what may crash and to use several cores; "
-        "restricted: there with limits, without network, and with files it can only read",
+        "restricted: there in the sandbox of bubblewrap, with limits, without network, and with files it can only read",
     )
     time_limit: Positive | None = Field(
         default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes"
@@ -66,8 +66,6 @@ class UnitSettings(Model):
             raise BadInput(
                 "isolation", "'restricted' for a component of the catalogue", "an FMU or module:Class", 'Write "process".'
             )
-        if self.time_limit is not None and self.isolation == "none":
-            raise BadInput("time_limit", f"{self.time_limit:g} s without isolation", 'isolation = "process" as well')
         for key in ("interface", "solver", "tolerance"):
             if self.component and getattr(self, key) is not None:
                 raise BadInput(key, repr(getattr(self, key)), "none for a component; it would have no effect", "Remove it.")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...components.core.errors import BadInput
 from ..settings import UnitSettings
 from .interface import Interface, Simulator
 
@@ -27,6 +28,10 @@ def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: Na
 
     `native`: the native FMU of a component, which is run instead.
     """
+    if settings.time_limit is not None and settings.isolation == "none":
+        raise BadInput(
+            f"units.{name}.time_limit", f"{settings.time_limit:g} s without isolation", 'isolation = "process" as well'
+        )
     if settings.isolation != "none":
         from .process import WorkerSimulator
 

@@ -7,7 +7,6 @@ answer is waited for in `get`, so units of which a master calls `step` one after
 from __future__ import annotations
 
 import os
-import pickle
 import shutil
 import signal
 import subprocess
@@ -15,36 +14,21 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
-from struct import Struct
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...components.core.errors import BadInput, StepFailed
-from .channel import (
-    CALL,
-    EVENT,
-    FAILED,
-    GET,
-    INDEX,
-    READ,
-    STEP,
-    TIMES,
-    UPDATE,
-    VALUES,
-    WARNED,
-    Channel,
-    NoMessage,
-    packer,
-    unpacker,
-)
+from ...components.catalogue import component_class
+from ...components.core.errors import BadInput, StepFailed, visible
+from .answers import REPORT, nothing, read_counters, read_failure, read_parameters, read_texts, read_warnings, within
+from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, NoMessage, packed, packer, unpacker
 from .folders import process_folder
 from .interface import PortValues
-from .walls import ANSWER, clean_environment, read_answer
+from .sandbox import ANSWER, environment, sandboxed, walls
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -54,7 +38,45 @@ START = 60.0  # s that a worker may take to start, whatever the limit for its an
 GRACE = 3.0  # s that a worker has to end by itself
 LOG_LINES = 5
 LOG_BYTES = 10_000  # in which they are looked for
+SIGNALLED = 128  # to which bubblewrap adds the number of a signal, for its exit code
 LONGEST = 200  # characters of a unit's name that are shown
+
+
+class Expected(NamedTuple):
+    """What the next answer must be: its code, its length at most, and the function that checks and reads its content.
+
+    The function raises `ValueError` or `TypeError` for what was not asked for.
+    """
+
+    code: int
+    longest: int  # bytes
+    read: Callable[[Any], Any]
+
+
+NOTHING = Expected(Code.DATA, 1, nothing)
+
+
+def _numbers(n: int) -> Expected:
+    """n numbers and nothing else."""
+    take, size = unpacker(n), 8 * n
+
+    def read(content: Any) -> PortValues:
+        if len(content) != size:
+            raise ValueError(f"expected {n} numbers")
+        return take(content, 0)
+
+    return Expected(Code.NUMBERS, size, read)
+
+
+def _known(settings: UnitSettings) -> Callable[[], Collection[str]] | None:
+    """Names that the parameters of foreign code may have; None for the catalogue's components, whose code is ours."""
+    if settings.fmu:
+        from .description import read
+
+        return lambda: {v.name for v in read(settings.fmu, "fmu").model.modelVariables}
+    if ":" in settings.component:
+        return lambda: component_class(settings.component).variables
+    return None
 
 
 class WorkerSimulator:
@@ -70,28 +92,35 @@ class WorkerSimulator:
         self.name = name
         kind = "native FMU" if native else "component" if in_process or ":" in settings.component else "FMU"
         self.kind = f"{kind} in a worker process"
-        self._time, self._requests, self._numbers = 0.0, 0, 0
-        self._started = self._waiting = self._lost = self._late = self._gone = False
+        self._begin = self._time = self._length = 0.0  # s: start of the simulation and of the step, and the step's length
+        self._requests, self._numbers = 0, 0
+        self._expected: Expected | None = None  # of the answer that is still to come
+        self._started = self._lost = self._late = self._gone = False
         self._stale = True  # the outputs that were handed over last hold no more
         self._values: PortValues = []
-        self.walls: list[str] = []  # that stand around it
-        self._limit = settings.time_limit or (ANSWER if settings.isolation == "restricted" else None)  # s
+        self._readers, self._text_readers = 0, 0
+        self.walls: list[str] = []  # around it once it has started
+        self._restricted = settings.isolation == "restricted"
+        self._limit = settings.time_limit or (ANSWER if self._restricted else None)  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
+        start = sandboxed(name, settings) if self._restricted else []
         self._folder = Path(tempfile.mkdtemp(dir=process_folder()))  # of the worker's log and of all its temporary files
-        paths = os.pathsep.join(os.path.abspath(p) for p in sys.path)
-        folder, walled = str(self._folder), settings.isolation == "restricted"
-        inherited = clean_environment(folder) if walled else os.environ
-        environment = inherited | {"PYTHONPATH": paths, "PYTHONUNBUFFERED": "1", "TMPDIR": folder, "TEMP": folder, "TMP": folder}
+        temporary = "/tmp" if self._restricted else str(self._folder)
         try:
             with open(self._folder / "log", "wb") as log:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", f"{__package__}.worker", name],
+                    [*start, sys.executable, "-P", "-m", f"{__package__}.worker", name],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     stderr=log,
                     bufsize=0,
-                    env=environment,
+                    env={
+                        **(environment() if self._restricted else os.environ),
+                        "PYTHONPATH": os.pathsep.join(os.path.abspath(p) for p in sys.path),
+                        "PYTHONUNBUFFERED": "1",
+                        **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), temporary),
+                    },
                     start_new_session=True,
                 )  # a terminal's Ctrl-C does not reach it
         except OSError as error:  # too many processes or open files, a name longer than a command line ...
@@ -107,19 +136,17 @@ class WorkerSimulator:
         self._closed = threading.Event()
         if self._limit is not None:
             threading.Thread(target=self._watch, daemon=True).start()
+        known = _known(settings)
+        parameters = Expected(Code.DATA, LARGEST // 16, lambda content: read_parameters(content, known))
+        given = settings.model_dump(exclude={"isolation", "time_limit"})
+        fmu = native and [native.path, dict(native.starts)]
         with suppress(StepFailed):  # it has ended already; `wire` says so
-            self._call(
-                "open",
-                settings.model_copy(update={"isolation": "none", "time_limit": None}),
-                in_process,
-                native,
-                folder if walled else "",
-            )
+            self._call("open", given, in_process, fmu, self._restricted, expected=parameters)
 
     # -- messages ----------------------------------------------------------------------------------------------------
-    def _send(self, code: int, content: bytes) -> None:
+    def _send(self, code: int, content: bytes, expected: Expected) -> None:
         """One request; its answer is left for `_receive`. An earlier answer that nobody has asked for is taken first."""
-        if self._waiting:
+        if self._expected is not None:
             self._receive()
         if self._lost:
             raise StepFailed(self.name, self._time, "its worker process has ended")
@@ -131,13 +158,15 @@ class WorkerSimulator:
         except KeyboardInterrupt:
             self._lost = True  # part of a message may be left in the pipe
             raise
-        self._waiting = True
+        self._expected = expected
 
-    def _receive(self) -> memoryview:
+    def _receive(self) -> Any:
         """The answer to the last request; raises what the unit raised, or `StepFailed` where its process has ended."""
-        self._since = monotonic()
+        expected, self._since = self._expected, monotonic()
+        if expected is None:  # the process had ended before the request was sent
+            raise self._end()
         try:
-            code, content = self._channel.receive()
+            code, content = self._channel.receive(max(expected.longest, REPORT))
         except NoMessage:
             raise self._no_answer() from None
         except EOFError:
@@ -145,41 +174,52 @@ class WorkerSimulator:
         except KeyboardInterrupt:
             self._lost = True  # part of a message may be left in the pipe
             raise
-        self._waiting, self._since = False, None
-        if code == WARNED:
-            texts, code, content = self._read(content)
-            for text in texts:
-                warnings.warn(text, stacklevel=2)
-        if code == VALUES:
-            (event,) = EVENT.unpack_from(content)
-            self.event = event if event == event else None
-            self._values, self._stale = self._take(content, EVENT.size), False
-        elif code == FAILED:
-            kind, arguments = self._read(content)
+        self._expected = self._since = failure = answer = None
+        texts: list[str] = []
+        try:
+            if code == Code.WARNED:
+                code, content, texts = read_warnings(content)
+            if code == Code.FAILED:
+                failure = read_failure(content, self.name, self._begin, self._time + self._length)
+            elif code == expected.code:
+                answer = expected.read(content)
+            else:
+                raise ValueError("an answer of another kind")
+        except Exception:  # foreign code may write into the pipe what it likes
+            failure = self._no_answer()
+        for text in texts:
+            warnings.warn(text, stacklevel=2)
+        if failure is not None:
             self._stale = True
-            raise kind(*arguments)
-        return content
+            raise failure
+        return answer
 
-    def _call(self, method: str, *arguments: Any) -> None:
+    def _read_values(self, content: Any) -> None:
+        """Event and outputs of the unit."""
+        if len(content) != EVENT.size + 8 * len(self._outputs):
+            raise ValueError("expected an event and outputs")
+        (event,) = EVENT.unpack_from(content)
+        if event != event:
+            self.event = None
+        elif within(event, self._time, self._time + self._length):
+            self.event = event
+        else:
+            raise ValueError("an event outside the step")
+        self._values, self._stale = self._take(content, EVENT.size), False
+
+    def _call(self, method: str, *arguments: Any, expected: Expected = NOTHING) -> None:
         """Call a method there without waiting for it."""
-        self._send(CALL, pickle.dumps((method, arguments)))
+        self._send(Code.CALL, packed([method, *arguments]), expected)
 
     def _move(self, method: str, *arguments: Any) -> None:
         """The same for one that may change the outputs."""
         self._call(method, *arguments)
         self._stale = True
 
-    def _ask(self, method: str, *arguments: Any) -> Any:
+    def _ask(self, method: str, *arguments: Any, expected: Expected = NOTHING) -> Any:
         """Call a method there and wait for what it returns."""
-        self._call(method, *arguments)
-        return self._read(self._receive())
-
-    def _read(self, content: Any) -> Any:
-        """The object in an answer."""
-        try:
-            return read_answer(content)
-        except Exception:  # foreign code may write into the pipe what it likes
-            raise self._no_answer() from None
+        self._call(method, *arguments, expected=expected)
+        return self._receive()
 
     def _no_answer(self) -> StepFailed:
         self._kill()
@@ -188,7 +228,7 @@ class WorkerSimulator:
     def _end(self, reason: str = "") -> StepFailed:
         """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
         self._lost = self._stale = True
-        self._waiting, self._since = False, None
+        self._expected = self._since = None
         try:
             code = self._process.wait(GRACE)
         except subprocess.TimeoutExpired:  # it has closed the pipe and lives on
@@ -200,7 +240,7 @@ class WorkerSimulator:
             pass
         elif self._late:
             reason = f"no answer within {self._limit:g} s; its worker process was ended"
-        elif code < 0:
+        elif (code := code if not self._restricted or code <= SIGNALLED else SIGNALLED - code) < 0:
             reason = f"its worker process was ended by signal {-code} ({signal.strsignal(-code)})"
         else:
             reason = f"its worker process ended itself with code {code}"
@@ -210,7 +250,7 @@ class WorkerSimulator:
         with open(self._folder / "log", "rb") as log:
             log.seek(max(log.seek(0, os.SEEK_END) - LOG_BYTES, 0))
             lines = log.read().decode(errors="replace").splitlines()
-        return "".join(f"\n  log: {line}" for line in lines[-LOG_LINES:])
+        return "".join(f"\n  log: {visible(line)}" for line in lines[-LOG_LINES:])
 
     def _kill(self) -> None:
         """End the process, and with it those that its unit has started: they are of its process group."""
@@ -235,15 +275,15 @@ class WorkerSimulator:
     # -- the unit ----------------------------------------------------------------------------------------------------
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._outputs, self._take, self._give = tuple(outputs), unpacker(len(outputs)), packer(len(inputs))
+        self._n_inputs, self._row = len(inputs), Expected(Code.VALUES, EVENT.size + 8 * len(outputs), self._read_values)
         try:
-            self._parameters: dict[str, Any]
-            self._parameters, self.walls = self._read(self._receive())
+            self._parameters: dict[str, Any] = self._receive()
             self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
             raise BadInput(
                 f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
             ) from None
-        self._started = True
+        self._started, self.walls = True, walls() if self._restricted else []
 
     def wire_texts(self, inputs: Sequence[str]) -> None:
         self._ask("wire_texts", [*inputs])
@@ -252,23 +292,28 @@ class WorkerSimulator:
         self._move("set_texts", [*values])
 
     def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        index = self._ask("text_reader", [*names])
-        return lambda: self._ask("read_texts", index)
+        self._ask("text_reader", [*names])
+        index, n = self._text_readers, len(names)
+        self._text_readers += 1
+        expected = Expected(Code.DATA, LARGEST // 16, lambda content: read_texts(content, n))
+        return lambda: self._ask("read_texts", index, expected=expected)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         if set(names) <= set(self._outputs):  # these come with every answer
             at = [self._outputs.index(n) for n in names]
             return lambda: [float(values[k]) for values in [self.get()] for k in at]
-        index, unpack = INDEX.pack(self._ask("reader", [*names])), Struct(f"{len(names)}d").unpack
+        self._ask("reader", [*names])
+        index, expected = INDEX.pack(self._readers), _numbers(len(names))
+        self._readers += 1
 
         def read() -> list[float]:
-            self._send(READ, index)
-            return list(unpack(self._receive()))
+            self._send(Code.READ, index, expected)
+            return [*map(float, self._receive())]
 
         return read
 
     def initialize(self, t: float, values: PortValues) -> None:
-        self._time = t
+        self._begin, self._time, self._length = t, t, 0.0
         self._move("initialize", t, [*values])
 
     def start(self) -> None:
@@ -279,18 +324,18 @@ class WorkerSimulator:
         self._rows, self._driven = b"".join([self._give(row) for row in given if row is not None]), h
 
     def step(self, t: float, h: float) -> None:
-        self._time = t
-        self._send(STEP, TIMES.pack(t, h, self._driven) + self._rows)
+        self._time, self._length = t, h
+        self._send(Code.STEP, TIMES.pack(t, h, self._driven) + self._rows, self._row)
         self._rows = b""
 
     def update(self, values: PortValues) -> None:
-        self._send(UPDATE, self._give(values))
+        self._send(Code.UPDATE, self._give(values), self._row)
 
     def get(self) -> PortValues:
-        if self._waiting:
+        if self._expected is not None:
             self._receive()
         if self._stale:
-            self._send(GET, b"")
+            self._send(Code.GET, b"", self._row)
             self._receive()
         return self._values
 
@@ -308,7 +353,8 @@ class WorkerSimulator:
         self._call("release", state)
 
     def pack(self, state: int) -> bytes:
-        return self._ask("pack", state)
+        self._send(Code.STATE, INDEX.pack(state), Expected(Code.BYTES, LARGEST, bytes))
+        return self._receive()
 
     def unpack(self, packed: bytes) -> int:
         self._numbers += 1
@@ -316,7 +362,9 @@ class WorkerSimulator:
         return self._numbers - 1
 
     def jacobian(self) -> np.ndarray:
-        return self._ask("jacobian")
+        shape = len(self._outputs), self._n_inputs
+        self._send(Code.JACOBIAN, b"", _numbers(shape[0] * shape[1]))
+        return np.array(self._receive()).reshape(shape)
 
     def parameters(self) -> dict[str, Any]:
         return self._parameters
@@ -324,9 +372,9 @@ class WorkerSimulator:
     def work(self) -> dict[str, int]:
         """The unit's counters, as far as its process can still be asked, and the number of requests to it."""
         counted: dict[str, int] = {}
-        if not (self._lost or self._waiting):
+        if not self._lost and self._expected is None:
             with suppress(StepFailed):  # it has ended since its last answer, when nothing was wanted of it any more
-                counted = self._ask("work")
+                counted = self._ask("work", expected=Expected(Code.DATA, REPORT, read_counters))
         return {**counted, "requests": self._requests}
 
     def close(self) -> None:

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import importlib
 import logging
 import math
 import os
-import pickle
 import signal
 import sys
 import traceback
@@ -19,27 +17,16 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+import msgpack
+import numpy as np
+
 from ...components.core.errors import BadInput, StepFailed
+from ..settings import UnitSettings
 from . import Simulator, open_unit
-from .channel import (
-    CALL,
-    EVENT,
-    FAILED,
-    INDEX,
-    OBJECT,
-    READ,
-    STEP,
-    STOPPING,
-    TIMES,
-    UPDATE,
-    VALUES,
-    WARNED,
-    Channel,
-    packer,
-    unpacker,
-)
+from .answers import LONGEST_TEXT, MOST_WARNINGS
+from .channel import EVENT, INDEX, STOPPING, TIMES, Channel, Code, packed, packer, unpacker
 from .interface import PortValues, SimulationEnded
-from .walls import put_up
+from .sandbox import limit_resources
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
 
@@ -55,27 +42,27 @@ class Worker:
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 
-    def open(self, settings: Any, in_process: bool, native: Any, folder: str) -> tuple[dict[str, Any], list[str]]:
-        """Parameters of the unit, and the walls around it, which are put up where a `folder` is given that it may write."""
-        walls = []
-        if folder:
-            importlib.import_module(f"{__package__}.fmu")  # what is loaded now need not be found behind the walls
-            walls = put_up(folder)
-        self._unit = open_unit(self._name, settings, in_process=in_process, native=native)
-        return self._unit.parameters(), walls
+    def open(self, settings: dict[str, Any], in_process: bool, native: list[Any] | None, restricted: bool) -> dict[str, Any]:
+        """Open the unit with the fields of its settings and of its native FMU; its parameters."""
+        limit_resources(restricted)
+        fmu = None
+        if native is not None:
+            from .native import NativeFmu  # which loads FMPy
+
+            fmu = NativeFmu(*native)
+        self._unit = open_unit(self._name, UnitSettings.model_validate(settings), in_process=in_process, native=fmu)
+        return self._unit.parameters()
 
     def wire(self, inputs: list[str], outputs: list[str]) -> None:
         self._unit.wire(inputs, outputs)
         self._n = len(inputs)
         self._take, self._give = unpacker(self._n), packer(len(outputs))
 
-    def reader(self, names: list[str]) -> int:
+    def reader(self, names: list[str]) -> None:
         self._readers.append((self._unit.reader(names), packer(len(names))))
-        return len(self._readers) - 1
 
-    def text_reader(self, names: list[str]) -> int:
+    def text_reader(self, names: list[str]) -> None:
         self._text_readers.append(self._unit.text_reader(names))
-        return len(self._text_readers) - 1
 
     def read_texts(self, index: int) -> list[str]:
         return self._text_readers[index]()
@@ -88,9 +75,6 @@ class Worker:
 
     def release(self, number: int) -> None:
         self._unit.release(self._states.pop(number))
-
-    def pack(self, number: int) -> bytes:
-        return self._unit.pack(self._states[number])
 
     def unpack(self, number: int, packed: bytes) -> None:
         self._states[number] = self._unit.unpack(packed)
@@ -108,19 +92,32 @@ class Worker:
         unit.step(self._time, h)
 
     def _answer(self, code: int, content: memoryview) -> tuple[int, bytes]:
-        if code == CALL:
-            name, arguments = pickle.loads(content)
+        if code == Code.CALL:
+            name, *arguments = msgpack.unpackb(content)
             method = getattr(self, name, None) or getattr(self._unit, name)
-            return OBJECT, pickle.dumps(method(*arguments))
-        if code == READ:
+            return Code.DATA, packed(method(*arguments))
+        if code == Code.READ:
             read, give = self._readers[INDEX.unpack(content)[0]]
-            return OBJECT, give(read())
-        if code == STEP:
+            return Code.NUMBERS, give(read())
+        if code == Code.JACOBIAN:
+            return Code.NUMBERS, np.asarray(self._unit.jacobian(), dtype=float).tobytes()
+        if code == Code.STATE:
+            return Code.BYTES, self._unit.pack(self._states[INDEX.unpack(content)[0]])
+        if code == Code.STEP:
             self._step(content)
-        elif code == UPDATE:
+        elif code == Code.UPDATE:
             self._unit.update(self._take(content, 0))
         values, event = self._unit.get(), self._unit.event  # in this order: an event is asked for after `get`
-        return VALUES, EVENT.pack(math.nan if event is None else event) + self._give(values)
+        return Code.VALUES, EVENT.pack(math.nan if event is None else event) + self._give(values)
+
+    def _failure(self, error: BadInput | StepFailed) -> tuple[int, bytes]:
+        if isinstance(error, BadInput):
+            failure = ["BadInput", self._time, error.where, error.actual, error.expected, error.remedy]
+        elif isinstance(error, SimulationEnded):
+            failure = ["SimulationEnded", float(error.time)]
+        else:
+            failure = ["StepFailed", float(error.time), error.reason, error.remedy]
+        return Code.FAILED, packed([text[:LONGEST_TEXT] if isinstance(text, str) else text for text in failure])
 
     def serve(self) -> None:
         """Answer requests until the pipe is closed; what fails is an answer, too."""
@@ -136,18 +133,14 @@ class Worker:
                 return
             try:
                 code, answer = self._answer(code, content)
-            except BadInput as error:
-                code, answer = FAILED, pickle.dumps((BadInput, (error.where, error.actual, error.expected, error.remedy)))
-            except SimulationEnded as error:
-                code, answer = FAILED, pickle.dumps((SimulationEnded, (error.unit, error.time)))
-            except StepFailed as error:
-                code, answer = FAILED, pickle.dumps((StepFailed, (error.unit, error.time, error.reason, error.remedy)))
+            except (BadInput, StepFailed) as error:
+                code, answer = self._failure(error)
             except Exception as error:
                 traceback.print_exc()
-                reason = f"{type(error).__name__}: {error}"
-                code, answer = FAILED, pickle.dumps((StepFailed, (self._name, self._time, reason)))
+                code, answer = self._failure(StepFailed(self._name, self._time, f"{type(error).__name__}: {error}"))
             if messages:
-                code, answer = WARNED, pickle.dumps((messages, code, answer))
+                texts = [text[:LONGEST_TEXT] for text in messages[:MOST_WARNINGS]]
+                code, answer = Code.WARNED, packed([code, answer, *texts])
                 messages.clear()
             self._channel.send(code, answer)
 

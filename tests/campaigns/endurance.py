@@ -5,7 +5,7 @@
 rows: steps of one run, each of them a row; memory, clock and checkpoint are looked at. cycles: runs of one scene in one process,
 of each packaging. kills: `kill -9` of one run that goes on each time, its rows at the end compared with those of a run that was
 never killed. builds: three processes at once with an empty cache. foreign: C FMUs that crash, hang, end or fill the process, in
-it and behind walls, `count` times each. Prints what it has seen as JSON; exit code 1 where there are findings.
+it and in a sandbox, `count` times each. Prints what it has seen as JSON; exit code 1 where there are findings.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ TROUBLES = {
 PACKAGINGS = (("in process", {"in_process": True}, 100), ("pythonfmu", {}, 8_000), ("native", {"native": True}, 200))  # bytes
 WARM = 100  # runs before those that count
 UNGUARDED = {4, 15}  # which take the process, or all it could say, with them and leave an exit code of their own
-LIMIT, LONGEST, MEMORY = 5.0, 90.0, 3 << 30  # s for an answer behind walls; s for a run; bytes without walls
+LIMIT, LONGEST, MEMORY = 5.0, 90.0, 3 << 30  # s for an answer in a sandbox; s for a run; bytes without a sandbox
 
 
 def mass() -> Any:
@@ -226,7 +226,7 @@ def unruly(trouble: int, folder: Path) -> Path:
 def foreign(count: int, folder: Path, troubles: tuple[int, ...] = tuple(TROUBLES)) -> dict[str, Any]:
     """Runs of the command line with each trouble, without and with --isolate.
 
-    Behind walls every run must end as documented, with its rows. Without them the FMU may take the process with it, which
+    In a sandbox every run must end as documented, with its rows. Without it the FMU may take the process with it, which
     the documentation says; what was written must be readable then, and an exit code of 0 stands for a whole result only.
     """
     outcomes: dict[str, dict[str, str]] = {}
@@ -240,8 +240,8 @@ def foreign(count: int, folder: Path, troubles: tuple[int, ...] = tuple(TROUBLES
             scene.write_text(f'stop_time = 1.0\nmaster.step = 0.1\n[units.u]\nfmu = "{fmu}"\n{limit}')
             shutil.rmtree(out, ignore_errors=True)
             verdict, wrong = _unruly_run(trouble, scene, out, isolated)
-            outcomes.setdefault(TROUBLES[trouble], {})["behind walls" if isolated else "in the process"] = verdict
-            findings += [f"{TROUBLES[trouble]}, {'behind walls' if isolated else 'in the process'}: {wrong}"] if wrong else []
+            outcomes.setdefault(TROUBLES[trouble], {})["in a sandbox" if isolated else "in the process"] = verdict
+            findings += [f"{TROUBLES[trouble]}, {'in a sandbox' if isolated else 'in the process'}: {wrong}"] if wrong else []
     return {"troubles": len(troubles), "runs": 2 * count * len(troubles), "outcomes": outcomes, "findings": findings}
 
 

@@ -35,7 +35,7 @@ def test_three_processes_build_at_once(tmp_path):
 def test_ill_behaved_fmus_end_as_documented(troubles, tmp_path):
     seen = endurance.foreign(1, tmp_path, troubles)
     assert seen["findings"] == []
-    assert all("exit code" in outcome["behind walls"] for outcome in seen["outcomes"].values())
+    assert all("exit code" in outcome["in a sandbox"] for outcome in seen["outcomes"].values())
 
 
 def test_a_run_that_failed_before_its_first_row_can_be_read(tmp_path):

@@ -159,6 +159,7 @@ def test_units_in_workers_step_at_the_same_time(tmp_path, monkeypatch):
         pytest.param("kill", "ended by signal 9 (Killed)", marks=FULL),
         pytest.param("exit", "ended itself with code 7", marks=FULL),
         ("exception", "ZeroDivisionError: division by zero"),
+        pytest.param("memory", "MemoryError", marks=pytest.mark.skipif(sys.platform != "linux", reason="limits of Linux")),
         ("print", "ended itself with code 7\n  log: a line of the unit\n  log: and one of its library"),
     ],
 )
@@ -242,7 +243,7 @@ def test_a_unit_that_hangs_is_given_up_after_its_time_limit():
 
 def test_a_time_limit_without_isolation_is_refused():
     with pytest.raises(BadInput, match=r"units\.a.*time_limit: 1 s without isolation"):
-        read_scene(troubled("none", time_limit=1.0, isolation="none"))
+        run(read_scene(troubled("none", time_limit=1.0, isolation="none")))
 
 
 def test_a_worker_that_does_not_start_is_bad_input(monkeypatch):
@@ -378,11 +379,11 @@ def started(scene: dict, folder: Path) -> tuple[subprocess.Popen, list[int]]:
     return process, workers
 
 
-def wait_for_cpu_rest(workers: list[int]) -> None:
-    """Wait until the workers have stopped computing: what is left is the unit that hangs."""
+def wait_for_cpu_rest(processes: list[int]) -> None:
+    """Wait until the run and its workers have stopped computing: what is left is the unit that hangs."""
     before, same = None, 0
     while same < 8:
-        now = [Path(f"/proc/{w}/stat").read_text().split()[13:15] for w in workers]
+        now = [Path(f"/proc/{w}/stat").read_text().split()[13:15] for w in processes]
         same = same + 1 if now == before else 0
         before = now
         time.sleep(0.05)
@@ -393,7 +394,7 @@ def wait_for_cpu_rest(workers: list[int]) -> None:
 def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
     process, workers = started(troubled("hang", -1.0 if way == "killed" else 0.25, both=True), tmp_path)
     assert len(workers) == 2
-    wait_for_cpu_rest(workers)
+    wait_for_cpu_rest([process.pid, *workers])
     if way == "killed":
         process.kill()
     else:
