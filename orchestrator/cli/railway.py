@@ -35,11 +35,11 @@ def lumped(
     from ..output import ensure_directory
     from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
 
-    allowed, loaded = share(tolerance), loaded_scene(scene)
+    allowed, loaded = share("--tolerance", tolerance), loaded_scene(scene)
     try:
-        values = [float(text) for text in listed([speeds])]
+        values = [float(text) for text in listed("--speeds", [speeds])]
     except ValueError:
-        raise BadInput(repr(speeds), "speeds in km/h separated by commas") from None
+        raise BadInput("--speeds", repr(speeds), "speeds in km/h separated by commas") from None
     ensure_directory(output)  # now, not after many runs
     with status_spinner("running the line and its lumped catenary"):
         domain = lumped_domain(loaded, values, force, span, inerter)

@@ -184,9 +184,9 @@ def _curves(study: Stability) -> Figure:
         limits, colour = study.of(scheme), CYCLE[k % len(CYCLE)]
         x = [limit.point[name] for limit in limits]
         measured, closed = (np.array([getattr(limit, which) for limit in limits]) for which in ("longest", "closed"))
-        for y, text, style in ((measured, "", {"mode": "lines+markers"}), (closed, ", closed form", {"dash": "dash"})):
+        for y, text, mode, dash in ((measured, "", "lines+markers", "solid"), (closed, ", closed form", "lines", "dash")):
             if (np.isfinite(y) & (y > 0.0)).any():
-                data.append(line(x, np.where(y > 0.0, y, np.nan), _scheme_text(scheme) + text, colour, **style))
+                data.append(line(x, np.where(y > 0.0, y, np.nan), _scheme_text(scheme) + text, colour, dash=dash, mode=mode))
     figure_layout = layout(
         430,
         xaxis=_parameter_axis(_labels(study)[0], study, name),
