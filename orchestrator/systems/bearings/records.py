@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ...harness.analysis.records import after_transient, component_of, recorded
+from ...harness.analysis.records import RecordedUnit, after_transient
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
-from .keys import BearingKeys
+from . import BearingKeys
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -57,29 +57,33 @@ def bearings(result: Result) -> list[BearingRecord]:
     given = scene.analysis_as(BearingKeys).bearing
     wanted = (given,) if isinstance(given, str) else given or tuple(scene.units)
     records = []
-    for unit in wanted:
-        if unit not in scene.units:
-            raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
-        columns = {n: c for n in BEARING if (c := recorded(result, unit, n))}
-        if {"displacement_x", "displacement_y"} <= columns.keys():
-            component: Any = component_of(scene, unit)
-            if hasattr(component, "geometry"):
-                records.append(_bearing(result, unit, component, columns))
+    for name in wanted:
+        if name not in scene.units:
+            raise BadInput(f"{scene.name}: analysis.bearing", repr(name), "a unit of the scene", nearest(name, scene.units))
+        unit = RecordedUnit(result, name)
+        if unit.column("displacement_x") and unit.column("displacement_y") and hasattr(unit.component, "geometry"):
+            records.append(_bearing(unit))
     return records
 
 
-def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, str]) -> BearingRecord:
-    values = {n: np.asarray(result.columns[c], dtype=float) for n, c in columns.items()}
-    kept = after_transient(result)
+def since(time: np.ndarray, begin: float) -> slice:
+    """The samples at instants (n,) from one on."""
+    return slice(int(np.searchsorted(time, begin - 1e-12)), None)
+
+
+def _bearing(unit: RecordedUnit) -> BearingRecord:
+    component: Any = unit.component
+    values, kept = unit.recorded(BEARING), after_transient(unit.result)
+    measures = {n: unit.result.measures.get(unit.column(n), "") for n in values}
     values = {n: v for n, v in values.items() if not n.endswith("_angle") or turns_steadily(v[kept])}
     angles = {n: np.unwrap(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
-    rate, time, signals = uniform(result.time, *(values | angles).values())
+    rate, time, signals = uniform(unit.time, *(values | angles).values())
     geometry = component.geometry
-    rotation = _rotation(result, unit, values, geometry.cage_ratio)
+    rotation = _rotation(unit, values, geometry.cage_ratio)
     return BearingRecord(
-        unit, time, rate,
+        unit.name, time, rate,
         dict(zip(values | angles, signals, strict=True)),
-        {n: result.measures.get(c, "") for n, c in columns.items()},
+        measures,
         rotation,
         geometry.defect_frequencies(abs(rotation)) if np.isfinite(rotation) and rotation else {},
         geometry.balls,
@@ -87,21 +91,21 @@ def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, st
     )  # fmt: skip
 
 
-def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
+def _rotation(unit: RecordedUnit, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
     """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or nothing recorded tells."""
-    kept = after_transient(result)
-    time = result.time[kept]
+    kept = after_transient(unit.result)
+    time = unit.time[kept]
     for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):
         if name in values:
             turned = np.unwrap(values[name][kept]) / (ratio * TURN)
             middle = turned.size // 2
             halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1)) if time[b] > time[a]]
             return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
-    speed = recorded(result, unit, "speed")
-    if not speed:
+    speed = unit.optional("speed")
+    if speed is None:
         return float("nan")
-    values_of_speed = result.columns[speed][kept] / TURN
-    return _steady(values_of_speed, float(values_of_speed.mean()))
+    turns = speed[kept] / TURN
+    return _steady(turns, float(turns.mean()))
 
 
 def _steady(speeds: np.ndarray, mean: float) -> float:

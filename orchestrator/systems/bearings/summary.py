@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...harness.summary import Summary, SummaryRow
-from .records import BearingRecord, bearings
+from .records import BearingRecord, bearings, since
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -21,7 +21,7 @@ def summary(result: Result) -> Summary:
 
 
 def _rows(bearing: BearingRecord, begin: float) -> list[SummaryRow]:
-    kept = slice(int(np.searchsorted(bearing.time, begin - 1e-12)), None)
+    kept = since(bearing.time, begin)
     numbers = []
     for name, values in bearing.signals.items():
         if not name.startswith(("displacement", "acceleration")):

@@ -2,7 +2,27 @@
 
 from __future__ import annotations
 
+from pydantic import Field, model_validator
+
+from ....components.core.errors import BadInput
 from ...harness.system import System
-from .keys import RotorKeys
+from ...settings.analysis import AnalysisKeys, Positive, Span
+
+
+class RotorKeys(AnalysisKeys):
+    """Figures of rotors."""
+
+    orders: tuple[Positive, ...] = Field(default=(1.0, 2.0), min_length=1, description="multiples of the speed to draw")
+    orbit_windows: tuple[Span, ...] = Field(default=(), description="[[from, to], ...] in s")
+    critical_speeds: tuple[Positive, ...] = Field(default=(), description="rad/s, to mark; else from the rotor's matrices")
+    campbell_speed: Positive | None = Field(default=None, description="end of the Campbell diagram, rad/s")
+
+    @model_validator(mode="after")
+    def _windows_rise(self) -> RotorKeys:
+        for low, high in self.orbit_windows:
+            if not low < high:
+                raise BadInput("orbit_windows", f"[{low:g}, {high:g}]", "an end after the start")
+        return self
+
 
 SYSTEM = System("rotor", "Rotors", __name__, RotorKeys)

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import component_of, source
+from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
     from ...results import Result
 
 ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
+CARRIED = ("force_x", "force_y", "max_ball_load")  # by a bearing
 
 
 @dataclass(frozen=True)
@@ -33,18 +34,15 @@ class RotorRecord:
 def rotors(result: Result) -> list[RotorRecord]:
     """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
     records = []
-    for unit in result.scene.units:
-        own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
-        if "speed" in own:
-            component = component_of(result.scene, unit)
-            ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
-            records.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
+    for unit in recorded_units(result, "speed"):
+        own = unit.recorded({k: n for k, n in ROTOR.items() if unit.has(n)})
+        ports = {p: _port(unit, p) for p in (unit.component.on if unit.component else ()) if p.startswith("bearing_")}
+        records.append(RotorRecord(unit.name, unit.time, own, {p: s for p, s in ports.items() if s}))
     return records
 
 
-def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
+def _port(unit: RecordedUnit, port: str) -> dict[str, np.ndarray]:
     # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
-    bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
-    places = {n: f"{unit}.{port}.displacement_{n}" for n in "xy"}
-    places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
-    return {n: result.columns[c] for n, c in places.items() if c in result.columns}
+    bearing = unit.driven_by(f"{port}.force_x")
+    carried = bearing.recorded(CARRIED) if bearing else {}
+    return unit.recorded({n: f"{port}.displacement_{n}" for n in "xy"}) | carried

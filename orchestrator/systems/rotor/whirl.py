@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.rotor.modal import campbell, critical_speeds
-from ...harness.analysis.records import after_transient, component_of, source
-from .keys import RotorKeys
+from ...harness.analysis.records import RecordedUnit, after_transient
+from . import RotorKeys
 from .records import RotorRecord
 
 if TYPE_CHECKING:
@@ -42,12 +42,13 @@ class Whirl:
 
 def whirl(result: Result, record: RotorRecord) -> Whirl | None:
     """The diagram of a rotor that offers its matrices; None without them, or where a bearing's tangent was not recorded."""
-    rotor: Any = component_of(result.scene, record.unit)
+    unit = RecordedUnit(result, record.unit)
+    rotor: Any = unit.component
     if rotor is None or not hasattr(rotor, "matrices"):
         return None
     rotor.initialize(0.0)
     matrices: Matrices = rotor.matrices()
-    tangents = {port: _tangent(result, record.unit, port) for port in rotor.on if port.startswith("bearing_")}
+    tangents = {port: _tangent(unit, port) for port in rotor.on if port.startswith("bearing_")}
     if any(t is None for t in tangents.values()):
         return None
     stiffness = matrices.stiffness.copy()
@@ -73,11 +74,11 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
     return Whirl(speed, frequency, direction, critical[critical <= highest], text)
 
 
-def _tangent(result: Result, unit: str, port: str) -> np.ndarray | None:
+def _tangent(unit: RecordedUnit, port: str) -> np.ndarray | None:
     """Mean stiffness (4, 4) in x, y, tilt_x, tilt_y that a port was given after the transient; None if no snapshots hold it."""
-    array = source(result.scene, unit, f"{port}.stiffness[1]").removesuffix("[1]")
-    if array not in result.snapshots:
+    array = unit.source(f"{port}.stiffness[1]").removesuffix("[1]")
+    if array not in unit.result.snapshots:
         return None
-    snapshot, begin = result.snapshots[array], result.time[after_transient(result).start]
+    snapshot, begin = unit.result.snapshots[array], unit.time[after_transient(unit.result).start]
     mean = snapshot.values[snapshot.time >= begin].mean(axis=0).reshape(5, 5)
     return mean[np.ix_(PLANE, PLANE)]

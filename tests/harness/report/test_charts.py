@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.charts.charts import DRAWN_DOTS, draw_chart
 from cosimo.orchestrator.harness.charts.style import DARK
 from cosimo.orchestrator.harness.report.bifurcation import bifurcation_chart, section_panel
 from cosimo.orchestrator.harness.report.page import Page, write_page
-from cosimo.orchestrator.systems.bearings.figures.heat import heat_chart
+from cosimo.orchestrator.systems.bearings.figures import heat_chart
 
 
 def drawn(*panels, **more):

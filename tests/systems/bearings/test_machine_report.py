@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.harness.analysis.records import recorded, source
+from cosimo.orchestrator.harness.analysis.records import RecordedUnit
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import SYSTEMS, load_scene
 from cosimo.orchestrator.systems.bearings.records import bearings
@@ -162,11 +162,12 @@ def test_rotor_that_turns_back_is_shown_without_orders():
 
 def test_sources_are_found_through_wildcards():
     result = rotor_run()
-    assert source(result.scene, "front", "displacement_x") == "rotor.bearing_a.displacement_x"
-    assert source(result.scene, "rotor", "bearing_a.force_x") == "front.linearisation.force_x"
-    assert source(result.scene, "front", "clearance_change") == ""  # nothing of that name
-    assert recorded(result, "front", "displacement_x") == "rotor.bearing_a.displacement_x"
-    assert recorded(result, "front", "clearance_change") == ""
+    front, rotor = RecordedUnit(result, "front"), RecordedUnit(result, "rotor")
+    assert front.source("displacement_x") == "rotor.bearing_a.displacement_x"
+    assert rotor.source("bearing_a.force_x") == "front.linearisation.force_x"
+    assert front.source("clearance_change") == ""  # nothing of that name
+    assert front.column("displacement_x") == "rotor.bearing_a.displacement_x"
+    assert front.column("clearance_change") == ""
 
 
 def test_rotor_report_has_its_figures(rotor):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -11,70 +12,57 @@ from .....components.rotor.beam import BeamRotor
 from .....components.rotor.modal import campbell, critical_speeds, modes
 from ....harness.analysis.spectra import peak
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 RPM = math.pi / 30.0  # rad/s
-SPEEDS = (0.0, 1000.0, 4000.0)  # rpm
+SPEEDS = (1000.0, 4000.0)  # rpm
 MODES = 6
 STEP, DURATION = 5e-4, 20.0  # s; a line of the spectrum is 0.3 rad/s wide, and a parabola through it finds a hundredth of it
 CRITICAL = 5  # synchronous critical speeds below the flight of the third forward mode
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """The free whirl at each speed."""
+    return {f"{rpm:g} rpm": scene(rpm * RPM) for rpm in SPEEDS}
+
+
+def measure(runs: Runs) -> Evidence:
     """Rows by speed: `modal` from the matrices at rest and running, `motion` from the free whirl after a sudden start."""
     rotor = BeamRotor(preset="Friswell 5.9.1")
     rotor.initialize(0.0)
     matrices = rotor.matrices()
-    measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
-    lines: dict[float, np.ndarray] = {}
-    for rpm in SPEEDS:
-        whirl_modes = modes(matrices, rpm * RPM, MODES)
-        measured |= {f"modal.{rpm:g}.{k + 1}": float(w) for k, w in enumerate(whirl_modes.frequency)}
-        if rpm == 0.0:
-            continue
-        result = run(scene(rpm * RPM), in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {f"{rpm:g} rpm": result}, notes=(result.message,), complete=False)
-        runs[f"{rpm:g} rpm"] = result
-        lines[rpm] = whirl_lines(result, np.where(whirl_modes.direction < 0, -whirl_modes.frequency, whirl_modes.frequency))
-        measured |= {f"motion.{rpm:g}.{k + 1}": abs(w) for k, w in enumerate(lines[rpm])}
-    measured |= {f"critical.{k + 1}": float(w) for k, w in enumerate(critical_speeds(matrices)[:CRITICAL])}
+    whirl = {rpm: modes(matrices, rpm * RPM, MODES) for rpm in (0.0, *SPEEDS)}
+    lines = {
+        rpm: whirl_lines(runs[f"{rpm:g} rpm"], np.where(whirl[rpm].direction < 0, -1.0, 1.0) * whirl[rpm].frequency)
+        for rpm in SPEEDS
+    }
+    measured = {f"modal.{rpm:g}.{k}": w for rpm in whirl for k, w in enumerate(whirl[rpm].frequency, 1)}
+    measured |= {f"motion.{rpm:g}.{k}": abs(w) for rpm in SPEEDS for k, w in enumerate(lines[rpm], 1)}
+    measured |= {f"critical.{k}": w for k, w in enumerate(critical_speeds(matrices)[:CRITICAL], 1)}
     notes = (
         "The lines of the motion are those of x + i y at the first disk, so that forward whirl stands at positive and backward "
         "whirl at negative frequencies. A rotating unbalance that sets in at once excites both, although it turns one way.",
         "The third forward mode has no critical speed: it rises faster than the speed.",
     )
-    return Findings(compare(load_table("friswell-5.9.1").rows, measured), runs, (_diagram(matrices, lines),), notes)
+    return Evidence(measured, (_diagram(matrices, lines),), runs, notes)
 
 
 def scene(speed: float) -> Scene:
     """The example at constant speed with an unbalance at the first disk; it starts straight and whirls freely, undamped."""
-    rotor = {
-        "component": "BeamRotor",
-        "preset": "Friswell 5.9.1",
-        "effects": ["unbalance"],
-        "parameters": {"start_speed": speed, "substep": 2e-5, "unbalance": {"moment": [1e-4]}},
-    }
-    data = {
-        "title": f"Friswell, example 5.9.1, at {speed / RPM:.0f} rpm",
-        "stop_time": DURATION,
-        "units": {"rotor": rotor},
-        "master": {"step": STEP},
-        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]},
-    }
-    return read_scene(data, "friswell-5.9.1")
+    given: dict[str, Any] = {"start_speed": speed, "substep": 2e-5, "unbalance": {"moment": [1e-4]}}
+    rotor = unit("BeamRotor", preset="Friswell 5.9.1", effects=["unbalance"], **given)
+    title = f"Friswell, example 5.9.1, at {speed / RPM:.0f} rpm"
+    record = {"signals": ["rotor.displacement_x", "rotor.displacement_y"]}
+    return build_scene({"rotor": rotor}, stop_time=DURATION, step=STEP, name="friswell-5.9.1", title=title, record=record)
 
 
 def whirl_lines(result: Result, near: np.ndarray) -> np.ndarray:
     """Frequencies of the lines nearest to given ones, rad/s; negative: backward whirl."""
-    z = np.asarray(result.columns["rotor.displacement_x"]) + 1j * np.asarray(result.columns["rotor.displacement_y"])
+    z = result["rotor.displacement_x"] + 1j * result["rotor.displacement_y"]
     half = z.size // 2
     frequency = 2.0 * np.pi * np.arange(half) / (z.size * STEP)
     forward, backward = (np.abs(np.fft.fft(part * np.hanning(z.size)))[:half] for part in (z, z.conj()))
@@ -97,12 +85,11 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
                  "Lines: eigenvalues. Points: lines in the spectrum of x + i y of the runs.")  # fmt: skip
 
 
-CASE = function_case(
+CASE = Case(
     "friswell-5.9.1",
     "Whirl frequencies of a rotor with two disks",
     "A Timoshenko shaft of six elements with two disks on isotropic springs: whirl frequencies at rest, at 1000 and 4000 rpm, "
     "and synchronous critical speeds. It shows that elements, disks, gyroscopic matrix and supports are those of the book and of "
     "an independent program, and that the time integration whirls at the same frequencies. It says nothing about damping.",
-    "rotor",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 CRITICAL, DAMPING_RATIO, ECCENTRICITY = 100.0, 0.02, 1e-5  # rad/s, of the component's defaults; m
 RATIOS = (0.5, 0.9, 1.0, 1.1, 2.0)
@@ -22,61 +20,52 @@ PEAK = 1.0 / math.sqrt(1.0 - 2.0 * DAMPING_RATIO**2)
 SETTLED = 12.0  # s, 24 time constants of the start
 ONSET, AROUND = 2.0 * CRITICAL, 0.03  # internal damping as large as the external: the onset is at twice the critical speed
 SAMPLES = 32  # a turn
+SIGNALS = ("displacement_x", "displacement_y", "angle")
+UNBALANCED = {ratio: f"{ratio:.5g} of the critical speed" for ratio in (*RATIOS, PEAK)}  # labels of the runs
+WHIRLING = {speed: f"internal damping, {speed:g} rad/s" for speed in ((1.0 - AROUND) * ONSET, (1.0 + AROUND) * ONSET)}
 
 
-def findings(options: Options) -> Findings:
-    """Amplitude and phase at some speeds; growth of the whirl a little below and above the onset speed."""
+def scenes() -> dict[str, Scene]:
+    """Unbalance at some speeds; internal damping a little below and above the onset speed."""
+    damped: dict[str, Any] = {"internal_damping": {"coefficient": 40.0}}
+    return {label: scene(ratio * CRITICAL, SETTLED, ["unbalance"]) for ratio, label in UNBALANCED.items()} | {
+        label: scene(speed, 6.0, ["unbalance", "internal_damping"], **damped) for speed, label in WHIRLING.items()
+    }
+
+
+def measure(runs: Runs) -> Evidence:
+    """Amplitude and phase of the unbalance response; growth of the whirl."""
     measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
-    for ratio in (*RATIOS, PEAK):
-        result = run(scene(ratio * CRITICAL, SETTLED, ["unbalance"]), in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {f"{ratio:g}": result}, notes=(result.message,), complete=False)
-        response = synchronous(result)
-        name = "peak" if ratio == PEAK else f"{ratio:g}"
+    for ratio, label in UNBALANCED.items():
+        response, name = synchronous(runs[label]), "peak" if ratio == PEAK else f"{ratio:g}"
         measured |= {f"amplitude.{name}": abs(response) / ECCENTRICITY, f"lag.{name}": -math.degrees(np.angle(response))}
-        runs[f"{ratio:.4g} of the critical speed"] = result
-    rates = []
-    for speed in ((1.0 - AROUND) * ONSET, (1.0 + AROUND) * ONSET):
-        effects, parameters = ["unbalance", "internal_damping"], {"internal_damping": {"coefficient": 40.0}}
-        result = run(scene(speed, 6.0, effects, **parameters), in_process=options.in_process)
-        rates.append(growth(result))
-        runs[f"internal damping, {speed:g} rad/s"] = result
+    rates = [growth(runs[label]) for label in WHIRLING.values()]
     measured["onset"] = ONSET * (1.0 + AROUND * (rates[0] + rates[1]) / (rates[0] - rates[1]))
     notes = (f"Free whirl decays by {-rates[0]:.3f} 1/s at {1.0 - AROUND:g} and grows by {rates[1]:.3f} 1/s at {1.0 + AROUND:g} "
              "of the onset speed; the onset is where the line through both is zero.",)  # fmt: skip
-    return Findings(compare(load_table("jeffcott").rows, measured), runs, (_chart(measured),), notes)
+    return Evidence(measured, (_chart(measured),), runs, notes)
 
 
 def scene(speed: float, duration: float, effects: list[str], **parameters: Any) -> Scene:
     """A rotor of the default mass, stiffness and damping at constant speed; whole turns of 32 steps."""
     step = 2.0 * math.pi / (SAMPLES * speed)
     turns = math.ceil(duration / (SAMPLES * step))
-    rotor = {
-        "component": "JeffcottRotor",
-        "effects": effects,
-        "parameters": {"start_speed": speed, "substep": 1e-4, **parameters},
-    }
-    data = {
-        "title": f"Jeffcott rotor at {speed:g} rad/s",
-        "stop_time": turns * SAMPLES * step,
-        "units": {"rotor": rotor},
-        "master": {"step": step},
-        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.angle"]},
-    }
-    return read_scene(data, "jeffcott")
+    rotor = unit("JeffcottRotor", effects=effects, start_speed=speed, substep=1e-4, **parameters)
+    title, record = f"Jeffcott rotor at {speed:g} rad/s", {"signals": [f"rotor.{n}" for n in SIGNALS]}
+    stop = turns * SAMPLES * step
+    return build_scene({"rotor": rotor}, stop_time=stop, step=step, name="jeffcott", title=title, record=record)
 
 
 def synchronous(result: Result) -> complex:
     """(x + i y) exp(-i angle), mean of the last turn, m."""
-    c = {n: np.asarray(result.columns[f"rotor.{n}"][-SAMPLES:]) for n in ("displacement_x", "displacement_y", "angle")}
-    return complex(np.mean((c["displacement_x"] + 1j * c["displacement_y"]) * np.exp(-1j * c["angle"])))
+    x, y, angle = (result[f"rotor.{n}"][-SAMPLES:] for n in SIGNALS)
+    return complex(np.mean((x + 1j * y) * np.exp(-1j * angle)))
 
 
 def growth(result: Result) -> float:
     """Growth rate of the free whirl, 1/s: what is left of x + i y when the same a turn before is subtracted."""
-    z = np.asarray(result.columns["rotor.displacement_x"]) + 1j * np.asarray(result.columns["rotor.displacement_y"])
-    t, free = np.asarray(result.time[SAMPLES:]), np.abs(z[SAMPLES:] - z[:-SAMPLES])
+    z = result["rotor.displacement_x"] + 1j * result["rotor.displacement_y"]
+    t, free = result.time[SAMPLES:], np.abs(z[SAMPLES:] - z[:-SAMPLES])
     late = t > 2.0  # the backward whirl, damped by both, is gone
     return float(np.polyfit(t[late], np.log(free[late]), 1)[0])
 
@@ -92,12 +81,11 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Unbalance response", "speed / critical speed", tuple(panels), "Runs: last turn after 24 time constants.")
 
 
-CASE = function_case(
+CASE = Case(
     "jeffcott",
     "Unbalance response and stability of the Jeffcott rotor",
     "Amplitude and phase of the unbalance response below, at and above the critical speed, its peak, and the speed from which on "
     "internal damping makes the rotor whirl by itself, against closed forms. A check of signs, phases and of the integration; "
     "a rotor of one mass has no gyroscopic effect to check.",
-    "rotor",
-    findings,
+    (Question(measure, scenes),),
 )
