@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.linear import add_product, banded_product, factor_band, factor_general, solve_band, solve_general
+from cosimo.components.core.spectrum import fastest_rate
 
 
 def random_system(n: int, width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -56,3 +57,9 @@ def test_general_solution_and_product_equal_the_dense_ones(half_width):
     b -= 1.0
     solve_general(band, b)
     assert b == pytest.approx(x, rel=1e-12)
+
+
+@pytest.mark.parametrize("damping", [0.0, 19.9, 20.1, 300.0])
+def test_fastest_rate_is_the_largest_root(damping):
+    """Below and above the critical damping of 20 N.s/m."""
+    assert fastest_rate(2.0, damping, 50.0) == pytest.approx(np.abs(np.roots([2.0, damping, 50.0])).max(), rel=1e-12)

@@ -71,6 +71,13 @@ def test_spectrum_reads_the_amplitude(samples):
     assert amplitude[0] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_ends_of_the_spectrum_are_scaled_once():
+    """The window shows half of a line beside it, the constant one, too; at half of the rate there is one line for two."""
+    k = np.arange(64)
+    assert amplitude_spectrum(3.0 * np.cos(2.0 * np.pi * k / 64), RATE)[1][:4] == pytest.approx([1.5, 3.0, 1.5, 0.0], abs=1e-12)
+    assert amplitude_spectrum(3.0 * (-1.0) ** k, RATE)[1][-1] == pytest.approx(3.0, rel=1e-12)
+
+
 def test_fraction_below_of_a_known_duty():
     x = np.where(np.arange(1000) % 10 < 3, 0.0, 50.0)
     assert fraction_below(x) == pytest.approx(30.0, abs=1e-12)

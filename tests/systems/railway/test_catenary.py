@@ -63,7 +63,8 @@ def test_two_forces_superpose_where_droppers_are_bilateral(method):
     assert np.abs(displacement(100.0, None) - displacement(100.0, 0.0)).max() < 1e-9 * np.abs(both).max()
 
 
-@pytest.mark.parametrize("method", ["explicit", pytest.param("implicit", marks=pytest.mark.full)])
+@pytest.mark.interpreted
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_contact_points_may_change_places(method):
     """Four forces: which of the inputs carries which one changes no bit, of the wires or of what comes out for each."""
     points = {150.0: 100.0, 50.0: 80.0, 110.0: 60.0, 200.0: 90.0}  # m: N, more than four nodes apart
@@ -95,6 +96,7 @@ def test_contact_points_may_change_places(method):
         assert outputs == again
 
 
+@pytest.mark.full
 def test_a_slack_dropper_softens_the_wire():
     """Off its droppers the wire meets less stiffness than bilateral droppers would give it; on them nothing changes."""
     catenary = Catenary(REFERENCE, {"spans": 4})
@@ -178,6 +180,7 @@ def test_profile_is_the_height_at_its_positions():
         assert profile[k] == pytest.approx(catenary["wire_height"], rel=1e-13)  # fewer numbers are divided by others
 
 
+@pytest.mark.interpreted
 def test_profile_of_what_the_wire_hangs_from():
     """Tensions where the droppers are, 0 above a force that lifts the wire off one, and the messenger's own displacement."""
     catenary = Catenary([*REFERENCE, "wire_profile", "line_profile"], {"spans": 3, "first_watched_support": 1, "element": 1.0})
@@ -200,6 +203,7 @@ def test_profile_of_what_the_wire_hangs_from():
     assert uplift == pytest.approx(np.interp(30.0 + np.arange(PROFILE), mesh.position, catenary.x[1:N:2]), abs=1e-15)
 
 
+@pytest.mark.interpreted
 def test_uplift_outputs_belong_to_the_watched_supports():
     catenary = Catenary(["damping"], {"spans": 4, "first_watched_support": 1, "method": "implicit"})
     catenary.set("contact_position", 120.0)

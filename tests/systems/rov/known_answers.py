@@ -16,7 +16,7 @@ KNOWN: dict[str, dict[str, str]] = {
             current="in_a_uniform_current_all_is_as_in_still_water",
             tether="energy_changes_by_the_power_of_thrust_loads_and_drag",
         ),
-        **in_file("rov/test_waves.py", pressure_gradient="a_neutral_hull_moves_with_the_water_of_a_wave"),
+        **in_file("rov/test_water_particles.py", pressure_gradient="a_neutral_hull_moves_with_the_water_of_a_wave"),
         **in_file("rov/test_eight_thrusters.py", further_thrusters="eight_thrusts_are_their_columns_of_the_matrix"),
         **here(external="a_force_on_a_hull_gives_it_the_acceleration_of_hull_and_water"),
     },
