@@ -15,6 +15,8 @@ from cosimo.components.railway.statics import Statics, elasticity
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.systems.railway.network import G, Network
 
+pytestmark = pytest.mark.interpreted
+
 WIRES = """
 contact_wire = { tension = 22e3, mass = 1.35 }
 messenger = { tension = 16e3, mass = 1.08 }

@@ -8,6 +8,8 @@ from cosimo.components.railway.mesh import GRAVITY
 from cosimo.components.railway.statics import Statics, elasticity, messenger_shape, stiffness_series
 from cosimo.components.railway.wires import dropper_tension
 
+pytestmark = pytest.mark.interpreted
+
 ROUNDING = 1e-9
 
 
