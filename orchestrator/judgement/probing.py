@@ -1,4 +1,4 @@
-"""What a run will need, before it is made: how long its macro step may be, and how long it will take.
+"""What a run will need, before it is started: how long its macro step may be, and how long it will take.
 
 Two units that feed one another without delay (one gets forces and moves, the other gives forces for this motion) have a limit of the
 macro step in closed form. It needs stiffness, damping and the masses behind the forces, which probing measures: small changes of the

@@ -15,7 +15,7 @@ from ...components.core.kernels import COMPILED
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
 from .call_table import Callback, CallTable
-from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
+from .interface import ARRAY_THRESHOLD, Interface, PlainSimulator, PortValues, Signal
 
 
 def make(name: str, settings: UnitSettings) -> Component:
@@ -69,11 +69,10 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
-class ComponentSimulator:
-    """A component as a unit; inputs and outputs are views of the component's own arrays."""
+class ComponentSimulator(PlainSimulator):
+    """A component as a unit; inputs and outputs are views of the component's own arrays. It has no events and no texts."""
 
     kind = "in process"
-    event: float | None = None  # components have no events of their own
     written: list[np.ndarray] | None = None  # all arrays that compiled steps write; None where Python is in a step or a state
 
     def __init__(self, name: str, component: Component):
@@ -131,15 +130,6 @@ class ComponentSimulator:
             callback.raise_error()
         self.component._check(status // FAILED)
 
-    def wire_texts(self, inputs: Sequence[str]) -> None:
-        raise NotImplementedError  # components have no texts among their inputs and outputs
-
-    def set_texts(self, values: Sequence[str]) -> None:
-        raise NotImplementedError
-
-    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        raise NotImplementedError
-
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         y, places = self.component.y, _stretch(self.component.output_positions(names))
         if isinstance(places, slice):
@@ -152,9 +142,6 @@ class ComponentSimulator:
         self._write(*self._rows[0], values)
         self.component.initialize(t)
         self.starts += 1
-
-    def start(self) -> None:
-        """Nothing to do: the component stands at its initial state."""
 
     def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         write, rows = self._write, self._rows
@@ -194,23 +181,14 @@ class ComponentSimulator:
                 "Keep everything that a step changes in the component's x",
             )
 
-    def release(self, state: bytes) -> None:
-        """Nothing to do: Python frees it."""
-
     def pack(self, state: bytes) -> bytes:
         return state
 
     def unpack(self, packed: bytes) -> bytes:
         return packed
 
-    def jacobian(self) -> np.ndarray:
-        raise NotImplementedError  # `Interface.gives_jacobian` says so
-
     def parameters(self) -> dict[str, Any]:
         return dict(self.component.parameters)
 
     def work(self) -> dict[str, int]:
         return self.component.work
-
-    def close(self) -> None:
-        """Nothing is held outside the component."""

@@ -157,3 +157,30 @@ class Simulator(Protocol):
 
     def close(self) -> None:
         """Give back what the unit holds outside this object."""
+
+
+class PlainSimulator:
+    """Base of simulators in this process without texts and Jacobian, whose states are plain values that Python frees."""
+
+    event: float | None = None
+
+    def wire_texts(self, inputs: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
+        raise NotImplementedError
+
+    def start(self) -> None:
+        """The unit stands at its initial state already."""
+
+    def release(self, state: Any) -> None:
+        """Python frees the state."""
+
+    def jacobian(self) -> np.ndarray:
+        raise NotImplementedError  # `Interface.gives_jacobian` says so
+
+    def close(self) -> None:
+        """Nothing is held outside this object."""

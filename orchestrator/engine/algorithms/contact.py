@@ -11,12 +11,10 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ....components.core.reduced import LAWS, force_in_series, reduced_step
 from ...settings import ContactSettings
 from ...settings.scene import SideSettings
-from ...units.interface import PortValues
+from ...units.interface import PlainSimulator, PortValues
 from ..coupling.contacts import PARTS, SIDES
 from .kernels import end_of, extrapolation
 
@@ -119,11 +117,10 @@ class Side:
         self.line = Line(*force)
 
 
-class ContactSimulator:
+class ContactSimulator(PlainSimulator):
     """A contact as a unit; see the module."""
 
     kind = "contact"
-    event: float | None = None
 
     def __init__(self, contact: ContactSettings, degree: int):
         """degree: of the polynomials of the other forces, where a side has no degree of its own."""
@@ -143,15 +140,6 @@ class ContactSimulator:
         self._picks = [[names.index(n) if (n := f"{label}_{part}") in names else -1 for part in PARTS] for label in SIDES]
         self._outputs = tuple(outputs)
 
-    def wire_texts(self, inputs: Sequence[str]) -> None:
-        raise NotImplementedError  # a contact has no texts
-
-    def set_texts(self, values: Sequence[str]) -> None:
-        raise NotImplementedError
-
-    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        raise NotImplementedError
-
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         return lambda: [getattr(self, n) for n in names]
 
@@ -164,9 +152,6 @@ class ContactSimulator:
         for side in self.sides:
             side.others.count, side.owed_motion, side.owed_velocity = 0, 0.0, 0.0
         self.update(values)
-
-    def start(self) -> None:
-        """Nothing to do."""
 
     def restart(self) -> None:
         """After a jump the past of the other forces tells nothing any more."""
@@ -268,17 +253,11 @@ class ContactSimulator:
         for side, saved in zip(self.sides, sides, strict=True):
             side.restore(saved)
 
-    def release(self, state: list[Any]) -> None:
-        """Nothing to do: Python frees it."""
-
     def pack(self, state: list[Any]) -> bytes:
         return json.dumps(state).encode()  # numbers keep every bit
 
     def unpack(self, packed: bytes) -> list[Any]:
         return json.loads(packed)
-
-    def jacobian(self) -> np.ndarray:
-        raise NotImplementedError  # `Interface.gives_jacobian` says so
 
     def parameters(self) -> dict[str, Any]:
         given = self.settings.model_dump(exclude_none=True)
@@ -287,6 +266,3 @@ class ContactSimulator:
 
     def work(self) -> dict[str, int]:
         return {"steps": self.steps}
-
-    def close(self) -> None:
-        """Nothing is held outside this object."""

@@ -1,4 +1,4 @@
-"""Units that step one after the other towards the ends of their inputs, and where a circle of them is cut."""
+"""Units that step one after the other with interpolated inputs, and the signals at which a circle of units is cut."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Consistent initial values: groups of units that feed one another, each behind those that feed it.
+"""Consistent initial values, group by group: units that feed one another, behind the groups that feed them.
 
 A group of one unit has its inputs and is initialized once. In a larger one the units are initialized one after the other until
 their outputs stop changing. Where these sweeps do not converge, a quasi-Newton method goes on from their best result: it takes

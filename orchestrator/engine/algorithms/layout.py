@@ -1,4 +1,4 @@
-"""From the nodes of a master to its records: what stands where, and the program of its macro step."""
+"""From the nodes of a master to its records: the place of each, and the program of the macro step."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Algebraic loops, solved at each communication point: outputs that depend on one another within an instant.
 
-Newton's method on the outputs of the loop: x = G(x), where G hands x on to the units and asks for what they give back. Its
-Jacobian comes from the units where all of them offer theirs, else from finite differences; it is kept from one point to the
-next for as long as it takes away enough of the residual, so that a linear loop costs two evaluations a point.
+Newton's method on the outputs of the loop: x = G(x), where G gives x to the units and reads their outputs. The Jacobian comes
+from the units if all of them offer theirs, else from finite differences. It is reused at the next points as long as it reduces
+the residual enough, so that a linear loop costs two evaluations a point.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class LoopSolver:
         answer = self._answer(x)
         residual = self._residual(x, answer)
         if residual == np.inf:
-            return  # a unit has gone astray, which the master's own look at all outputs tells
+            return  # an output is not finite, which the master finds when it checks all outputs
         for _ in range(LIMIT):
             if residual <= CONVERGED:
                 break

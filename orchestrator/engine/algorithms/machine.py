@@ -1,4 +1,4 @@
-"""The kernels at work on the records of a master: they call the units, and what goes wrong there is raised."""
+"""Calls of the kernels on the records of a master. A status that a unit returns becomes the exception that says why."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Steps(NamedTuple):
 
 @dataclass
 class Space:
-    """A batch that is under way: room for all of it, and the steps that are done."""
+    """A batch that is under way: memory for all of its steps, and the number of those that are done."""
 
     times: np.ndarray
     sampled: np.ndarray

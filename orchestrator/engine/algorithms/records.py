@@ -23,9 +23,9 @@ BEYOND = -2  # in the place of a unit: signals have left the limit
 
 
 def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
-    """A record with a field for each line: its name, i for int64 or f for float64, and what it is; and those marked by *.
+    """The type of a record, and the names of the fields that change from step to step, which * marks.
 
-    They change from step to step; the others stay as they are.
+    A line of `fields` has a name, i for int64 or f for float64, and the meaning.
     """
     lines = [line.split(maxsplit=2) for line in fields.strip().splitlines()]
     kinds = {"i": np.int64, "f": np.float64}

@@ -1,4 +1,4 @@
-"""Who feeds whom in a scene: connections, contacts, bonds and faults as one checked graph, before anything runs."""
+"""Which output feeds which input: connections, contacts, bonds and faults of a scene as one graph, checked before a run."""
 
 from .graph import Endpoint, Link
 from .resolve import Coupling, resolve_coupling

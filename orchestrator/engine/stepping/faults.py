@@ -1,4 +1,4 @@
-"""Faults on purpose: signals that are changed on their way to the inputs, and units that take no more steps.
+"""Faults on purpose: signals that are changed between outputs and inputs, and units that take no more steps.
 
 A fault starts and ends where a macro step ends. Outputs with feed-through follow a changed input at once, and inputs that jump lose
 their samples. The row at such an instant has the values after the change.
