@@ -319,8 +319,8 @@ class WorkerSimulator:
     def start(self) -> None:
         self._move("start")
 
-    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        given = (values, slopes, halves)
+    def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
+        given = (values, slopes, quadratic)
         self._rows, self._driven = b"".join([self._give(row) for row in given if row is not None]), h
 
     def step(self, t: float, h: float) -> None:
