@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from ctypes import c_double
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ...units.call_table import calls_of
+from ...units.callback import Callback
+from ...units.interface import port_values
 from .memory import Records
 from .node import Node
 from .records import BEYOND, GIVEN
+from .texts import Texts
 
 Rows = tuple[int, int]  # of the program: the first one, and the one behind the last
 
@@ -47,13 +51,24 @@ class Space:
 class Machine:
     """Calls the kernels for the nodes of a master."""
 
-    def __init__(self, nodes: Sequence[Node], records: Records):
+    def __init__(self, nodes: Sequence[Node], records: Records, texts: Texts | None):
         self._nodes, self.records = nodes, records
+        self._begin = [Callback(partial(_begin, node, texts)) for node in nodes]
+        for node, callback in zip(nodes, self._begin, strict=True):
+            node.unit_record["initialize"] = callback.function
         self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
         self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
         self._tables: list[Any] = []  # which keep what addresses point to
         self._watched = np.zeros(0, dtype=np.int64)
         self._under_way: Space | None = None
+
+    def initialize(self, t: float) -> None:
+        """Initialize the groups; raises what a unit raises."""
+        for node in self._nodes:
+            node.of_called[0]["input_mode"] = 0  # memory is laid out anew: nothing has an address yet
+        self.records.initialize(t)
+        if (unit := self.records.answer("unit")) >= 0:
+            self._begin[unit].raise_error()
 
     def address(self) -> None:
         """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
@@ -203,6 +218,16 @@ class Machine:
         """All inputs behind the last step, in the order of the nodes' links, and the ends of their polynomials, (2, L)."""
         links = self.records.memory.links[: self.records.driven]
         return np.stack([links["now"], links["reached"]])
+
+
+def _begin(node: Node, texts: Texts | None, t: float, _: float) -> None:
+    """Initialize a unit with its present inputs, and read its outputs."""
+    if texts is not None:
+        texts.give(node.unit.name)
+    node.unit.initialize(t, port_values(node.link_records["looked"]))
+    node.read()
+    if texts is not None:
+        texts.take(node.unit.name)
 
 
 class Signals(Protocol):

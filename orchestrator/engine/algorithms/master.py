@@ -19,7 +19,8 @@ from ...units import Simulator
 from ...units.component import ComponentSimulator
 from ..coupling import Coupling, Endpoint, Link
 from ..coupling.graph import Loop, is_discrete
-from .initial import RUNAWAY, Group, InitializationResult
+from .initial import Groups, InitializationResult
+from .initial_kernels import ABOUT_ZERO, RUNAWAY
 from .layout import UNMOVED, Program, lay_out
 from .loops import LoopSolver
 from .machine import Machine, Space, Steps, singly
@@ -81,7 +82,6 @@ class Master:
         self.cells = self.positions | {source: len(read) + k for k, source in enumerate(guessed)}  # what links take, by source
         self.weights = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
         self.steps = 0
-        self.initialization: list[InitializationResult] = []  # how each group came to its initial values
         order = tuple(order) or self.usual_order(tuple(units))
         self.nodes = [self._node(units[name], read, order) for name in order]
         self.node_of = {node.unit.name: node for node in self.nodes}
@@ -106,12 +106,17 @@ class Master:
             node.look_rows = program.add((LOOK, [node]))
         bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
         table = len(read) + len(guessed)
+        groups = [sorted((self.node_of[name] for name in names), key=self._direct_share) for names in coupling.groups]
+        answers = [self._answers(group) for group in groups]
+        places = [[self.nodes.index(node) for node in group] for group in groups]
         self.records = records = lay_out(
-            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end
+            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end, list(zip(places, answers, strict=True))
         )
+        ends = {cell: end for end, cell in self.cells.items()}
+        self._groups = Groups([[node.unit.name for node in group] for group in groups], records, ends)
         self.signals: np.ndarray = records.memory.signals[:table]
         self.sample = self.signals[: len(read)].tolist
-        self.machine = Machine(self.nodes, records)
+        self.machine = Machine(self.nodes, records, self.texts)
         self.delayed_feedthrough = ""  # why a coupling grows whose algebraic loop gets its values one step late
         loop = next((part for part in coupling.feedthrough_schedule if isinstance(part, Loop)), None)
         if feedthrough == "delayed" and loop is not None:
@@ -339,13 +344,8 @@ class Master:
             for link, k in zip(node.links, node.sources, strict=True):
                 if link.factor:
                     signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
-        for names in self.coupling.groups:
-            members = sorted((self.node_of[name] for name in names), key=self._direct_share)
-            group = Group(members, signals, self.cells, inputs, self.texts, self.check_finite, t)
-            try:
-                group.solve()
-            finally:
-                self.initialization += [group.initialization] if group.initialization else []
+        self.machine.initialize(t)
+        self._groups.check(t, self.check_finite)
         for node in self.nodes:
             node.unit.start()
             node.read()
@@ -355,6 +355,22 @@ class Master:
             solver.solve(t)
         self.check_finite(t)
         self.perform("push", t, 0.0)
+
+    @property
+    def initialization(self) -> list[InitializationResult]:
+        """How each group has come to its initial values."""
+        return self._groups.results
+
+    def _answers(self, group: Sequence[Node]) -> list[tuple[int, bool, float]]:
+        """Of each output of a group its cell, whether a sweep depends on it, and the least value that a change is compared with."""
+        ends = {cell: end for end, cell in self.cells.items() if end[0] in {node.unit.name for node in group}}
+        given: set[int] = set()
+        needed: set[int] = set()  # cells that a sweep reads before it writes them: it depends on no others
+        for node in group:
+            needed |= set(node.sources) - given
+            given |= {cell for cell, end in ends.items() if end[0] == node.unit.name}
+        interfaces = self.coupling.interfaces
+        return [(cell, cell in needed, ABOUT_ZERO * interfaces[u].outputs[n].nominal) for cell, (u, n) in ends.items()]
 
     def _direct_share(self, node: Node) -> float:
         """Share of a unit's signals that depend on its inputs directly.

@@ -9,10 +9,12 @@ import numpy as np
 
 from ....components.core.block import CELL, Block, Entry, callable_of
 from ....components.core.kernels import COMPILED, RAISED
+from .initial_kernels import ROWS, initialize_groups
 from .kernels import run_steps
-from .records import LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, UNIT, UNIT_STATE, Memory
+from .records import ANSWER, GROUP, LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, SECANTS, UNIT, UNIT_STATE, Memory
 
-_ENTRIES: dict[tuple[tuple[int, ...], ...], Entry] = {}  # of the kernel, for each layout in this process
+KERNELS: dict[str, Any] = {"run_steps": run_steps, "initialize_groups": initialize_groups}
+_ENTRIES: dict[tuple[Any, ...], Entry] = {}  # of the kernels, for each layout in this process
 
 
 class Records:
@@ -32,9 +34,11 @@ class Records:
         bonded: Sequence[int],
         signals: int,
         driven: int,
+        groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]],
     ):
         """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with;
-        weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units."""
+        weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units;
+        groups: units of each in the order of their initialization, and its outputs, as of `records.ANSWER`."""
 
         def whole(values: Sequence[Any], *shape: int) -> np.ndarray:
             return np.array(values, dtype=np.int64).reshape(*shape)
@@ -50,13 +54,24 @@ class Records:
             whole(bonded, -1),
             zeros(signals),
             zeros(3 * links),
+            zeros(len(groups), GROUP),
+            whole([unit for members, _ in groups for unit in members], -1),
+            np.array([answer for _, answers in groups for answer in answers], dtype=ANSWER),
+            zeros((ROWS, max(SECANTS, *widths)) if (widths := [len(a) for g, a in groups if len(g) > 1]) else (0, 0)),
+            zeros(SECANTS, np.int64),
         )
-        self.block, self.driven = Block(begin, (), (), {"run_steps": ("double %t", "double %h")}), driven
+        members, answers = 0, 0
+        for row, (units_of_group, answers_of_group) in zip(begin.groups, groups, strict=True):
+            row["first"], row["last"] = members, members + len(units_of_group)
+            row["first_answer"], row["answers"] = answers, len(answers_of_group)
+            members, answers = members + len(units_of_group), answers + len(answers_of_group)
+        times = ("double %t", "double %h")
+        self.block, self.driven = Block(begin, (), (), dict.fromkeys(KERNELS, times)), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
         self._head = self.place("request", 0, "first")  # and behind it steps, times, begin, started, whole, see `REQUEST`
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
-        self._run_steps: Callable[[float, float], int] | None = None
+        self._calls: dict[str, Callable[[float, float], int]] = {}
 
     def place(self, array: str, k: int, field: str) -> int:
         """The cell of a field of the k-th record of an array."""
@@ -81,18 +96,27 @@ class Records:
         return self.integers[self._requested[field]]
 
     def run_steps(self, t: float, h: float) -> None:
-        """Call the kernel of the loop: compiled, the first time, if need be."""
-        if self._run_steps is None:
-            memory, address = self.memory, self.block.address
+        """Call the kernel of the loop."""
+        self._call("run_steps", t, h)
+
+    def initialize(self, t: float) -> None:
+        """Call the kernel that initializes the groups."""
+        self._call("initialize_groups", t, 0.0)
+
+    def _call(self, name: str, t: float, h: float) -> None:
+        """Call a kernel: compiled, the first time, if need be."""
+        if (call := self._calls.get(name)) is None:
+            memory, address, kernel = self.memory, self.block.address, KERNELS[name]
             if COMPILED:
-                shapes = tuple(array.shape for array in memory)
-                if shapes not in _ENTRIES:
-                    _ENTRIES[shapes] = self.block.entry("run_steps", run_steps, (memory,))
-                entry = callable_of(self.block.take("run_steps", _ENTRIES[shapes]))
-                self._run_steps = lambda t, h: entry(t, h, address)
+                key = name, *(array.shape for array in memory)
+                if key not in _ENTRIES:
+                    _ENTRIES[key] = self.block.entry(name, kernel, (memory,))
+                entry = callable_of(self.block.take(name, _ENTRIES[key]))
+                call = lambda t, h: entry(t, h, address)  # noqa: E731
             else:
-                self._run_steps = lambda t, h: run_steps(t, h, memory)
-        if self._run_steps(t, h) == RAISED:
+                call = lambda t, h: kernel(t, h, memory)  # noqa: E731
+            self._calls[name] = call
+        if call(t, h) == RAISED:
             raise RuntimeError("a kernel of the loop has raised an exception")
 
     def state(self) -> np.ndarray:

@@ -20,6 +20,8 @@ UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(8)  # what a row of the program does, see `kernels`
 GIVEN = "value", "slope", "quadratic", "degree"  # of a link, over a step
 BEYOND = -2  # in the place of a unit: signals have left the limit
+NOT_CONVERGED = -3  # in the place of a unit: the initial values of a group
+SECANTS = 30  # quasi-Newton steps of an initialization
 
 
 def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
@@ -33,7 +35,7 @@ def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:
 
 
 UNIT, UNIT_STATE = _record(
-    "\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES))
+    "\n".join(f"{name} i address, see `call_names`" for name in (*OF_FMU, *OF_ENTRIES, "initialize"))
     + """
     input_mode       i  how the unit gets inputs, see `call_names`
     first_link       i  its links
@@ -128,7 +130,27 @@ REQUEST, _ = _record("""
     place            i  answer: units of it that were done
 """)
 
+GROUP, _ = _record("""
+    first      i  its units in `initial_order`
+    last       i  to before this one
+    first_answer i  its outputs in `answers`
+    answers      i  their number
+    sweeps     i  answer: how often its units have been initialized one after the other
+    secants    i  answer: quasi-Newton steps behind them
+    residual   f  answer: relative change of an output in the last sweep
+    worst      i  answer: the cell of that output
+    parallel   i  answer: whether answers differed although their misses did not
+""")
+
+ANSWER, _ = _record("""
+    cell    i  of an output of a group in the table of signals
+    unknown i  whether a sweep depends on it
+    least   f  value that a change is compared with at least
+""")
+
 # outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output; bonded: links that are noted; buffer: what
-# FMUs are handed
-FIELDS = "request units links pasts program order outputs_at inverse bonded signals buffer"
+# FMUs are handed; initial_order: units of the groups; space, pivots: workspace of the initialization
+FIELDS = (
+    "request units links pasts program order outputs_at inverse bonded signals buffer groups initial_order answers space pivots"
+)
 Memory = kernel_tuple(namedtuple("Memory", FIELDS))  # type: ignore[misc]

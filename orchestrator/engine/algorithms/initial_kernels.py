@@ -1,0 +1,245 @@
+"""Consistent initial values, as kernels over the records of a master: groups of simulators that feed one another, each behind those
+that feed it.
+
+A group of one simulator has its inputs and is initialized once. In a larger one the simulators are initialized one after the other
+until their outputs stop changing. Where these sweeps do not converge, a quasi-Newton method continues from their best result: it
+takes the outputs that a sweep starts with as unknowns, and learns from all its earlier answers (Anderson's method with full memory;
+for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....components.core.kernels import kernel
+from ...units.call_names import FAILED, IN_MEMORY, NOTED
+from ...units.calls import call_entry, store
+from .kernels import _given, _read, _show
+from .records import BEYOND, NOT_CONVERGED, SECANTS
+
+SWEEPS = 30
+CONVERGED = 1e-12  # relative change of an output from one sweep to the next
+STALLED = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
+ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
+RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
+RETURNED = 1e-7  # change of a miss relative to the change of an answer; below it a circle gives back what it gets
+NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it is rounding
+BEST, BEFORE, RIGHT, WEIGHTS, LENGTHS, SHARES, ANSWERS = range(7)  # rows of the workspace, and behind the last one:
+MISSES, COLUMNS, TRIANGLE, ROWS = (ANSWERS + k * SECANTS for k in range(1, 5))
+
+
+@kernel
+def _initialize(unit, m, t):
+    """Initialize one simulator with its present inputs and read its outputs; returns the status."""
+    links, own = m.links, m.units[unit.slow] if unit.input_mode == NOTED else unit
+    for k in range(unit.links):
+        link = links[unit.first_link + k]
+        link.looked = _given(link, m.signals)
+        if own.input_mode == IN_MEMORY:
+            store(links[own.first_link + k].at, link.looked)
+    status = FAILED * call_entry(unit.initialize, t, 0.0, own.argument)
+    if status == 0 and own.input_mode == IN_MEMORY:
+        status = _read(own, m.outputs_at, m.signals)
+        if unit.input_mode == NOTED:
+            _show(unit, m.units, links, m.pasts, m.signals)
+    return status
+
+
+@kernel
+def _sweep(group, m, t):
+    """Initialize the simulators of a group one after the other; returns whether all have succeeded."""
+    for place in range(group.first, group.last):
+        status = _initialize(m.units[m.initial_order[place]], m, t)
+        if status != 0:
+            m.request[0].unit, m.request[0].status = m.initial_order[place], status
+            return False
+    return True
+
+
+@kernel
+def _take(group, m, row):
+    """Copy the outputs of a group into a row of `answers`."""
+    for j in range(group.answers):
+        m.space[row, j] = m.signals[m.answers[group.first_answer + j].cell]
+
+
+@kernel
+def _bounded(group, m):
+    """Whether all outputs of a group are numbers and none has run away."""
+    for j in range(group.answers):
+        answer = m.answers[group.first_answer + j]
+        if not abs(m.signals[answer.cell]) < RUNAWAY / ABOUT_ZERO * answer.least:
+            return False
+    return True
+
+
+@kernel
+def _residual(group, m, row):
+    """Largest relative change of the outputs of a group against a row of `answers`; infinite where an output has run away."""
+    if not _bounded(group, m):
+        return np.inf
+    largest = 0.0
+    for j in range(group.answers):
+        answer = m.answers[group.first_answer + j]
+        v, before = m.signals[answer.cell], m.space[row, j]
+        change = abs(v - before) / max(max(abs(v), abs(before)), answer.least)
+        if change > largest:
+            largest, group.worst = change, answer.cell
+    return largest
+
+
+@kernel
+def _within(residual, last):
+    """Whether a group has converged: its outputs stand, or change by no more than rounding and no longer less and less."""
+    return residual <= CONVERGED or 0.5 * last <= residual <= STALLED
+
+
+@kernel
+def _solve_group(group, m, t):
+    """Initialize a group until its outputs stand; returns whether they do."""
+    smallest, last = np.inf, np.inf
+    if group.last - group.first == 1:
+        group.sweeps = 1
+        return _sweep(group, m, t) and _bounded(group, m)
+    _take(group, m, BEST)
+    for sweep in range(1, SWEEPS + 1):
+        _take(group, m, BEFORE)
+        if not _sweep(group, m, t):
+            return False
+        group.sweeps = sweep
+        group.residual = residual = _residual(group, m, BEFORE)
+        if _within(residual, last):
+            return True
+        if residual == np.inf:
+            break
+        miss = 0.0
+        for j in range(group.answers):
+            answer = m.answers[group.first_answer + j]
+            miss = max(miss, abs(m.signals[answer.cell] - m.space[BEFORE, j]) / answer.least)
+        if miss < smallest:
+            smallest = miss
+            for j in range(group.answers):
+                m.space[BEST, j] = m.space[BEFORE, j]
+        last = residual
+    return _solve_by_secants(group, m, t)
+
+
+@kernel
+def _solve_by_secants(group, m, t):
+    """Continue from the best sweep by Anderson's method; returns whether the outputs stand."""
+    space, last = m.space, np.inf
+    for k in range(SECANTS):
+        answers, misses = space[ANSWERS + k], space[MISSES + k]
+        for j in range(group.answers):
+            m.signals[m.answers[group.first_answer + j].cell] = space[BEST, j]
+        if not _sweep(group, m, t):
+            return False
+        group.secants = k + 1
+        group.residual = residual = _residual(group, m, BEST)
+        if _within(residual, last):
+            return True
+        last = residual
+        _take(group, m, ANSWERS + k)
+        finite, returned, moved = True, 0.0, 0.0
+        for j in range(group.answers):
+            unknown = m.answers[group.first_answer + j].unknown != 0
+            misses[j] = answers[j] - space[BEST, j] if unknown else 0.0
+            finite = finite and np.isfinite(answers[j])
+            if k > 0 and unknown:
+                returned = max(returned, abs(misses[j] - space[MISSES + k - 1, j]))
+                moved = max(moved, abs(answers[j] - space[ANSWERS + k - 1, j]))
+        if not finite:
+            return False
+        if k > 0 and returned < RETURNED * moved:
+            group.parallel = 1
+        _foretell(group, m, k)
+        for j in range(group.answers):
+            value = answers[j]
+            for i in range(k):
+                value += (space[ANSWERS + i, j] - answers[j]) * space[WEIGHTS, i]
+            space[BEST, j] = value
+    return False
+
+
+@kernel
+def _foretell(group, m, k):
+    """Weights of the answers 0 ... k - 1 against the k-th, so that the weighted sum of the misses vanishes as far as possible.
+
+    Least squares by orthogonalization with the longest rest first; an answer that the others foretell gets no weight.
+    """
+    space, order, n = m.space, m.pivots, group.answers
+    right, weights, lengths, shares = space[RIGHT], space[WEIGHTS], space[LENGTHS], space[SHARES]
+    for j in range(n):
+        size = max(abs(space[ANSWERS + k, j]), m.answers[group.first_answer + j].least)
+        right[j] = -space[MISSES + k, j] / size
+        for i in range(k):
+            space[COLUMNS + i, j] = (space[MISSES + i, j] - space[MISSES + k, j]) / size
+    for i in range(k):
+        column = space[COLUMNS + i]
+        lengths[i], order[i], weights[i] = max(_length(column, n), 1e-300), i, 0.0
+        for j in range(n):
+            column[j] /= lengths[i]
+    rank = 0
+    while rank < k:
+        longest, pivot = NEW, -1
+        for i in range(rank, k):
+            length = _length(space[COLUMNS + order[i]], n)
+            if length > longest:
+                longest, pivot = length, i
+        if pivot < 0:
+            break
+        order[rank], order[pivot] = order[pivot], order[rank]
+        axis, triangle = space[COLUMNS + order[rank]], space[TRIANGLE + rank]
+        triangle[order[rank]] = longest
+        for j in range(n):
+            axis[j] /= longest
+        for i in range(rank + 1, k):
+            column = space[COLUMNS + order[i]]
+            triangle[order[i]] = _project(axis, column, n)
+            triangle[order[i]] += _project(axis, column, n)  # what rounding has left
+        rank += 1
+    for i in range(rank):
+        shares[i] = _project(space[COLUMNS + order[i]], right, n)
+    for i in range(rank - 1, -1, -1):
+        value = shares[i]
+        for j in range(i + 1, rank):
+            value -= space[TRIANGLE + i, order[j]] * weights[order[j]]
+        weights[order[i]] = value / space[TRIANGLE + i, order[i]]
+    for i in range(k):
+        weights[i] /= lengths[i]
+
+
+@kernel
+def _length(v, n):
+    """Euclidean length of the first n elements."""
+    total = 0.0
+    for j in range(n):
+        total += v[j] * v[j]
+    return np.sqrt(total)
+
+
+@kernel
+def _project(axis, v, n):
+    """Take the part along an axis of length 1 out of v; returns how much that was."""
+    share = 0.0
+    for j in range(n):
+        share += axis[j] * v[j]
+    for j in range(n):
+        v[j] -= share * axis[j]
+    return share
+
+
+@kernel
+def initialize_groups(t, h, m):
+    """Initialize all groups; see `records.REQUEST` for what is answered where one does not succeed."""
+    request = m.request[0]
+    request.unit, request.status, request.row = -1, 0, 0
+    for k in range(m.groups.size):
+        request.row = k
+        group = m.groups[k]
+        group.sweeps, group.secants, group.residual, group.worst, group.parallel = 0, 0, 0.0, 0, 0
+        if not _solve_group(group, m, t):
+            if request.unit < 0:
+                request.unit = BEYOND if group.last - group.first == 1 else NOT_CONVERGED
+            return 0
+    return 0
