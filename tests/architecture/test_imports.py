@@ -166,4 +166,5 @@ def test_machine_code_of_the_orchestrator_depends_on_few_files():
             "orchestrator.units.call_names",
             "orchestrator.units.calls",
             "orchestrator.engine.algorithms.records",
+            "orchestrator.engine.algorithms.kernels",
         }, dotted(path)  # the types that machine code is made for

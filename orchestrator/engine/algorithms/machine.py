@@ -10,8 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...units.call_table import calls_of
-from ...units.callback import Callback
+from ...units.call_table import Callback, calls_of
 from ...units.interface import port_values
 from .memory import Records
 from .node import Node

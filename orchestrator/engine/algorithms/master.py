@@ -109,8 +109,9 @@ class Master:
         groups = [sorted((self.node_of[name] for name in names), key=self._direct_share) for names in coupling.groups]
         answers = [self._answers(group) for group in groups]
         places = [[self.nodes.index(node) for node in group] for group in groups]
+        initial = list(zip(places, answers, strict=True))
         self.records = records = lay_out(
-            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end, list(zip(places, answers, strict=True))
+            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end, initial
         )
         ends = {cell: end for end, cell in self.cells.items()}
         self._groups = Groups([[node.unit.name for node in group] for group in groups], records, ends)
