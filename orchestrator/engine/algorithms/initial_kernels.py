@@ -165,7 +165,7 @@ def _solve_by_secants(group, m, t):
 def _foretell(group, m, k):
     """Weights of the answers 0 ... k - 1 against the k-th, so that the weighted sum of the misses vanishes as far as possible.
 
-    Least squares by orthogonalization with the longest rest first; an answer that the others foretell gets no weight.
+    The shortest solution of least squares, by orthogonalization with the longest rest first.
     """
     space, order, n = m.space, m.pivots, group.answers
     right, weights, lengths, shares = space[RIGHT], space[WEIGHTS], space[LENGTHS], space[SHARES]
@@ -200,11 +200,17 @@ def _foretell(group, m, k):
         rank += 1
     for i in range(rank):
         shares[i] = _project(space[COLUMNS + order[i]], right, n)
-    for i in range(rank - 1, -1, -1):
-        value = shares[i]
-        for j in range(i + 1, rank):
-            value -= space[TRIANGLE + i, order[j]] * weights[order[j]]
-        weights[order[i]] = value / space[TRIANGLE + i, order[i]]
+    for i in range(rank):  # of the solutions the shortest: rows are made orthogonal, too
+        row = space[TRIANGLE + i]
+        for j in range(i):
+            row[order[j]] = 0.0
+        for j in range(i):
+            shares[i] -= (_project(space[TRIANGLE + j], row, k) + _project(space[TRIANGLE + j], row, k)) * shares[j]
+        length = _length(row, k)
+        shares[i] /= length
+        for j in range(k):
+            row[j] /= length
+            weights[j] += shares[i] * row[j]
     for i in range(k):
         weights[i] /= lengths[i]
 
