@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from ..core.component import Preset
-from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.contract import Kernels, Refusal
 from ..core.errors import BadInput
-from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, in_python, kernel
 from ..core.linear import banded_product
-from ..core.variables import choice, input_, integer, output, parameter
+from ..core.variables import choice, input_, output, parameter
 from . import gusts as wind
 from . import mesh as meshes
 from . import statics
@@ -38,35 +37,34 @@ from .catenary_effects import (
     Temperature,
     WireProfile,
 )
-from .contact import add_contact, at_contact, contact_compliance, element_at, heights_around, hung_around, in_range, wire_height
-from .explicit import (
-    AHEAD,
-    BEHIND,
-    COST_AHEAD,
-    COST_BEHIND,
-    PAD,
-    WANTED,
-    explicit_limit,
-    explicit_steps,
-    fill_diagonals,
-    move_window,
+from .contact import (
+    add_contact,
+    at_contact,
+    contact_compliance,
+    contact_points,
+    element_at,
+    follow_contacts,
+    heights_around,
+    hung_around,
+    in_range,
+    lateral_position,
+    wire_height,
 )
+from .explicit import PAD, explicit_limit, explicit_steps, fill_diagonals
 from .gust_loads import FIRST, LAST, SAMPLE, UNREADY, follow_gusts, gust_state, load_at
 from .gusts import ACROSS, Gusts, blow, empty_buffeting, raise_wind
+from .hung_line import HungLine, given_by
 from .implicit import Solver, implicit_steps, start_solver
 from .line import plan as plans
-from .line.dropper_table import line_of
-from .line.form import Form, Found, empty_network, find_form_at_rest, form_of
-from .line.from_table import lay_out, support_positions, unused_by
-from .line.layout import Layout, uniform
-from .line.plan import Given, empty_numbers, fill_droppers, fill_layout, filled_layout, plan_of
-from .line.temperature import find_form_at, fixed_wires
+from .line.form import empty_network, find_form_at_rest
+from .line.plan import empty_numbers, fill_droppers, fill_layout, plan_of
+from .line.temperature import find_form_at
 from .mesh import (
     NO_WIRE,
-    Discretisation,
     Mesh,
     Space,
     add_fittings,
+    discretisation,
     empty_mesh,
     find_pushed,
     hang_contact_wires,
@@ -74,31 +72,16 @@ from .mesh import (
     spread_wires,
     unpacked,
 )
-from .moving_window import ENOUGH, echo, width
+from .moving_window import move_window, open_window, warn_of_narrow_window
 from .statics import PRESENT, UNBALANCED, add_ground, empty_balance, find_balance, put_droppers
 from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
 from .wires import Laws, Motion
 
-MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
-# parameters that a table of a line may leave out
-LINE = (
-    "contact_wire_tension",
-    "contact_wire_mass",
-    "messenger_tension",
-    "messenger_mass",
-    "dropper_stiffness",
-    "dropper_mass",
-    "contact_clamp_mass",
-    "messenger_clamp_mass",
-    "support_stiffness",
-    "support_damping",
-)
 SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
-PLACED = "it decides where nodes are, and how many"
 
 
-class Catenary(KernelComponent):
+class Catenary(HungLine):
     """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
 
         m u'' = T u'' (x) - EI u'''' - alpha m u' + beta (T u'' - EI u'''')' + droppers + supports + contact
@@ -159,28 +142,6 @@ class Catenary(KernelComponent):
     gusts = Gusts
     wire_profile = WireProfile
     line_profile = LineProfile
-
-    spans = integer(10, "number of spans", low=1, high=1000)
-    span_length = parameter(60.0, "m", "length of a span", low=1.0, structural=PLACED)
-    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
-    contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
-    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
-    messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
-    droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
-    dropper_position = parameter(
-        (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)),
-        "m",
-        "position of a dropper within the span; elements beyond the number of droppers do not count",
-        size=MAX_DROPPERS,
-        structural=PLACED,
-    )
-    dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0)
-    dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0)
-    contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0)
-    messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0)
-    support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0)
-    support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0)
-    first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
 
     method = choice("explicit", ("explicit", "implicit"), "time integration")
     element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, structural="it decides how many nodes there are")
@@ -280,7 +241,7 @@ class Catenary(KernelComponent):
         mesh, grid = empty_mesh(layout, plan, float(self.get("element")))
         numbers, indices = packed(mesh)
         n, N, W, d = mesh.position.size, mesh.mass.size, layout.lanes, mesh.dropper.size
-        points = contact_points(e, len(layout.contact_lanes))
+        points = contact_points(OWN_POINT, e, len(layout.contact_lanes))
         reach = 3 if e.bending_stiffness is not None else 2  # nodes
         parts = [
             3 * N,
@@ -313,41 +274,19 @@ class Catenary(KernelComponent):
             "solver": Solver(np.zeros(band), np.zeros(band), np.zeros(band), np.zeros(d), np.zeros(1)) if implicit else None,
         }
 
-    def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
-        """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""
-        values: Any = self.parameters
-        if "line_table" in self.on:
-            line = line_of(values, self.name)
-            layout = lay_out(line, "bending_stiffness" in self.on)
-            return layout, tuple(fixed_wires(line, layout)) if "temperature" in self.on else ()
-        within = np.array([values[f"dropper_position[{i + 1}]"] for i in range(values["droppers"])])
-        on = ("pre_sag" in self.on, "steady_arm" in self.on, "level_support" in self.on)
-        return uniform(values["spans"], values["span_length"], within, *on), ()
-
     @property
     def mesh(self) -> Mesh:
         """The mesh as it is after `initialize`."""
         s = self.arguments[0]
-        return getattr(unpacked, "py_func", unpacked)(s.numbers, s.indices)
+        return in_python(unpacked)(s.numbers, s.indices)
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def _initialize(self, t: float) -> int:
         status = super()._initialize(t)
         if status == DONE and "moving_window" in self.on:
-            self._warn_of_narrow_window()
+            given = [float(self.get(f"moving_window.{name}")) for name in ("ahead", "behind")]
+            warn_of_narrow_window(self.name, *given, self.arguments[0].window, float(self.mesh.position[-1]))
         return status
-
-    def _warn_of_narrow_window(self) -> None:
-        window, whole = self.arguments[0].window, float(self.mesh.position[-1])
-        for name, cost in (("ahead", window[COST_AHEAD]), ("behind", window[COST_BEHIND])):
-            wanted, given = float(window[WANTED]), float(self.get(f"moving_window.{name}"))
-            if 0.0 < given < min(wanted, whole):
-                takes = "the whole line" if wanted >= whole else f"{wanted:.0f} m"
-                warnings.warn(
-                    f"{self.name}: moving_window.{name} = {given:g} m may cost {100.0 * cost:.2g} % of the contact "
-                    f"force: {100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes",
-                    stacklevel=3,
-                )
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -373,75 +312,20 @@ class Catenary(KernelComponent):
         """Limit of the explicit method, s; inf if implicit."""
         return math.inf if self.parameters["method"] == "implicit" else self.of_initialization("limits", 0)
 
-    def form(self) -> Form:
-        """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
-        layout, fixed = self._layout()
-        given = getattr(given_by, "py_func", given_by)(*self._declared_arguments())
-        if "line_table" not in self.on:
-            return form_of(layout, given)
-        formed = Found(layout, given, fixed)
-        if "temperature" in self.on:
-            change = self.parameters["temperature.change"]
-            formed.check(find_form_at(change, formed.plan, given, formed.filled, formed.net))
-        else:
-            formed.check(find_form_at_rest(formed.plan, given, formed.filled, formed.net))
-            fill_droppers(formed.plan.dropper_numbers, given, formed.filled.dropper)
-        return form_of(filled_layout(layout, given, formed.filled))
-
     def unused(self, names: Iterable[str]) -> dict[str, str]:
-        """See `Component.unused`; also what a line's table or the method has no use for, and a support beyond the end."""
+        """See `HungLine.unused`; also what the method or the wind has no use for."""
         names = tuple(names)
         reasons = super().unused(names)
         if "spectral_radius" in names and self.parameters["method"] == "explicit":
             reasons["spectral_radius"] = "method 'explicit' has none"
         if "gusts" in self.on and self.parameters["gusts.lift_coefficient"] == 0.0:
             reasons |= dict.fromkeys(ACROSS.intersection(names), "without gusts.lift_coefficient only vertical gusts act")
-        if "first_watched_support" in names:
-            last = (
-                self.get("spans")
-                if "line_table" not in self.on
-                else (support_positions(line_of(self.parameters, self.name)).size - 1)
-            )
-            if self.get("first_watched_support") > last:
-                reasons["first_watched_support"] = f"the last support of the line is number {last}"
-        rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
-        if "line_table" in self.on and rest:
-            layout = lay_out(line_of(self.parameters, self.name), "bending_stiffness" in self.on)
-            reasons |= dict.fromkeys(unused_by(layout, rest), "line_table.table has it in every place")
         return reasons
 
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
 HEIGHT, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices("wire_height", "static_residual", "support_uplift[1]")
-
-
-def contact_points(e, wires: int) -> np.ndarray:
-    """Of each contact point its position and force in u, its first output in y and how far the next ones are, its contact wire.
-
-    (p, 5) int; e: effects; wires: number of contact wires. Points of `further_pantographs` beyond their number do not take part.
-    """
-    points = [(POSITION, FORCE, HEIGHT, 1, 0)]
-    if e.second_pantograph is not None:
-        second = e.second_pantograph
-        points.append((second.u, second.u + 1, second.y, 1, 0))
-    if e.further_pantographs is not None:
-        more = e.further_pantographs
-        points += [(more.u + i, more.u + FURTHER + i, more.y + i, FURTHER, 0) for i in range(int(more.count))]
-    if e.second_wire is not None and wires > 1:
-        wide = 2 + FURTHER
-        points += [(points[k][0], e.second_wire.u + k, e.second_wire.y + k, wide, 1) for k in range(len(points))]
-    return np.array(points, dtype=np.int64)
-
-
-@kernel
-def lateral_position(position, wire, lateral):
-    """Lateral position of a contact wire, m, straight between the rows (wire, position, stagger) of `lateral`, 0 beyond them."""
-    for k in range(lateral.shape[0] - 1):
-        a, b = lateral[k, 1], lateral[k + 1, 1]
-        if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
-            s = (position - a) / (b - a)
-            return (1.0 - s) * lateral[k, 2] + s * lateral[k + 1, 2]
-    return 0.0
+OWN_POINT = (POSITION, FORCE, HEIGHT, 1, 0)  # see `contact_points`
 
 
 @kernel
@@ -471,86 +355,6 @@ def put_outputs(t, mesh, s, p, e):
     if e.line_profile is not None:
         hung = y[e.line_profile.y : e.line_profile.y + 2 * PROFILE]
         hung_around(u[POSITION], q, mesh, hung[:PROFILE], hung[PROFILE:])
-
-
-@kernel
-def follow_contacts(h, x, u, points, mesh):
-    """End of a step of length h: the inputs are held, and place (m) and speed (m/s) of the contact points are remembered.
-
-    The speed from two places, not from an input's slope, which partners that hand over bare values do not give. A jump faster
-    than the wire's waves is no motion.
-    """
-    hold_inputs(u, h)
-    fastest = 0.0
-    for k in range(mesh.fastest.size):
-        fastest = max(fastest, mesh.fastest[k])
-    for k in range(points.shape[0]):
-        i, position = 3 * mesh.mass.size + 2 * k, u[0, points[k, 0]]
-        speed = (position - x[i]) / h
-        x[i] = position
-        if abs(speed) <= fastest:
-            x[i + 1] = speed
-
-
-# -- initialization ----------------------------------------------------------------------------------------------------
-@kernel
-def given_by(p, e):
-    """Parameters for what the line does not say."""
-    contact_wire_bending, messenger_bending, arm_stiffness, arm_mass, sag = 0.0, 0.0, 0.0, 0.0, 0.0
-    if e.bending_stiffness is not None:
-        contact_wire_bending, messenger_bending = e.bending_stiffness.contact_wire, e.bending_stiffness.messenger
-    if e.steady_arm is not None:
-        arm_stiffness, arm_mass = e.steady_arm.stiffness, e.steady_arm.mass
-    if e.pre_sag is not None:
-        sag = e.pre_sag.depth
-    return Given(
-        p.contact_wire_tension,
-        p.contact_wire_mass,
-        p.messenger_tension,
-        p.messenger_mass,
-        p.dropper_stiffness,
-        p.dropper_mass,
-        p.contact_clamp_mass,
-        p.messenger_clamp_mass,
-        p.support_stiffness,
-        p.support_damping,
-        contact_wire_bending,
-        messenger_bending,
-        arm_stiffness,
-        arm_mass,
-        sag,
-    )
-
-
-@kernel
-def discretisation(alpha, beta, implicit, filled, p):
-    """How waves run along the mesh with the time integration.
-
-    Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force that moves
-    at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
-    """
-    element_time = p.element * math.sqrt(filled.mass[0] / filled.tension[0])
-    h2 = min(p.substep**2, 0.7 * element_time**2)
-    if implicit:
-        return Discretisation(2.0 * h2, 1.125 * h2, alpha, beta)
-    return Discretisation(-h2, -0.75 * h2, alpha, beta)
-
-
-@kernel
-def open_window(alpha, beta, mesh, window, given):
-    """Lengths of the window that moves, where they are not given; given: of `MovingWindow`."""
-    wave, span, whole = 0.0, 0.0, mesh.position[mesh.position.size - 1]
-    for j in range(mesh.impedance.size):
-        if mesh.impedance[j] > 0.0:
-            wave = max(wave, mesh.tension[j] / mesh.impedance[j])
-    for k in range(mesh.support.size - 1):
-        span = max(span, mesh.position[mesh.support[k + 1]] - mesh.position[mesh.support[k]])
-    wanted = width(wave, span, alpha, beta, given.speed)
-    window[WANTED] = wanted
-    window[AHEAD] = given.ahead if given.ahead > 0.0 else min(wanted, whole)
-    window[BEHIND] = given.behind if given.behind > 0.0 else min(wanted, whole)
-    window[COST_AHEAD] = echo(window[AHEAD], wave, span, alpha, beta, given.speed)
-    window[COST_BEHIND] = echo(window[BEHIND], wave, span, alpha, beta, given.speed)
 
 
 # -- the kernels -------------------------------------------------------------------------------------------------------

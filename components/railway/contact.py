@@ -14,11 +14,33 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..core.kernels import kernel, kernel_tuple
+import numpy as np
+
+from ..core.kernels import hold_inputs, kernel, kernel_tuple
+from .catenary_effects import FURTHER
 from .wires import dropper_tension, first_at_or_after
 
 SPEEDS = 33  # points of the table of the compliance
 FASTEST = 0.98  # of the wave speed: end of the table
+
+
+def contact_points(own: tuple[int, ...], e, wires: int) -> np.ndarray:
+    """Of each contact point its position and force in u, its first output in y and how far the next ones are, its contact wire.
+
+    (p, 5) int; own: those of the component's own point; e: effects; wires: number of contact wires. Points of
+    `further_pantographs` beyond their number do not take part.
+    """
+    points = [own]
+    if e.second_pantograph is not None:
+        second = e.second_pantograph
+        points.append((second.u, second.u + 1, second.y, 1, 0))
+    if e.further_pantographs is not None:
+        more = e.further_pantographs
+        points += [(more.u + i, more.u + FURTHER + i, more.y + i, FURTHER, 0) for i in range(int(more.count))]
+    if e.second_wire is not None and wires > 1:
+        wide = 2 + FURTHER
+        points += [(points[k][0], e.second_wire.u + k, e.second_wire.y + k, wide, 1) for k in range(len(points))]
+    return np.array(points, dtype=np.int64)
 
 
 @kernel
@@ -94,6 +116,36 @@ def wire_height(position, q, wire, mesh):
     j = wire * mesh.position.size + i
     shape = (1.0 - s) * mesh.height[j] + s * mesh.height[j + 1] - s * (1.0 - s) * mesh.bow[j]
     return shape + at_contact(position, q, wire, mesh)
+
+
+@kernel
+def lateral_position(position, wire, lateral):
+    """Lateral position of a contact wire, m, straight between the rows (wire, position, stagger) of `lateral`, 0 beyond them."""
+    for k in range(lateral.shape[0] - 1):
+        a, b = lateral[k, 1], lateral[k + 1, 1]
+        if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
+            s = (position - a) / (b - a)
+            return (1.0 - s) * lateral[k, 2] + s * lateral[k + 1, 2]
+    return 0.0
+
+
+@kernel
+def follow_contacts(h, x, u, points, mesh):
+    """End of a step of length h: the inputs are held, and place (m) and speed (m/s) of the contact points are remembered.
+
+    The speed from two places, not from an input's slope, which partners that hand over bare values do not give. A jump faster
+    than the wire's waves is no motion.
+    """
+    hold_inputs(u, h)
+    fastest = 0.0
+    for k in range(mesh.fastest.size):
+        fastest = max(fastest, mesh.fastest[k])
+    for k in range(points.shape[0]):
+        i, position = 3 * mesh.mass.size + 2 * k, u[0, points[k, 0]]
+        speed = (position - x[i]) / h
+        x[i] = position
+        if abs(speed) <= fastest:
+            x[i + 1] = speed
 
 
 @kernel

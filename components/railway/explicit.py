@@ -7,10 +7,10 @@ import math
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_state
+from .moving_window import move_window
 from .wires import DENORMAL_GUARD, dropper_tension, first_at_or_after
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
-AHEAD, BEHIND, WANTED, COST_AHEAD, COST_BEHIND = range(5)  # of a moving window: lengths in use and wanted, m, and their `echo`
 
 
 @kernel
@@ -33,23 +33,6 @@ def explicit_limit(omega2, damped, dashpots, inverse_mass):
         most = max(most, dashpots[j] * inverse_mass[j])
     b = 2.0 * most + 2.0 * damped
     return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
-
-
-@kernel
-def move_window(front, rear, x, mesh, window):
-    """First and last moving node for the contact points at `front` and `rear`; nodes left behind go to equilibrium.
-
-    x: its last two elements hold the window of the step before.  window: its lengths, m.
-    """
-    n, N, W = mesh.position.size, mesh.mass.size, mesh.bending_gradient.size
-    before = int(x[x.size - 2])
-    lo = max(element_at(max(rear - window[BEHIND], 0.0), mesh), max(before, 1))
-    hi = min(element_at(min(front + window[AHEAD], mesh.position[n - 1]), mesh) + 1, n - 2)
-    for part in range(3):
-        for j in range(W * max(before, 1), W * lo):
-            x[part * N + j] = 0.0
-    x[x.size - 2], x[x.size - 1] = lo, hi
-    return lo, hi
 
 
 @kernel

@@ -26,6 +26,8 @@ from ..core.linear import solve_dense
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .pantograph_effects import (
+    REFUSALS,
+    WRONG_ACCELERATION,
     Acceleration,
     Actuator,
     AerodynamicUplift,
@@ -41,13 +43,23 @@ from .pantograph_effects import (
     StripLift,
     TwoStrips,
     WireUnevenness,
+    fill_sines,
+    front_position,
+    lift_at,
+    limited,
     measured_heights,
     uneven,
 )
-from .sines import fill_bands, random_phases, sum_of_sines
+from .sines import random_phases
 
-WRONG_ACCELERATION, WRONG_LENGTHS, WRONG_FREQUENCIES, UNHELD = range(OWN + 1, OWN + 5)  # statuses
+UNHELD = OWN + 4  # status
 SUMS = 3  # of the fluctuation of lifts: lowest mass, front strip, rear strip
+
+
+def bodies(*values: tuple[float, float, float]) -> dict[str, float]:
+    """Parameters of head, frame and lower frame: the mass, kg, of each, its stiffness, N/m, and its damping, N.s/m."""
+    names = zip(("head_", "frame_", "lower_frame."), values, strict=False)
+    return {body + name: v for body, own in names for name, v in zip(("mass", "stiffness", "damping"), own, strict=True)}
 
 
 class Pantograph(OdeComponent):
@@ -124,83 +136,30 @@ class Pantograph(OdeComponent):
 
     presets = {
         "EN 50318:2002": Preset(
-            {
-                "head_mass": 7.2,
-                "head_stiffness": 4200.0,
-                "head_damping": 10.0,
-                "frame_mass": 15.0,
-                "frame_stiffness": 50.0,
-                "frame_damping": 90.0,
-                "static_force": 120.0,
-                "contact_stiffness": 50e3,
-            },
+            bodies((7.2, 4200.0, 10.0), (15.0, 50.0, 90.0)) | {"static_force": 120.0, "contact_stiffness": 50e3},
             "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force recalled",
             "verbatim",
         ),
         "EN 50318:2018": Preset(
-            {
-                "head_mass": 7.5,
-                "head_stiffness": 7000.0,
-                "head_damping": 45.0,
-                "frame_mass": 9.0,
-                "frame_stiffness": 15500.0,
-                "frame_damping": 0.1,
-                "lower_frame.mass": 6.0,
-                "lower_frame.stiffness": 160.0,
-                "lower_frame.damping": 100.0,
-                "contact_stiffness": 50e3,
-            },
+            bodies((7.5, 7000.0, 45.0), (9.0, 15500.0, 0.1), (6.0, 160.0, 100.0)) | {"contact_stiffness": 50e3},
             "masses and stiffnesses: two public repositories; order of the dampers and contact stiffness recalled",
             "recalled",
             ("lower_frame",),
         ),
         "DSA380": Preset(
-            {
-                "head_mass": 7.12,
-                "head_stiffness": 9430.0,
-                "head_damping": 0.0,
-                "frame_mass": 6.0,
-                "frame_stiffness": 14100.0,
-                "frame_damping": 0.0,
-                "lower_frame.mass": 5.8,
-                "lower_frame.stiffness": 0.1,
-                "lower_frame.damping": 70.0,
-                "static_force": 70.0,
-            },
+            bodies((7.12, 9430.0, 0.0), (6.0, 14100.0, 0.0), (5.8, 0.1, 70.0)) | {"static_force": 70.0},
             "IEEE-style paper on arcing, Tables I-III; repository pantograph-rigid-ocs-amm",
             "verbatim",
             ("lower_frame",),
         ),
         "DSA250": Preset(
-            {
-                "head_mass": 7.51,
-                "head_stiffness": 8380.0,
-                "head_damping": 0.0,
-                "frame_mass": 5.855,
-                "frame_stiffness": 6200.0,
-                "frame_damping": 0.0,
-                "lower_frame.mass": 4.645,
-                "lower_frame.stiffness": 80.0,
-                "lower_frame.damping": 70.0,
-                "static_force": 120.0,
-            },
+            bodies((7.51, 8380.0, 0.0), (5.855, 6200.0, 0.0), (4.645, 80.0, 70.0)) | {"static_force": 120.0},
             "repository pantograph-rigid-ocs-amm",
             "verbatim",
             ("lower_frame",),
         ),
         "TSG18F": Preset(
-            {
-                "head_mass": 10.31,
-                "head_stiffness": 53415.8,
-                "head_damping": 29.60,
-                "frame_mass": 6.15,
-                "frame_stiffness": 6754.2,
-                "frame_damping": 0.20,
-                "lower_frame.mass": 15.30,
-                "lower_frame.stiffness": 40687.0,
-                "lower_frame.damping": 1.14,
-                "static_force": 110.0,
-            },
+            bodies((10.31, 53415.8, 29.60), (6.15, 6754.2, 0.20), (15.30, 40687.0, 1.14)) | {"static_force": 110.0},
             "repository pantograph-rigid-ocs-amm; first and third stiffness look odd there",
             "verbatim",
             ("lower_frame",),
@@ -208,19 +167,7 @@ class Pantograph(OdeComponent):
     }
 
     refusals = {
-        WRONG_ACCELERATION: Refusal(
-            "acceleration: rate = {acceleration.rate} m/s2 from {speed} to {acceleration.final_speed} m/s",
-            "a rate that leads to the final speed",
-            "Change its sign, or final_speed.",
-        ),
-        WRONG_LENGTHS: Refusal(
-            "wire_unevenness: wave lengths from {wire_unevenness.shortest} to {wire_unevenness.longest} m",
-            "a shortest one below the longest",
-        ),
-        WRONG_FREQUENCIES: Refusal(
-            "lift_fluctuation: frequencies from {lift_fluctuation.lowest} to {lift_fluctuation.highest} Hz",
-            "a lowest one below the highest",
-        ),
+        **REFUSALS,
         UNHELD: Refusal(
             "a lowest mass that no spring holds",
             "a start at rest on both strips",
@@ -286,44 +233,6 @@ WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_com
 FORCE, POSITION, HEAD, HEAD_VELOCITY, FRAME = Pantograph.output_indices(
     "contact_force", "contact_position", "head_height", "head_velocity", "frame_height"
 )
-
-
-@kernel
-def limited(value, limit):
-    """The value within -limit and limit."""
-    return min(max(value, -limit), limit)
-
-
-@kernel
-def speed_at(t, p, e):
-    """Speed of the train, m/s."""
-    if e.acceleration is None or e.acceleration.rate == 0.0:
-        return p.speed
-    change = e.acceleration.rate * t
-    if e.acceleration.rate > 0.0:
-        return min(p.speed + change, e.acceleration.final_speed)
-    return max(p.speed + change, e.acceleration.final_speed)
-
-
-@kernel
-def front_position(t, p, e):
-    """Position of the contact point, or of the front one, m."""
-    position = p.start_position + p.speed * t
-    if e.acceleration is not None and e.acceleration.rate != 0.0:
-        end = (e.acceleration.final_speed - p.speed) / e.acceleration.rate
-        lasted = min(t, end)
-        position += e.acceleration.rate * lasted * (t - 0.5 * lasted)
-    return position
-
-
-@kernel
-def lift_at(t, coefficient, k, s, p, e):
-    """Lift of the air stream, N; k: 0 lowest mass, 1 front strip, 2 rear strip."""
-    speed = speed_at(t, p, e)
-    lift = coefficient * speed * speed
-    if e.lift_fluctuation is not None:
-        lift *= 1.0 + sum_of_sines(t, k, s.fluctuation)
-    return lift
 
 
 @kernel
@@ -449,22 +358,6 @@ def pantograph_stable(t, s, p, e):
     if e.frame_friction is not None:
         s.slopes[0, 3, 3] -= e.frame_friction.level / e.frame_friction.width / p.frame_mass
     return step_within(RK4_STABILITY_RADIUS, spectral_radius(s.slopes[0], s.slopes[1]))
-
-
-@kernel
-def fill_sines(s, e):
-    """Sines of the random effects; a status."""
-    if e.wire_unevenness is not None:
-        waves = e.wire_unevenness
-        if waves.shortest >= waves.longest:
-            return WRONG_LENGTHS
-        fill_bands(1.0 / waves.longest, 1.0 / waves.shortest, waves.longest, waves.exponent, waves.deviation, s.unevenness)
-    if e.lift_fluctuation is not None:
-        lifts = e.lift_fluctuation
-        if lifts.lowest >= lifts.highest:
-            return WRONG_FREQUENCIES
-        fill_bands(lifts.lowest, lifts.highest, 1.0, 0.0, lifts.intensity, s.fluctuation)
-    return DONE
 
 
 @kernel

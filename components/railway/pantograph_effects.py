@@ -5,10 +5,28 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Effect
+from ..core.contract import Refusal
 from ..core.errors import BadInput
-from ..core.kernels import kernel
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import input_, integer, output, parameter, text
-from .sines import sum_of_sines
+from .sines import fill_bands, sum_of_sines
+
+WRONG_ACCELERATION, WRONG_LENGTHS, WRONG_FREQUENCIES = range(OWN + 1, OWN + 4)  # statuses
+REFUSALS = {
+    WRONG_ACCELERATION: Refusal(
+        "acceleration: rate = {acceleration.rate} m/s2 from {speed} to {acceleration.final_speed} m/s",
+        "a rate that leads to the final speed",
+        "Change its sign, or final_speed.",
+    ),
+    WRONG_LENGTHS: Refusal(
+        "wire_unevenness: wave lengths from {wire_unevenness.shortest} to {wire_unevenness.longest} m",
+        "a shortest one below the longest",
+    ),
+    WRONG_FREQUENCIES: Refusal(
+        "lift_fluctuation: frequencies from {lift_fluctuation.lowest} to {lift_fluctuation.highest} Hz",
+        "a lowest one below the highest",
+    ),
+}
 
 
 class ContactLoss(Effect):
@@ -210,6 +228,61 @@ class OuterContact(Effect):
 
     excludes = ("contact_loss",)
     force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
+
+
+# -- their part of the equations ---------------------------------------------------------------------------------------
+@kernel
+def limited(value, limit):
+    """The value within -limit and limit."""
+    return min(max(value, -limit), limit)
+
+
+@kernel
+def speed_at(t, p, e):
+    """Speed of the train, m/s."""
+    if e.acceleration is None or e.acceleration.rate == 0.0:
+        return p.speed
+    change = e.acceleration.rate * t
+    if e.acceleration.rate > 0.0:
+        return min(p.speed + change, e.acceleration.final_speed)
+    return max(p.speed + change, e.acceleration.final_speed)
+
+
+@kernel
+def front_position(t, p, e):
+    """Position of the contact point, or of the front one, m."""
+    position = p.start_position + p.speed * t
+    if e.acceleration is not None and e.acceleration.rate != 0.0:
+        end = (e.acceleration.final_speed - p.speed) / e.acceleration.rate
+        lasted = min(t, end)
+        position += e.acceleration.rate * lasted * (t - 0.5 * lasted)
+    return position
+
+
+@kernel
+def lift_at(t, coefficient, k, s, p, e):
+    """Lift of the air stream, N; k: 0 lowest mass, 1 front strip, 2 rear strip."""
+    speed = speed_at(t, p, e)
+    lift = coefficient * speed * speed
+    if e.lift_fluctuation is not None:
+        lift *= 1.0 + sum_of_sines(t, k, s.fluctuation)
+    return lift
+
+
+@kernel
+def fill_sines(s, e):
+    """Sines of the random effects; a status."""
+    if e.wire_unevenness is not None:
+        waves = e.wire_unevenness
+        if waves.shortest >= waves.longest:
+            return WRONG_LENGTHS
+        fill_bands(1.0 / waves.longest, 1.0 / waves.shortest, waves.longest, waves.exponent, waves.deviation, s.unevenness)
+    if e.lift_fluctuation is not None:
+        lifts = e.lift_fluctuation
+        if lifts.lowest >= lifts.highest:
+            return WRONG_FREQUENCIES
+        fill_bands(lifts.lowest, lifts.highest, 1.0, 0.0, lifts.intensity, s.fluctuation)
+    return DONE
 
 
 POSITION, HEIGHT = range(2)  # rows of measured heights

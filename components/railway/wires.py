@@ -19,7 +19,7 @@ class Motion(NamedTuple):
 
     x: np.ndarray  # state
     u: np.ndarray  # (3, m)
-    points: np.ndarray  # (p, 5) int, as of `catenary.contact_points`
+    points: np.ndarray  # (p, 5) int, as of `contact.contact_points`
     work: np.ndarray
     counts: np.ndarray
     window: Any  # lengths of the moving window, or None

@@ -5,8 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
-from cosimo.components.railway.explicit import AHEAD
-from cosimo.components.railway.moving_window import ENOUGH, echo, width
+from cosimo.components.railway.moving_window import AHEAD, ENOUGH, echo, width
 from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
