@@ -232,10 +232,8 @@ class AngularContactConductance(KernelComponent):
         return f"{given}; expected contacts within {LARGEST_CONTACT:g} radii of a ball, and rings inside each other"
 
 
-AXIAL_FORCE, RADIAL_FORCE = AngularContactConductance.input_indices("axial_force", "radial_force")
-CONDUCTANCE, BALL_CONDUCTANCE, LOADED, MAX_LOAD, AXIAL, RADIAL = AngularContactConductance.output_indices(
-    "conductance", "ball_conductance", "loaded_balls", "max_ball_load", "axial_displacement", "radial_displacement"
-)
+IN = AngularContactConductance.input_places()
+OUT = AngularContactConductance.output_places()
 
 
 @kernel_tuple
@@ -372,7 +370,7 @@ def conductance_outputs(t, s, p, e):
     """Ball loads for the inputs, and all outputs."""
     u, y, places = s.u[0], s.y, s.places
     forces, free, q = s.ring[0], s.ring[1], s.ring[2]
-    forces[0], forces[2] = u[RADIAL_FORCE], max(u[AXIAL_FORCE], 0.0)
+    forces[0], forces[2] = u[IN.radial_force], max(u[IN.axial_force], 0.0)
     q[:] = 0.0  # always the same way to the equilibrium: a repeated step is bit-identical
     status = equilibrium(forces, free, ball_contacts_of(s, p), places, q, (s.tangent[0], s.tangent[1], s.rows))
     if status != DONE:
@@ -392,7 +390,7 @@ def conductance_outputs(t, s, p, e):
         )
     if largest ** (1.0 / 3.0) * max(inner.across, outer.across) > LARGEST_CONTACT * 0.5 * p.ball_diameter:
         return OUT_OF_RANGE
-    y[BALL_CONDUCTANCE] = total
+    y[OUT.ball_conductance] = total
     if e.gas_path is not None:
         total += e.gas_path.conductivity * rings.area / e.gas_path.ring_gap
     if e.convection is not None:
@@ -401,7 +399,13 @@ def conductance_outputs(t, s, p, e):
         total += e.radiation.emissivity * rings.area * radiative_coefficient(u[e.radiation.u], u[e.radiation.u + 1])
     if e.ring_walls is not None:
         total /= 1.0 + total * rings.wall * math.log(e.ring_walls.outside_diameter / e.ring_walls.bore / rings.raceways)
-    y[CONDUCTANCE], y[LOADED], y[MAX_LOAD], y[AXIAL], y[RADIAL] = total, loaded, largest, q[2], q[0]
+    y[OUT.conductance], y[OUT.loaded_balls], y[OUT.max_ball_load], y[OUT.axial_displacement], y[OUT.radial_displacement] = (
+        total,
+        loaded,
+        largest,
+        q[2],
+        q[0],
+    )
     return DONE
 
 

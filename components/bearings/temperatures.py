@@ -119,12 +119,8 @@ class BearingTemperatures(StiffComponent):
         return f"a temperature of {coldest(self.x):.4g} K with {heat}; expected 0 K or more"
 
 
-CONDUCTANCE, FRICTION, AMBIENT = BearingTemperatures.input_indices("conductance", "friction_power", "ambient")
-OUTPUTS = BearingTemperatures.output_indices(
-    "inner_temperature", "ball_temperature", "outer_temperature", "housing_temperature", "clearance_change", "heat_supplied",
-    "heat_stored", "heat_released",
-)  # fmt: skip
-INNER_OUT, BALL_OUT, OUTER_OUT, HOUSING_OUT, CLEARANCE_OUT, SUPPLIED_OUT, STORED_OUT, RELEASED_OUT = OUTPUTS
+IN = BearingTemperatures.input_places()
+OUT = BearingTemperatures.output_places()
 INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
 
 
@@ -153,9 +149,9 @@ def range_outside(h, x, u, p, e):
     for part in x[:-2]:
         warmest, coldest = max(warmest, part), min(coldest, part)
     for since in (0.0, h):
-        ambient = u[0, AMBIENT] + since * (u[1, AMBIENT] + since * u[2, AMBIENT])
+        ambient = u[0, IN.ambient] + since * (u[1, IN.ambient] + since * u[2, IN.ambient])
         warmest, coldest = max(warmest, ambient), min(coldest, ambient)
-        supplied = u[0, FRICTION] + since * (u[1, FRICTION] + since * u[2, FRICTION])
+        supplied = u[0, IN.friction_power] + since * (u[1, IN.friction_power] + since * u[2, IN.friction_power])
         if e.oil_flow is not None:
             inlet = u[0, e.oil_flow.u] + since * (u[1, e.oil_flow.u] + since * u[2, e.oil_flow.u])
             warmest, coldest = max(warmest, inlet), min(coldest, inlet)
@@ -182,9 +178,9 @@ def network_start(t, s, p, e):
 def network_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (Ti, Tb, To[, Th], heat supplied, heat released)."""
     n = x.size - 2
-    to_balls = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[INNER] - x[BALL])
-    to_outer = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[BALL] - x[OUTER])
-    friction, ambient = u[FRICTION], u[AMBIENT]
+    to_balls = 2.0 * max(u[IN.conductance], 0.0) * (x[INNER] - x[BALL])
+    to_outer = 2.0 * max(u[IN.conductance], 0.0) * (x[BALL] - x[OUTER])
+    friction, ambient = u[IN.friction_power], u[IN.ambient]
     supplied = friction
     from_shaft = p.shaft_conductance * (x[INNER] - ambient)
     inner = p.inner_share * friction - to_balls - from_shaft
@@ -218,7 +214,7 @@ def network_jacobian(t, x, u, band, s, p, e):
     n, w = x.size - 2, x.size - 1
     released = n + 1
     last = n - 1
-    across = 2.0 * max(u[CONDUCTANCE], 0.0)
+    across = 2.0 * max(u[IN.conductance], 0.0)
     band[INNER, w] = -(across + p.shaft_conductance) / p.inner_capacity
     band[INNER, w + 1] = across / p.inner_capacity
     band[BALL, w - 1] = band[BALL, w + 1] = across / p.ball_capacity
@@ -249,15 +245,20 @@ def network_outputs(t, s, p, e):
     """Temperatures, change of clearance, balance of heat."""
     x, y = s.x, s.y
     n = x.size - 2
-    y[INNER_OUT], y[BALL_OUT], y[OUTER_OUT], y[HOUSING_OUT] = x[INNER], x[BALL], x[OUTER], x[n - 1]
+    y[OUT.inner_temperature], y[OUT.ball_temperature], y[OUT.outer_temperature], y[OUT.housing_temperature] = (
+        x[INNER],
+        x[BALL],
+        x[OUTER],
+        x[n - 1],
+    )
     d, dm, reference = p.ball_diameter, p.pitch_diameter, p.reference_temperature
     grown = (dm + d) * (x[OUTER] - reference) - (dm - d) * (x[INNER] - reference) - 2.0 * d * (x[BALL] - reference)
-    y[CLEARANCE_OUT] = p.expansion * grown
+    y[OUT.clearance_change] = p.expansion * grown
     start = p.start_temperature
     stored = p.inner_capacity * (x[INNER] - start) + p.ball_capacity * (x[BALL] - start) + p.outer_capacity * (x[OUTER] - start)
     if e.housing is not None:
         stored += e.housing.heat_capacity * (x[HOUSED] - start)
-    y[SUPPLIED_OUT], y[STORED_OUT], y[RELEASED_OUT] = x[n], stored, x[n + 1]
+    y[OUT.heat_supplied], y[OUT.heat_stored], y[OUT.heat_released] = x[n], stored, x[n + 1]
     return DONE
 
 

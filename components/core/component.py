@@ -15,6 +15,7 @@ import math
 from collections import namedtuple
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import Any, ClassVar
 
 import numpy as np
@@ -73,7 +74,11 @@ class Effect:
 
     def __init_subclass__(cls) -> None:
         cls.variables = _declared(cls)
-        fields = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
+        fields = [
+            name
+            for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT))
+            if any(v.causality is kind for v in cls.variables)
+        ]
         fields += [v.name for v in cls.variables if v.causality is Causality.PARAMETER]
         cls.Values = _tuple_type(cls, "Values", fields or ["on"])
 
@@ -124,14 +129,21 @@ class Component:
         cls.Present = _tuple_type(cls, "Present", cls.effects)
 
     @classmethod
-    def input_indices(cls, *names: str) -> tuple[int, ...]:
-        """Positions of own inputs in the kernels' `u`."""
-        return tuple(_names(cls.own_variables, Causality.INPUT).index(n) for n in names)
+    def input_places(cls) -> Any:
+        """Positions of own inputs in the kernels' `u`, of an array that of its first element: a NamedTuple of their names."""
+        return cls._places("InputPlaces", Causality.INPUT)
 
     @classmethod
-    def output_indices(cls, *names: str) -> tuple[int, ...]:
-        """Positions of own outputs in the kernels' `y`."""
-        return tuple(_names(cls.own_variables, Causality.OUTPUT).index(n) for n in names)
+    def output_places(cls) -> Any:
+        """Positions of own outputs in the kernels' `y`, as `input_places`."""
+        return cls._places("OutputPlaces", Causality.OUTPUT)
+
+    @classmethod
+    def _places(cls, name: str, causality: Causality) -> Any:
+        variables = [v for v in cls.own_variables if v.causality is causality]
+        ends = accumulate(len(v.scalars) for v in variables)
+        setattr(cls, name, _tuple_type(cls, name, [v.name for v in variables]))
+        return getattr(cls, name)(*(end - len(v.scalars) for end, v in zip(ends, variables, strict=True)))
 
     def __init__(
         self, effects: Iterable[str] = (), parameters: Mapping[str, Any] | None = None, *, preset: str = "", name: str = ""
@@ -353,10 +365,6 @@ class Component:
     def stable_step(self) -> float:
         """Largest internal step that is stable without the interface, s; infinite where nothing is integrated explicitly."""
         return math.inf
-
-
-def _names(variables: Iterable[Variable], causality: Causality) -> list[str]:
-    return [s.name for v in variables if v.causality is causality for s in v.scalars]
 
 
 def _prefixed(variable: Variable, effect: str) -> Variable:

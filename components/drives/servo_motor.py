@@ -120,7 +120,8 @@ class ServoMotor(MotorParameters, EventComponent):
         return float(kinetic if e.inductance is None else kinetic + 0.5 * e.inductance.inductance * self.x[CURRENT] ** 2)
 
 
-VOLTAGE, LOAD = ServoMotor.input_indices("voltage", "load_torque")
+IN = ServoMotor.input_places()
+OUT = ServoMotor.output_places()
 
 
 @kernel
@@ -133,8 +134,8 @@ def shaft_inertia(p):
 def winding_voltage(rate, u, p, saturation):
     """Voltage at the winding: what is asked, or what the amplifier's limits leave of it, V."""
     if saturation is None:
-        return u[VOLTAGE]
-    return torque_motor.limited_voltage(u[VOLTAGE], p.constant * p.gear_ratio * rate, p.resistance, saturation)
+        return u[IN.voltage]
+    return torque_motor.limited_voltage(u[IN.voltage], p.constant * p.gear_ratio * rate, p.resistance, saturation)
 
 
 @kernel
@@ -155,7 +156,7 @@ def winding_current(x, u, p, inductance, saturation):
 def shaft_drive(x, u, p, inductance, saturation):
     """Torque that accelerates the wheel, dry friction apart, N.m."""
     torque = p.gear_ratio * p.constant * winding_current(x, u, p, inductance, saturation)
-    return torque - p.gear_ratio * p.gear_ratio * p.damping * x[RATE] - u[LOAD]
+    return torque - p.gear_ratio * p.gear_ratio * p.damping * x[RATE] - u[IN.load_torque]
 
 
 @kernel
@@ -226,9 +227,9 @@ def servo_switch(which, t, x, u, s, p, e):
 def servo_outputs(t, s, p, e):
     """Angle, rate, current, electrical power, and whether the shaft stands."""
     x, u, y = s.x, s.u[0], s.y
-    y[0], y[1] = x[ANGLE], x[RATE]
-    y[2] = winding_current(x, u, p, e.inductance, e.saturation)
-    y[3] = winding_voltage(x[RATE], u, p, e.saturation) * y[2]
+    y[OUT.angle], y[OUT.rate] = x[ANGLE], x[RATE]
+    y[OUT.current] = winding_current(x, u, p, e.inductance, e.saturation)
+    y[OUT.electrical_power] = winding_voltage(x[RATE], u, p, e.saturation) * y[OUT.current]
     if e.shaft_friction is not None:
         y[e.shaft_friction.y] = 1.0 if x[-1] == 0.0 else 0.0
     return DONE

@@ -66,14 +66,14 @@ class TorqueMotor(OdeComponent):
         return 0.0 if inductance is None else float(0.5 * inductance.inductance * self.x[0] ** 2)
 
 
-VOLTAGE, RATE = TorqueMotor.input_indices("voltage", "rate")
-TORQUE, CURRENT, POWER = TorqueMotor.output_indices("torque", "current", "electrical_power")
+IN = TorqueMotor.input_places()
+OUT = TorqueMotor.output_places()
 
 
 @kernel
 def back_emf(u, p):
     """Voltage that the turning induces in the winding, V."""
-    return p.constant * p.gear_ratio * u[RATE]
+    return p.constant * p.gear_ratio * u[IN.rate]
 
 
 @kernel
@@ -88,8 +88,8 @@ def limited_voltage(asked, induced, resistance, saturation):
 def amplifier_voltage(u, p, saturation):
     """Voltage at the winding: what is asked, or what the amplifier's limits leave of it."""
     if saturation is None:
-        return u[VOLTAGE]
-    return limited_voltage(u[VOLTAGE], back_emf(u, p), p.resistance, saturation)
+        return u[IN.voltage]
+    return limited_voltage(u[IN.voltage], back_emf(u, p), p.resistance, saturation)
 
 
 @kernel
@@ -121,9 +121,9 @@ def motor_outputs(t, s, p, e):
         current = s.x[0]
     else:
         current = (voltage - back_emf(u, p)) / p.resistance
-    y[TORQUE] = p.gear_ratio * p.constant * current
-    y[CURRENT] = current
-    y[POWER] = voltage * current
+    y[OUT.torque] = p.gear_ratio * p.constant * current
+    y[OUT.current] = current
+    y[OUT.electrical_power] = voltage * current
     return DONE
 
 

@@ -123,6 +123,10 @@ class ServoController(SampledComponent):
         return super().shapes() | {"rows": np.zeros(1, dtype=np.int64) if reference else None, "fall": 3 if reference else None}
 
 
+IN = ServoController.input_places()
+OUT = ServoController.output_places()
+
+
 @kernel
 def control_start(t, s, p, e):
     """All states are zero, but for what the encoders have counted."""
@@ -183,7 +187,14 @@ def wheel_sample(i, wanted_rate, rate, x, p):
 def control_sample(t, u, s, p, e):
     """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in the state."""
     x = s.x
-    first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
+    first_angle, second_angle, first_rate, second_rate, feed, rotation = (
+        u[IN.first_angle],
+        u[IN.second_angle],
+        u[IN.first_rate],
+        u[IN.second_rate],
+        u[IN.feed],
+        u[IN.rotation],
+    )
     if e.quantisation is not None:
         first_angle, second_angle = (
             counted(first_angle, e.quantisation.wheel_step),
@@ -211,9 +222,9 @@ def control_sample(t, u, s, p, e):
 def control_outputs(t, s, p, e):
     """Voltages, errors and set point of the last sample."""
     x, y = s.x, s.y
-    y[0], y[1] = x[VOLTAGES], x[VOLTAGES + 1]
-    y[2], y[3] = x[ERRORS], x[ERRORS + 1]
-    y[4], y[5] = x[WANTED], x[WANTED + 1]
+    y[OUT.first_voltage], y[OUT.second_voltage] = x[VOLTAGES], x[VOLTAGES + 1]
+    y[OUT.feed_error], y[OUT.rotation_error] = x[ERRORS], x[ERRORS + 1]
+    y[OUT.wanted_feed], y[OUT.wanted_rotation] = x[WANTED], x[WANTED + 1]
     return DONE
 
 

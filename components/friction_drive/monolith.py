@@ -113,8 +113,8 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
         return float(sleeve_energy(self.t, self.x, p, e) + 0.5 * twice)
 
 
-VOLTAGES, FORCE, TORQUE = FrictionDrive.input_indices("first_voltage", "external_force", "external_torque")
-SLEEVE, LOADS, SLIPS, ENERGY = FrictionDrive.output_indices("feed", "first_torque", "first_slip_axial", "mechanical_energy")
+IN = FrictionDrive.input_places()
+OUT = FrictionDrive.output_places()
 
 
 @kernel
@@ -158,10 +158,10 @@ def shafts(t, x, u, p, e):
     _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
     return (
-        shaft_drive(0, at, x, u[VOLTAGES], load_1, p, e.inductance),
-        shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, e.inductance),
-        shaft_levels(0, at, x, u[VOLTAGES], p, e.inductance, e.shaft_friction)[1],
-        shaft_levels(1, at, x, u[VOLTAGES + 1], p, e.inductance, e.shaft_friction)[1],
+        shaft_drive(0, at, x, u[IN.first_voltage], load_1, p, e.inductance),
+        shaft_drive(1, at, x, u[IN.second_voltage], load_2, p, e.inductance),
+        shaft_levels(0, at, x, u[IN.first_voltage], p, e.inductance, e.shaft_friction)[1],
+        shaft_levels(1, at, x, u[IN.second_voltage], p, e.inductance, e.shaft_friction)[1],
     )
 
 
@@ -191,9 +191,11 @@ def drive_resting(x, p, e):
 def drive_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (sleeve, angles, rates[, currents][, modes])."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
-    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], (u[FORCE], u[TORQUE]), dx, p, e)
+    load_1, load_2 = sleeve_derivatives(
+        t, x, x[at + RATES], x[at + RATES + 1], (u[IN.external_force], u[IN.external_torque]), dx, p, e
+    )
     for k in range(2):
-        voltage, rate = u[VOLTAGES + k], x[at + RATES + k]
+        voltage, rate = u[IN.first_voltage + k], x[at + RATES + k]
         torque = shaft_drive(k, at, x, voltage, load_1 if k == 0 else load_2, p, e.inductance)
         if e.shaft_friction is not None:
             mode = at + shaft_modes(e.inductance) + k
@@ -236,12 +238,22 @@ def drive_outputs(t, s, p, e):
     """Motors, sleeve, contacts, energy, and what stands."""
     x, u, y = s.x, s.u[0], s.y
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
-    y[0], y[1], y[2], y[3] = x[at], x[at + 1], x[at + RATES], x[at + RATES + 1]
-    y[4], y[5] = current(0, at, x, u[VOLTAGES], p, e.inductance), current(1, at, x, u[VOLTAGES + 1], p, e.inductance)
-    y[6] = u[VOLTAGES] * y[4] + u[VOLTAGES + 1] * y[5]
-    y[SLEEVE], y[SLEEVE + 1], y[SLEEVE + 2], y[SLEEVE + 3] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
-    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, e)
-    y[ENERGY] = sleeve_energy(t, x, p, e)
+    y[OUT.first_angle], y[OUT.second_angle], y[OUT.first_rate], y[OUT.second_rate] = (
+        x[at],
+        x[at + 1],
+        x[at + RATES],
+        x[at + RATES + 1],
+    )
+    y[OUT.first_current], y[OUT.second_current] = (
+        current(0, at, x, u[IN.first_voltage], p, e.inductance),
+        current(1, at, x, u[IN.second_voltage], p, e.inductance),
+    )
+    y[OUT.electrical_power] = u[IN.first_voltage] * y[OUT.first_current] + u[IN.second_voltage] * y[OUT.second_current]
+    y[OUT.feed], y[OUT.feed_rate], y[OUT.rotation], y[OUT.rotation_rate] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
+    y[OUT.first_torque], y[OUT.second_torque] = contact_outputs(
+        t, x, y[OUT.first_rate], y[OUT.second_rate], y, OUT.first_slip_axial, p, e
+    )
+    y[OUT.mechanical_energy] = sleeve_energy(t, x, p, e)
     stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
     if e.shaft_friction is not None:
         mode = at + shaft_modes(e.inductance)

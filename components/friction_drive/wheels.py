@@ -135,8 +135,8 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
         return float(sleeve_energy(self.t, self.x, p, e))
 
 
-RATE_1, RATE_2, FORCE, TORQUE = FrictionWheels.input_indices("first_rate", "second_rate", "external_force", "external_torque")
-SLIPS, ENERGY = FrictionWheels.output_indices("first_slip_axial", "mechanical_energy")
+IN = FrictionWheels.input_places()
+OUT = FrictionWheels.output_places()
 
 
 @kernel
@@ -159,13 +159,13 @@ def wheels_start(t, s, p, e):
 @kernel
 def wheels_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the sleeve, see sleeve.py."""
-    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], (u[FORCE], u[TORQUE]), dx, p, e)
+    sleeve_derivatives(t, x, u[IN.first_rate], u[IN.second_rate], (u[IN.external_force], u[IN.external_torque]), dx, p, e)
 
 
 @kernel
 def wheels_guards(t, x, u, g, s, p, e):
     """What keeps the modes of both contacts and the seal."""
-    sleeve_guards(x, u[RATE_1], u[RATE_2], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    sleeve_guards(x, u[IN.first_rate], u[IN.second_rate], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 @kernel
@@ -178,9 +178,11 @@ def wheels_switch(which, t, x, u, s, p, e):
 def wheels_outputs(t, s, p, e):
     """Loads of the wheels, motion of the sleeve, contacts, energy."""
     x, u, y = s.x, s.u[0], s.y
-    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, e)
-    y[2], y[3], y[4], y[5] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
-    y[ENERGY] = sleeve_energy(t, x, p, e)
+    y[OUT.first_torque], y[OUT.second_torque] = contact_outputs(
+        t, x, u[IN.first_rate], u[IN.second_rate], y, OUT.first_slip_axial, p, e
+    )
+    y[OUT.feed], y[OUT.feed_rate], y[OUT.rotation], y[OUT.rotation_rate] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
+    y[OUT.mechanical_energy] = sleeve_energy(t, x, p, e)
     stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
     return DONE
 

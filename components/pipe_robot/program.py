@@ -52,6 +52,9 @@ class ExciterProgram(StatelessComponent):
         return {"end": 1}
 
 
+OUT = ExciterProgram.output_places()
+
+
 @kernel
 def program_start(t, s, p, e):
     """The way back may not begin before the change has ended."""
@@ -69,9 +72,9 @@ def share_of_change(t, start, duration, back):
 def program_outputs(t, s, p, e):
     """Frequency, amplitude and voltage at a time."""
     share, y = share_of_change(t, p.start_time, p.duration, p.return_time), s.y
-    y[0] = p.start_frequency + share * (p.end_frequency - p.start_frequency)
-    y[1] = p.start_amplitude + share * (p.end_amplitude - p.start_amplitude)
-    y[2] = p.start_voltage + share * (p.end_voltage - p.start_voltage)
+    y[OUT.frequency] = p.start_frequency + share * (p.end_frequency - p.start_frequency)
+    y[OUT.amplitude] = p.start_amplitude + share * (p.end_amplitude - p.start_amplitude)
+    y[OUT.voltage] = p.start_voltage + share * (p.end_voltage - p.start_voltage)
     return DONE
 
 

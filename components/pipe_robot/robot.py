@@ -182,6 +182,9 @@ class PipeRobot(ShakenRobot):
         super()._check(status)
 
 
+OUT = PipeRobot.output_places()
+
+
 @kernel
 def robot_refused(s, p, e):
     """The status of parameters that do not go together."""
@@ -344,14 +347,19 @@ def robot_outputs(t, s, p, e):
     forward, backward = levels(u, p, e.bristles, e.route)
     friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, e.smoothed_friction, e.lugre_friction)
     stretch, rate = stretch_of(t, x, e.prescribed_motion)
-    y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[POSITION] + stretch, x[VELOCITY] + rate
-    y[4] = -friction
-    y[5] = x[CONTACT]
+    y[OUT.position], y[OUT.velocity], y[OUT.inner_position], y[OUT.inner_velocity] = (
+        x[POSITION],
+        x[VELOCITY],
+        x[POSITION] + stretch,
+        x[VELOCITY] + rate,
+    )
+    y[OUT.friction_force] = -friction
+    y[OUT.mode] = x[CONTACT]
     if e.smoothed_friction is not None or e.lugre_friction is not None:
-        y[5] = direction(x[VELOCITY])
-    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, e)
-    y[7] = dissipated_power(t, x, friction, forward, backward, p, e)
-    y[8] = robot_energy(t, x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction)
+        y[OUT.mode] = direction(x[VELOCITY])
+    y[OUT.exciter_power] = exciter_power(t, x, u, (drive - friction) / mass, p, e)
+    y[OUT.dissipation] = dissipated_power(t, x, friction, forward, backward, p, e)
+    y[OUT.mechanical_energy] = robot_energy(t, x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction)
     if e.unbalance is not None:
         y[e.unbalance.y], y[e.unbalance.y + 1] = x[PHASE_RATE], x[PHASE]
     if e.route is not None:

@@ -114,7 +114,8 @@ class RollingPipeRobot(ShakenRobot):
         super()._check(status)
 
 
-DIAMETER, TAPER = RollingPipeRobot.input_indices("diameter", "taper")
+IN = RollingPipeRobot.input_places()
+OUT = RollingPipeRobot.output_places()
 
 
 @kernel
@@ -127,7 +128,7 @@ def ring_stiffness(p):
 @kernel
 def pressing(u, p):
     """Force of a ring on either of its rollers, N; not below zero."""
-    return ring_stiffness(p) * max(p.free_diameter - u[DIAMETER], 0.0)
+    return ring_stiffness(p) * max(p.free_diameter - u[IN.diameter], 0.0)
 
 
 @kernel
@@ -150,13 +151,13 @@ def moved_mass(mode, p):
 def rolling_drive(x, u, p, e):
     """Force on the body without friction, N."""
     drive = shaken_drive(x, u, p, e.harmonic_force, None, e.tow, e.route)
-    return drive + p.rings * pressing(u, p) * u[TAPER]
+    return drive + p.rings * pressing(u, p) * u[IN.taper]
 
 
 @kernel
 def rolling_energy(t, x, u, p):
     """Kinetic energy with the turning of the rollers, energy of spring and rings, J."""
-    pressed = max(p.free_diameter - u[DIAMETER], 0.0)
+    pressed = max(p.free_diameter - u[IN.diameter], 0.0)
     turning = 0.5 * (moved_mass(x[CONTACT], p) - p.body_mass) * x[VELOCITY] ** 2
     return robot_energy(t, x, p, None, None, None, None) + turning + 0.5 * p.rings * ring_stiffness(p) * pressed**2
 
@@ -164,7 +165,7 @@ def rolling_energy(t, x, u, p):
 @kernel
 def contact_holds(u, p, harmonic, route):
     """Whether the rings touch, are not pressed in too far, and the substep follows the excitation."""
-    fine = (1.0 - SOFTEST) * p.free_diameter <= u[DIAMETER] < p.free_diameter
+    fine = (1.0 - SOFTEST) * p.free_diameter <= u[IN.diameter] < p.free_diameter
     if harmonic is not None:
         fine = fine and abs(u[harmonic.u + 1]) * p.substep <= FASTEST_PHASE
     if route is not None:
@@ -227,15 +228,20 @@ def rolling_outputs(t, s, p, e):
     drive = rolling_drive(x, u, p, e)
     forward, backward = rolling_levels(u, p, e.route)
     friction = directed_friction(x[CONTACT], drive, forward, backward)
-    y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[INNER], x[INNER_VELOCITY]
-    y[4], y[5] = -friction, x[CONTACT]
+    y[OUT.position], y[OUT.velocity], y[OUT.inner_position], y[OUT.inner_velocity] = (
+        x[POSITION],
+        x[VELOCITY],
+        x[INNER],
+        x[INNER_VELOCITY],
+    )
+    y[OUT.friction_force], y[OUT.mode] = -friction, x[CONTACT]
     rate = x[INNER_VELOCITY] - x[VELOCITY]
-    y[6] = -harmonic_force(x, u, e.harmonic_force) * rate if e.harmonic_force is not None else 0.0
-    y[7] = friction * x[VELOCITY] + p.damping * rate * rate
-    y[8] = rolling_energy(t, x, u, p)
-    y[9] = pressing(u, p)
+    y[OUT.exciter_power] = -harmonic_force(x, u, e.harmonic_force) * rate if e.harmonic_force is not None else 0.0
+    y[OUT.dissipation] = friction * x[VELOCITY] + p.damping * rate * rate
+    y[OUT.mechanical_energy] = rolling_energy(t, x, u, p)
+    y[OUT.pressing_force] = pressing(u, p)
     mass = moved_mass(x[CONTACT], p)
-    y[10] = abs(drive - friction) / mass * (mass - p.body_mass) / backward if backward > 0.0 else 0.0
+    y[OUT.grip] = abs(drive - friction) / mass * (mass - p.body_mass) / backward if backward > 0.0 else 0.0
     if e.route is not None:
         y[e.route.y] = weight_power(t, x, u, p, None, None, e.route)
     return DONE

@@ -54,6 +54,10 @@ class PipeRoute(StatelessComponent):
         return {"rates": (3, KNOTS), "disorder": 3}
 
 
+IN = PipeRoute.input_places()
+OUT = PipeRoute.output_places()
+
+
 @kernel
 def monotone_rates(places, table, rates):
     """Derivatives at the places, (n,), with which the cubics between them do not overshoot; zero at both ends.
@@ -91,20 +95,20 @@ def between(share, h, table, rates, i):
 @kernel
 def route_at(t, s, p, e):
     """Slope, diameter, its growth, and factor at a position."""
-    position, places, rates, y = s.u[0, 0], p.place, s.rates, s.y
+    position, places, rates, y = s.u[0, IN.position], p.place, s.rates, s.y
     i = 0
     while i < KNOTS - 2 and position > places[i + 1]:
         i += 1
     h = places[i + 1] - places[i]
     share = min(max((position - places[i]) / h, 0.0), 1.0)
-    y[0] = between(share, h, p.slope_table, rates[0], i)
-    y[1] = between(share, h, p.diameter_table, rates[1], i)
-    y[2] = (
+    y[OUT.slope] = between(share, h, p.slope_table, rates[0], i)
+    y[OUT.diameter] = between(share, h, p.diameter_table, rates[1], i)
+    y[OUT.taper] = (
         6.0 * (share * (1.0 - share)) * (p.diameter_table[i + 1] - p.diameter_table[i]) / h
         + (1.0 - share) * (1.0 - 3.0 * share) * rates[1, i]
         + share * (3.0 * share - 2.0) * rates[1, i + 1]
     )
-    y[3] = between(share, h, p.factor_table, rates[2], i)
+    y[OUT.friction_factor] = between(share, h, p.factor_table, rates[2], i)
     return DONE
 
 

@@ -52,19 +52,23 @@ class TowCoupling(StatelessComponent):
     def energy(self) -> float:
         """Energy of the spring, J."""
         _, p, e = self.arguments
-        stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
+        stretch = float(self.u[0, IN.front_position] - self.u[0, IN.rear_position]) - p.length
         return 0.5 * p.stiffness * (max(stretch, 0.0) if e.slack is not None else stretch) ** 2
+
+
+IN = TowCoupling.input_places()
+OUT = TowCoupling.output_places()
 
 
 @kernel
 def tow_forces(t, s, p, e):
     """Forces on both ends, and the stretch."""
     u, y = s.u[0], s.y
-    stretch, rate = u[2] - u[0] - p.length, u[3] - u[1]
+    stretch, rate = u[IN.front_position] - u[IN.rear_position] - p.length, u[IN.front_velocity] - u[IN.rear_velocity]
     force = p.stiffness * stretch + p.damping * rate
     if e.slack is not None:
         force = max(p.stiffness * stretch + p.damping * min(stretch / e.slack.onset, 1.0) * rate, 0.0) if stretch > 0.0 else 0.0
-    y[0], y[1], y[2] = force, -force, stretch
+    y[OUT.rear_force], y[OUT.front_force], y[OUT.stretch] = force, -force, stretch
     return DONE
 
 

@@ -323,9 +323,9 @@ class Catenary(HungLine):
         return reasons
 
 
-POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
-HEIGHT, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices("wire_height", "static_residual", "support_uplift[1]")
-OWN_POINT = (POSITION, FORCE, HEIGHT, 1, 0)  # see `contact_points`
+IN = Catenary.input_places()
+OUT = Catenary.output_places()
+OWN_POINT = (IN.contact_position, IN.contact_force, OUT.wire_height, 1, 0)  # see `contact_points`
 
 
 @kernel
@@ -341,20 +341,20 @@ def put_outputs(t, mesh, s, p, e):
         y[i + 2 * next_one] = contact_compliance(x[3 * N + 2 * k + 1], position, wire, mesh)
     for k in range(WATCHED):
         j = W * mesh.support[min(p.first_watched_support + k, mesh.support.size - 1)]
-        y[UPLIFT + k] = q[j]
+        y[OUT.support_uplift + k] = q[j]
         if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
-            y[UPLIFT + k] = max(q[j], q[j + 2])
+            y[OUT.support_uplift + k] = max(q[j], q[j + 2])
     if e.gusts is not None:
         position = u[points[0, 0]]
         y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)
     if e.stagger is not None:
         for wire in range(2):
-            y[e.stagger.y + wire] = lateral_position(u[POSITION], wire, s.lateral)
+            y[e.stagger.y + wire] = lateral_position(u[IN.contact_position], wire, s.lateral)
     if e.wire_profile is not None:
-        heights_around(u[POSITION], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
+        heights_around(u[IN.contact_position], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
     if e.line_profile is not None:
         hung = y[e.line_profile.y : e.line_profile.y + 2 * PROFILE]
-        hung_around(u[POSITION], q, mesh, hung[:PROFILE], hung[PROFILE:])
+        hung_around(u[IN.contact_position], q, mesh, hung[:PROFILE], hung[PROFILE:])
 
 
 # -- the kernels -------------------------------------------------------------------------------------------------------
@@ -443,8 +443,8 @@ def catenary_initialize(t, s, p, e):
         front, rear = max(front, position), min(rear, position)
         add_contact(position, u[0, points[k, 1]], nodal[0], points[k, 4], mesh)
         x[3 * N + 2 * k] = position
-    s.y[STATIC_RESIDUAL] = find_balance(nodal[0], unilateral, x[:N], mesh, s.balance)
-    if math.isnan(s.y[STATIC_RESIDUAL]):
+    s.y[OUT.static_residual] = find_balance(nodal[0], unilateral, x[:N], mesh, s.balance)
+    if math.isnan(s.y[OUT.static_residual]):
         return UNBALANCED
 
     # what only one method or effect remembers

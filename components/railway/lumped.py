@@ -94,11 +94,11 @@ class LumpedCatenary(OdeComponent):
     def energy(self) -> float:
         """Kinetic energy plus that of the spring, J; with `inerter`, of the deviation."""
         p = self.arguments[1]
-        return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
+        return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, IN.contact_position], p) * self.x[0] ** 2)
 
 
-POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")
-HEIGHT, VELOCITY, STIFFNESS = LumpedCatenary.output_indices("wire_height", "wire_velocity", "wire_stiffness")
+IN = LumpedCatenary.input_places()
+OUT = LumpedCatenary.output_places()
 
 
 @kernel
@@ -118,10 +118,10 @@ def lumped_start(t, s, p, e):
         s.least[0] = min(s.least[0], stiffness_at(p.span_length * i / PLACES, p) / p.mean_stiffness)
     if s.least[0] <= 0.0:
         return NO_STIFFNESS
-    force = s.u[0, FORCE]
+    force = s.u[0, IN.contact_force]
     if e.inerter is not None:
         force -= e.inerter.reference_force
-    s.x[0] = force / stiffness_at(s.u[0, POSITION], p)
+    s.x[0] = force / stiffness_at(s.u[0, IN.contact_position], p)
     return DONE
 
 
@@ -146,21 +146,21 @@ def lumped_stable(t, s, p, e):
 @kernel
 def lumped_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (height or deviation, its rate)."""
-    force = u[FORCE]
+    force = u[IN.contact_force]
     if e.inerter is not None:
         force -= e.inerter.reference_force
     dx[0] = x[1]
-    dx[1] = (force - p.damping * x[1] - stiffness_at(u[POSITION], p) * x[0]) / p.mass
+    dx[1] = (force - p.damping * x[1] - stiffness_at(u[IN.contact_position], p) * x[0]) / p.mass
 
 
 @kernel
 def lumped_outputs(t, s, p, e):
     """Height, velocity, stiffness at the contact point; the velocity is that of the mass, without the static line's."""
     x, y = s.x, s.y
-    y[STIFFNESS] = stiffness_at(s.u[0, POSITION], p)
-    y[HEIGHT], y[VELOCITY] = x[0], x[1]
+    y[OUT.wire_stiffness] = stiffness_at(s.u[0, IN.contact_position], p)
+    y[OUT.wire_height], y[OUT.wire_velocity] = x[0], x[1]
     if e.inerter is not None:
-        y[HEIGHT] += e.inerter.reference_force / y[STIFFNESS]
+        y[OUT.wire_height] += e.inerter.reference_force / y[OUT.wire_stiffness]
     return DONE
 
 

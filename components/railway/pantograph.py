@@ -209,7 +209,7 @@ class Pantograph(OdeComponent):
         if e.second_wire is not None:
             springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, e.second_wire.u + 1])
         if e.outer_contact is None:
-            springs += front**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
+            springs += front**2 * (1.0 / p.contact_stiffness + self.u[0, IN.wire_compliance])
         base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
         motion = p.head_mass * x[1] ** 2 + p.frame_mass * x[3] ** 2
         if e.lower_frame is None:
@@ -229,10 +229,8 @@ class Pantograph(OdeComponent):
         return 0.5 * (motion + springs)
 
 
-WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")
-FORCE, POSITION, HEAD, HEAD_VELOCITY, FRAME = Pantograph.output_indices(
-    "contact_force", "contact_position", "head_height", "head_velocity", "frame_height"
-)
+IN = Pantograph.input_places()
+OUT = Pantograph.output_places()
 
 
 @kernel
@@ -254,14 +252,17 @@ def spring_force(approach, compliance, p, loss):
 def spring_forces(t, x, u, loss, s, p, e):
     """Force of the head or of its front strip, and of the rear strip or on the second wire, N; loss: None where contacts pull."""
     position = front_position(t, p, e)
-    wire = uneven(u[WIRE_HEIGHT], position, s)
+    wire = uneven(u[IN.wire_height], position, s)
     if e.second_wire is not None:
         beside = x[0] - u[e.second_wire.u]
-        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss), spring_force(beside, u[e.second_wire.u + 1], p, loss))
+        return (spring_force(x[0] - wire, u[IN.wire_compliance], p, loss), spring_force(beside, u[e.second_wire.u + 1], p, loss))
     if e.two_strips is None:
-        return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss), 0.0
+        return spring_force(x[0] - wire, u[IN.wire_compliance], p, loss), 0.0
     i, rear = first_strip(e), uneven(u[e.two_strips.u], position - e.two_strips.distance, s)
-    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, loss), spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, loss))
+    return (
+        spring_force(x[i] - wire, u[IN.wire_compliance], p, loss),
+        spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, loss),
+    )
 
 
 @kernel
@@ -376,7 +377,7 @@ def rest_on_wire(lift, wire, contact, base_height, s, p, e):
 @kernel
 def rest_on_wires(lift, wire, base_height, s, p, e):
     """Equilibrium with the head on one of two wires or on both."""
-    contact = 1.0 / p.contact_stiffness + s.u[0, WIRE_COMPLIANCE]
+    contact = 1.0 / p.contact_stiffness + s.u[0, IN.wire_compliance]
     rest_on_wire(lift, wire, contact, base_height, s, p, e)
     if e.second_wire is not None:
         second = s.u[0, e.second_wire.u]
@@ -430,7 +431,7 @@ def pantograph_start(t, s, p, e):
     if e.two_strips is not None:
         return rest_on_strips(t, s, p, e)
     base_height = s.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
-    rest_on_wires(lift, uneven(s.u[0, WIRE_HEIGHT], front_position(t, p, e), s), base_height, s, p, e)
+    rest_on_wires(lift, uneven(s.u[0, IN.wire_height], front_position(t, p, e), s), base_height, s, p, e)
     return DONE
 
 
@@ -438,15 +439,15 @@ def pantograph_start(t, s, p, e):
 def pantograph_outputs(t, s, p, e):
     """Contact force, position of the contact point, heights and velocity."""
     x, y = s.x, s.y
-    y[FORCE], rear = contact_forces(t, x, s.u[0], s, p, e)
-    y[POSITION] = front_position(t, p, e)
-    y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
+    y[OUT.contact_force], rear = contact_forces(t, x, s.u[0], s, p, e)
+    y[OUT.contact_position] = front_position(t, p, e)
+    y[OUT.head_height], y[OUT.head_velocity], y[OUT.frame_height] = x[0], x[1], x[2]
     if e.two_strips is not None:
         i, k = first_strip(e), e.two_strips.y
-        y[k], y[k + 1] = rear, y[POSITION] - e.two_strips.distance
+        y[k], y[k + 1] = rear, y[OUT.contact_position] - e.two_strips.distance
         y[k + 2], y[k + 3], y[k + 4] = x[i], x[i + 2], x[i + 4]
     if e.second_wire is not None:
-        y[e.second_wire.y], y[e.second_wire.y + 1] = rear, y[FORCE] + rear
+        y[e.second_wire.y], y[e.second_wire.y + 1] = rear, y[OUT.contact_force] + rear
     if e.actuator is not None:
         y[e.actuator.y] = x[x.size - 1]
     return DONE

@@ -95,13 +95,17 @@ class JeffcottRotor(SmoothComponent):
         return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
 
 
+IN = JeffcottRotor.input_places()
+OUT = JeffcottRotor.output_places()
+
+
 @kernel
 def jeffcott_start(t, s, p, e):
     """Equilibrium under the forces, or the straight shaft where nothing holds it."""
     x = s.x
     cross = e.internal_damping.coefficient * speed_at(t, p.start_speed, e.run_up) if e.internal_damping is not None else 0.0
     kx, ky = p.stiffness, p.stiffness * (e.orthotropy.ratio if e.orthotropy is not None else 1.0)
-    fx, fy = s.u[0, 0], s.u[0, 1]
+    fx, fy = s.u[0, IN.force_x], s.u[0, IN.force_y]
     if e.gravity is not None:
         fy -= p.mass * e.gravity.acceleration
     determinant = kx * ky + cross * cross
@@ -133,11 +137,11 @@ def jeffcott_stable(t, s, p, e):
 def jeffcott_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (x, y, x', y', angle)."""
     speed = speed_at(t, p.start_speed, e.run_up)
-    fx = u[0] - p.stiffness * x[0] - p.damping * x[2]
+    fx = u[IN.force_x] - p.stiffness * x[0] - p.damping * x[2]
     if e.orthotropy is not None:
-        fy = u[1] - e.orthotropy.ratio * p.stiffness * x[1] - p.damping * x[3]
+        fy = u[IN.force_y] - e.orthotropy.ratio * p.stiffness * x[1] - p.damping * x[3]
     else:
-        fy = u[1] - p.stiffness * x[1] - p.damping * x[3]
+        fy = u[IN.force_y] - p.stiffness * x[1] - p.damping * x[3]
     if e.internal_damping is not None:
         fx -= e.internal_damping.coefficient * (x[2] + speed * x[1])
         fy -= e.internal_damping.coefficient * (x[3] - speed * x[0])
@@ -157,9 +161,9 @@ def jeffcott_derivatives(t, x, u, dx, s, p, e):
 def jeffcott_outputs(t, s, p, e):
     """Motion of the disk, speed and angle."""
     x, y = s.x, s.y
-    y[0], y[1], y[2], y[3] = x[0], x[1], x[2], x[3]
-    y[4] = speed_at(t, p.start_speed, e.run_up)
-    y[5] = x[4]
+    y[OUT.displacement_x], y[OUT.displacement_y], y[OUT.velocity_x], y[OUT.velocity_y] = x[0], x[1], x[2], x[3]
+    y[OUT.speed] = speed_at(t, p.start_speed, e.run_up)
+    y[OUT.angle] = x[4]
     return DONE
 
 
@@ -175,7 +179,7 @@ def jeffcott_step(t, h, s, p, e):
     angle = angle_after(s.x[4], t, h, p.start_speed, e.run_up)
     status = _advance(t, h, s, p, e)
     s.x[4] = angle
-    s.y[5] = angle
+    s.y[OUT.angle] = angle
     return status
 
 

@@ -44,12 +44,24 @@ class AddedMassForce(StatelessComponent):
     moment_z = output("N.m", "moment on the hull about z", feedthrough=("angular_acceleration_z",))
 
 
+IN = AddedMassForce.input_places()
+OUT = AddedMassForce.output_places()
+
+
 @kernel
 def reaction(t, s, p, e):
     """Force against each acceleration."""
     u, y = s.u[0], s.y
-    y[0], y[1], y[2] = -p.surge * u[0], -p.sway * u[1], -p.heave * u[2]
-    y[3], y[4], y[5] = -p.roll * u[3], -p.pitch * u[4], -p.yaw * u[5]
+    y[OUT.force_x], y[OUT.force_y], y[OUT.force_z] = (
+        -p.surge * u[IN.acceleration_x],
+        -p.sway * u[IN.acceleration_y],
+        -p.heave * u[IN.acceleration_z],
+    )
+    y[OUT.moment_x], y[OUT.moment_y], y[OUT.moment_z] = (
+        -p.roll * u[IN.angular_acceleration_x],
+        -p.pitch * u[IN.angular_acceleration_y],
+        -p.yaw * u[IN.angular_acceleration_z],
+    )
     return DONE
 
 

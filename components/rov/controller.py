@@ -219,9 +219,7 @@ class RovController(SampledComponent):
         }
 
 
-NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
-    "position_north", "quaternion_w", "surge", "roll_rate", "available[1]"
-)
+IN = RovController.input_places()
 
 
 @kernel
@@ -314,8 +312,12 @@ def control_sample(t, u, s, p, e):
     """One sample at time t with the inputs u, (m,): commands, integrals and errors in the state."""
     x, pose, rate, wrench, thrust, given = s.x, s.work[1], s.work[2], s.work[3], s.work[4], s.work[5]
     wanted(t, p, e.manoeuvre, s.rows, pose, rate)
-    qw, qx, qy, qz = u[QUATERNION], u[QUATERNION + 1], u[QUATERNION + 2], u[QUATERNION + 3]
-    x[ERRORS], x[ERRORS + 1], x[ERRORS + 2] = pose[0] - u[NORTH], pose[1] - u[NORTH + 1], pose[2] - u[NORTH + 2]
+    qw, qx, qy, qz = u[IN.quaternion_w], u[IN.quaternion_x], u[IN.quaternion_y], u[IN.quaternion_z]
+    x[ERRORS], x[ERRORS + 1], x[ERRORS + 2] = (
+        pose[0] - u[IN.position_north],
+        pose[1] - u[IN.position_east],
+        pose[2] - u[IN.depth],
+    )
     a, b, c, d = quaternion_of_angles(pose[3], pose[4], pose[5])
     x[ERRORS + 3], x[ERRORS + 4], x[ERRORS + 5] = turn_between(qw, qx, qy, qz, a, b, c, d)
 
@@ -329,11 +331,11 @@ def control_sample(t, u, s, p, e):
     turn = to_world(a, b, c, d, rate[3] - rate[5] * sp, rate[4] * cr + rate[5] * cp * sr, rate[5] * cp * cr - rate[4] * sr)
     turn = to_body(qw, qx, qy, qz, turn[0], turn[1], turn[2])
     for j in range(3):
-        wrench[j] = f[j] + p.position_gain[j] * error[j] + p.velocity_gain[j] * (v[j] - u[SURGE + j])
+        wrench[j] = f[j] + p.position_gain[j] * error[j] + p.velocity_gain[j] * (v[j] - u[IN.surge + j])
         k = j + 3
-        wrench[k] = x[INTEGRALS + k] + p.attitude_gain[j] * x[ERRORS + k] + p.rate_gain[j] * (turn[j] - u[ROLL_RATE + j])
+        wrench[k] = x[INTEGRALS + k] + p.attitude_gain[j] * x[ERRORS + k] + p.rate_gain[j] * (turn[j] - u[IN.roll_rate + j])
 
-    choice = chosen(u, AVAILABLE, THRUSTERS)
+    choice = chosen(u, IN.available, THRUSTERS)
     if e.further_thrusters is not None:
         choice += chosen(u, e.further_thrusters.u, 2) << THRUSTERS
     if choice != s.choice[0]:

@@ -93,6 +93,9 @@ class WaterCurrent(StatelessComponent):
         return sea
 
 
+OUT = WaterCurrent.output_places()
+
+
 @kernel
 def water_start(t, s, p, e):
     """The components of the waves on the mean current."""
@@ -111,8 +114,12 @@ def water(t, s, p, e):
         r = min(max((t - e.ramp.start_time) / e.ramp.duration, 0.0), 1.0)
         share, rate = r * r * (3.0 - 2.0 * r), 6.0 * r * (1.0 - r) / e.ramp.duration
     north, east = p.speed * math.cos(p.direction), p.speed * math.sin(p.direction)
-    y[0], y[1], y[2] = share * north, share * east, share * p.downwelling
-    y[3], y[4], y[5] = rate * north, rate * east, rate * p.downwelling
+    y[OUT.velocity_north], y[OUT.velocity_east], y[OUT.velocity_down] = share * north, share * east, share * p.downwelling
+    y[OUT.acceleration_north], y[OUT.acceleration_east], y[OUT.acceleration_down] = (
+        rate * north,
+        rate * east,
+        rate * p.downwelling,
+    )
     if e.tide is not None:
         w = TURN / e.tide.period
         add(
@@ -139,10 +146,10 @@ def water(t, s, p, e):
 def add(y, direction, speed, acceleration):
     """Add a horizontal part that sets in a direction to the velocity and the acceleration in y, (6,)."""
     north, east = math.cos(direction), math.sin(direction)
-    y[0] += speed * north
-    y[1] += speed * east
-    y[3] += acceleration * north
-    y[4] += acceleration * east
+    y[OUT.velocity_north] += speed * north
+    y[OUT.velocity_east] += speed * east
+    y[OUT.acceleration_north] += acceleration * north
+    y[OUT.acceleration_east] += acceleration * east
 
 
 WaterCurrent.kernels = stateless_kernels(__name__, water, water_start)

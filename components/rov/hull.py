@@ -11,11 +11,11 @@ from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, in_python, kernel
-from ..core.rotation import quaternion_of_angles, to_body, to_world
+from ..core.rotation import angles, quaternion_of_angles, to_body, to_world
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
-from .hull_equations import hull_derivatives, hull_outputs, steady_outputs
+from .hull_equations import hull_derivatives, tether_velocity, water_velocity, wrench
 from .inertia import invert, least_moment, rigid_mass, six
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
@@ -377,6 +377,9 @@ class RovHull(OdeComponent):
         return float(total)
 
 
+OUT = RovHull.output_places()
+
+
 @kernel
 def hull_start(t, s, p, e):
     """Masses, arrangement and righting moment; then the pose and the velocities given."""
@@ -405,6 +408,59 @@ def hull_start(t, s, p, e):
     roll = np.fmod(p.start_roll, TURN)
     x[13] = roll - math.copysign(TURN, roll) if abs(roll) > 0.5 * TURN else roll
     return DONE
+
+
+@kernel
+def axial_speed(n, x, water, T):
+    """Speed of thruster n along its direction through the water, m/s; T: `thrusters`."""
+    cx, cy, cz = water
+    return (
+        T[0, n] * (x[7] - cx)
+        + T[1, n] * (x[8] - cy)
+        + T[2, n] * (x[9] - cz)
+        + T[3, n] * x[10]
+        + T[4, n] * x[11]
+        + T[5, n] * x[12]
+    )
+
+
+@kernel
+def hull_outputs(t, s, p, e):
+    """Pose, velocities, angles, speed of each thruster through the water; the attachment's motion; the accelerations."""
+    x, u, y = s.x, s.u[0], s.y
+    for n in range(13):
+        y[n] = x[n]
+    y[OUT.roll], y[OUT.pitch], y[OUT.yaw], y[OUT.attitude_valid] = angles(x[3], x[4], x[5], x[6], x[13])
+    water = water_velocity(x, u, e.current)
+    for n in range(6):
+        y[OUT.axial_speed + n] = axial_speed(n, x, water, s.thrusters)
+    if e.further_thrusters is not None:
+        for n in range(6, 8):
+            y[e.further_thrusters.y + n - 6] = axial_speed(n, x, water, s.thrusters)
+    if e.tether is not None:
+        w, i, j, k = x[3], x[4], x[5], x[6]
+        n = e.tether.y
+        dx, dy, dz = to_world(w, i, j, k, e.tether.attachment_x, e.tether.attachment_y, e.tether.attachment_z)
+        y[n], y[n + 1], y[n + 2] = x[0] + dx, x[1] + dy, x[2] + dz
+        vx, vy, vz = tether_velocity(x, e.tether)
+        y[n + 3], y[n + 4], y[n + 5] = to_world(w, i, j, k, vx, vy, vz)
+    if e.external is not None:
+        X, Y, Z, K, M, N = wrench(x, u, s, p, e)
+        m = s.inverse
+        for n in range(6):
+            y[e.external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
+    return DONE
+
+
+@kernel
+def steady_outputs(t, s, p, e):
+    """End of a step: the quaternion back to norm 1, the roll that was last determinate is kept; then the outputs."""
+    x = s.x
+    norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
+    for n in range(3, 7):
+        x[n] /= norm
+    x[13] = angles(x[3], x[4], x[5], x[6], x[13])[0]
+    return hull_outputs(t, s, p, e)
 
 
 @kernel

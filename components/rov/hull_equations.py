@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
-from ..core.kernels import DONE, kernel
-from ..core.rotation import angles, quaternion_rate, to_body, to_world
+from ..core.kernels import kernel
+from ..core.rotation import quaternion_rate, to_body, to_world
 
 
 @kernel
@@ -116,57 +114,3 @@ def hull_derivatives(t, x, u, dx, s, p, e):
     for n in range(6):
         dx[7 + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
     dx[13] = 0.0
-
-
-@kernel
-def hull_outputs(t, s, p, e):
-    """Pose, velocities, angles, speed of each thruster through the water; the attachment's motion; the accelerations."""
-    x, u, y = s.x, s.u[0], s.y
-    for n in range(13):
-        y[n] = x[n]
-    y[13], y[14], y[15], y[16] = angles(x[3], x[4], x[5], x[6], x[13])
-    cx, cy, cz = water_velocity(x, u, e.current)
-    T = s.thrusters
-    for n in range(6):
-        y[17 + n] = (
-            T[0, n] * (x[7] - cx)
-            + T[1, n] * (x[8] - cy)
-            + T[2, n] * (x[9] - cz)
-            + T[3, n] * x[10]
-            + T[4, n] * x[11]
-            + T[5, n] * x[12]
-        )
-    if e.further_thrusters is not None:
-        for n in range(6, 8):
-            y[e.further_thrusters.y + n - 6] = (
-                T[0, n] * (x[7] - cx)
-                + T[1, n] * (x[8] - cy)
-                + T[2, n] * (x[9] - cz)
-                + T[3, n] * x[10]
-                + T[4, n] * x[11]
-                + T[5, n] * x[12]
-            )
-    if e.tether is not None:
-        w, i, j, k = x[3], x[4], x[5], x[6]
-        n = e.tether.y
-        dx, dy, dz = to_world(w, i, j, k, e.tether.attachment_x, e.tether.attachment_y, e.tether.attachment_z)
-        y[n], y[n + 1], y[n + 2] = x[0] + dx, x[1] + dy, x[2] + dz
-        vx, vy, vz = tether_velocity(x, e.tether)
-        y[n + 3], y[n + 4], y[n + 5] = to_world(w, i, j, k, vx, vy, vz)
-    if e.external is not None:
-        X, Y, Z, K, M, N = wrench(x, u, s, p, e)
-        m = s.inverse
-        for n in range(6):
-            y[e.external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
-    return DONE
-
-
-@kernel
-def steady_outputs(t, s, p, e):
-    """End of a step: the quaternion back to norm 1, the roll that was last determinate is kept; then the outputs."""
-    x = s.x
-    norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
-    for n in range(3, 7):
-        x[n] /= norm
-    x[13] = angles(x[3], x[4], x[5], x[6], x[13])[0]
-    return hull_outputs(t, s, p, e)

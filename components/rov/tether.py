@@ -139,6 +139,10 @@ class Tether(OdeComponent):
         return float(0.5 * mass * (x[1] ** 2).sum() + 0.5 * stiffness / length * (strain**2).sum() - weight * depth)
 
 
+IN = Tether.input_places()
+OUT = Tether.output_places()
+
+
 @kernel_tuple
 class Chain(NamedTuple):
     """What follows from the parameters."""
@@ -194,7 +198,7 @@ def place(k, n, x, u, p):
     if k == 0:
         return p.anchor_north, p.anchor_east, p.anchor_down
     if k == n:
-        return u[0], u[1], u[2]
+        return u[IN.position_north], u[IN.position_east], u[IN.position_down]
     i = 3 * (k - 1)
     return x[i], x[i + 1], x[i + 2]
 
@@ -205,7 +209,7 @@ def motion(k, n, x, u):
     if k == 0:
         return 0.0, 0.0, 0.0
     if k == n:
-        return u[3], u[4], u[5]
+        return u[IN.velocity_north], u[IN.velocity_east], u[IN.velocity_down]
     i = 3 * (n - 1 + k - 1)
     return x[i], x[i + 1], x[i + 2]
 
@@ -274,12 +278,12 @@ def tether_derivatives(t, x, u, dx, s, p, e):
 def tether_outputs(t, s, p, e):
     """Force on the vehicle, tensions at both ends, depth of the lowest node."""
     n, c, x, u, y = p.segments, chain(s), s.x, s.u[0], s.y
-    y[4] = segment_forces(0, x, u, c, p, e)[6]
+    y[OUT.anchor_tension] = segment_forces(0, x, u, c, p, e)[6]
     tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, c, p, e)
-    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * c.weight, tension
-    y[5] = p.anchor_down
+    y[OUT.force_north], y[OUT.force_east], y[OUT.force_down], y[OUT.tension] = ex - tx, ey - ty, ez - tz + 0.5 * c.weight, tension
+    y[OUT.lowest] = p.anchor_down
     for i in range(n - 1):
-        y[5] = max(y[5], x[3 * i + 2])
+        y[OUT.lowest] = max(y[OUT.lowest], x[3 * i + 2])
     return DONE
 
 

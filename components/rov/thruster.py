@@ -209,8 +209,8 @@ class Thruster(OdeComponent):
         return energy if e.inductance is None else energy + 0.5 * e.inductance.inductance * self.x[1] ** 2
 
 
-(COMMAND,) = Thruster.input_indices("command")
-(THRUST,) = Thruster.output_indices("thrust")
+IN = Thruster.input_places()
+OUT = Thruster.output_places()
 
 
 @kernel
@@ -272,7 +272,7 @@ def motor_current(x, u, propeller, inductance):
     """Current of the motor, A."""
     if inductance is not None:
         return x[1]
-    return (limited(u[COMMAND]) * propeller.supply_voltage - propeller.motor_constant * x[0]) / propeller.resistance
+    return (limited(u[IN.command]) * propeller.supply_voltage - propeller.motor_constant * x[0]) / propeller.resistance
 
 
 @kernel
@@ -299,13 +299,13 @@ def thruster_start(t, s, p, e):
         if status != DONE:
             return status
     if e.lag is not None:
-        x[0] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+        x[0] = static_thrust(u[IN.command], p, e.static_curve, e.polynomial_curve)
     if e.motor_lag is not None:
-        x[0] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) / e.motor_lag.b0
+        x[0] = static_thrust(u[IN.command], p, e.static_curve, e.polynomial_curve) / e.motor_lag.b0
     if e.propeller is not None:
         if gives_power(e.propeller, s.refused):
             return SOURCE_OF_POWER
-        command = limited(u[COMMAND])
+        command = limited(u[IN.command])
         x[0] = steady_speed(command, u[e.propeller.u], e.propeller)
         if e.inductance is not None:
             voltage = command * e.propeller.supply_voltage
@@ -341,11 +341,11 @@ def thruster_stable(t, s, p, e):
 def thruster_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (), (thrust), the states of the third-order lag in controllable form, or (speed[, current])."""
     if e.lag is not None:
-        dx[0] = (static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) - x[0]) / e.lag.time_constant
+        dx[0] = (static_thrust(u[IN.command], p, e.static_curve, e.polynomial_curve) - x[0]) / e.lag.time_constant
     if e.motor_lag is not None:
         dx[0], dx[1] = x[1], x[2]
         dx[2] = (
-            static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+            static_thrust(u[IN.command], p, e.static_curve, e.polynomial_curve)
             - e.motor_lag.b0 * x[0]
             - e.motor_lag.a1 * x[1]
             - e.motor_lag.a2 * x[2]
@@ -355,7 +355,7 @@ def thruster_derivatives(t, x, u, dx, s, p, e):
         torque = propeller_torque(x[0], u[e.propeller.u], e.propeller)
         dx[0] = (e.propeller.motor_constant * current - e.propeller.friction * x[0] - torque) / e.propeller.inertia
         if e.inductance is not None:
-            voltage = limited(u[COMMAND]) * e.propeller.supply_voltage
+            voltage = limited(u[IN.command]) * e.propeller.supply_voltage
             dx[1] = (voltage - e.propeller.resistance * x[1] - e.propeller.motor_constant * x[0]) / e.inductance.inductance
 
 
@@ -364,18 +364,18 @@ def thruster_outputs(t, s, p, e):
     """Thrust, and what motor and propeller do."""
     x, u, y = s.x, s.u[0], s.y
     if e.lag is not None:
-        y[THRUST] = x[0]
+        y[OUT.thrust] = x[0]
     elif e.motor_lag is not None:
-        y[THRUST] = e.motor_lag.b0 * x[0] + e.motor_lag.b1 * x[1]
+        y[OUT.thrust] = e.motor_lag.b0 * x[0] + e.motor_lag.b1 * x[1]
     elif e.propeller is not None:
         current = motor_current(x, u, e.propeller, e.inductance)
-        y[THRUST] = propeller_thrust(x[0], u[e.propeller.u], e.propeller)
+        y[OUT.thrust] = propeller_thrust(x[0], u[e.propeller.u], e.propeller)
         y[e.propeller.y] = x[0]
         y[e.propeller.y + 1] = propeller_torque(x[0], u[e.propeller.u], e.propeller)
         y[e.propeller.y + 2] = current
-        y[e.propeller.y + 3] = current * limited(u[COMMAND]) * e.propeller.supply_voltage
+        y[e.propeller.y + 3] = current * limited(u[IN.command]) * e.propeller.supply_voltage
     else:
-        y[THRUST] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+        y[OUT.thrust] = static_thrust(u[IN.command], p, e.static_curve, e.polynomial_curve)
     if e.status is not None:
         y[e.status.y] = 1.0
     return DONE

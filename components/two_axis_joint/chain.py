@@ -13,7 +13,7 @@ from ..core.friction import stick_mode
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
-from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_outputs, chain_switch, mass_matrix, static_level
+from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_switch, mass_matrix, motion, static_level
 
 WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP = OWN + 1, OWN + 2, OWN + 3  # statuses
 
@@ -238,6 +238,9 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
         return float(chain_energy(self.x, p, e))
 
 
+OUT = TwoLinkChain.output_places()
+
+
 @kernel
 def chain_start(t, s, p, e):
     """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
@@ -269,6 +272,46 @@ def chain_start(t, s, p, e):
             if g[which] >= 0.0:
                 break
             chain_switch(which, t, x, s.u[0], s, p, e)
+    return DONE
+
+
+@kernel
+def chain_outputs(t, s, p, e):
+    """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
+    x, u, y = s.x, s.u[0], s.y
+    second, rate = x[0] + x[1], x[2] + x[3]
+    s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
+    y[OUT.first_angle], y[OUT.second_angle], y[OUT.first_rate], y[OUT.second_rate] = x[0], second, x[2], rate
+    y[OUT.relative_angle], y[OUT.relative_rate] = x[1], x[3]
+    y[OUT.tip_x] = p.first_length * s1 + p.second_length * s2
+    y[OUT.tip_y] = -p.first_length * c1 - p.second_length * c2
+    y[OUT.tip_velocity_x] = p.first_length * c1 * x[2] + p.second_length * c2 * rate
+    y[OUT.tip_velocity_y] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
+    m11, m12, _, _ = mass_matrix(x[1], p)
+    y[OUT.angular_momentum] = m11 * x[2] + m12 * x[3]
+    y[OUT.mechanical_energy] = chain_energy(x, p, e)
+    if e.stick_friction is not None:
+        y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
+        y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0
+    if e.reactions is not None:
+        a1, a2, _, _ = motion(x, u, p, e)
+        a2 += a1
+        weight = e.gravity.acceleration if e.gravity is not None else 0.0
+        along1, up1 = a1 * c1 - x[2] * x[2] * s1, a1 * s1 + x[2] * x[2] * c1  # of a point at unit distance from the joint
+        along2, up2 = a2 * c2 - rate * rate * s2, a2 * s2 + rate * rate * c2
+        second_x = p.second_mass * (p.first_length * along1 + p.second_centre * along2)
+        second_y = p.second_mass * (p.first_length * up1 + p.second_centre * up2 + weight)
+        first_x = second_x + p.first_mass * p.first_centre * along1
+        first_y = second_y + p.first_mass * (p.first_centre * up1 + weight)
+        moment = p.second_inertia * a2 + p.second_centre * (second_x * c2 + second_y * s2)
+        y[e.reactions.y], y[e.reactions.y + 1] = first_x, first_y
+        y[e.reactions.y + 2] = (
+            moment
+            + p.first_inertia * a1
+            + p.first_centre * (first_x * c1 + first_y * s1)
+            + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
+        )
+        y[e.reactions.y + 3], y[e.reactions.y + 4], y[e.reactions.y + 5] = second_x, second_y, moment
     return DONE
 
 

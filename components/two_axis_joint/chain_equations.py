@@ -11,7 +11,9 @@ from __future__ import annotations
 import math
 
 from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_switch
-from ..core.kernels import DONE, kernel
+from ..core.kernels import kernel
+
+FIRST_TORQUE, SECOND_TORQUE = range(2)  # inputs
 
 
 @kernel
@@ -45,8 +47,8 @@ def loads(x, u, p, e):
     first = x[2]
     second = x[2] + x[3]
     inertial = p.second_mass * p.first_length * p.second_centre * math.sin(x[1])
-    b2 = u[1] - inertial * first * first
-    b1 = u[0] - u[1] + b2 + inertial * second * second
+    b2 = u[SECOND_TORQUE] - inertial * first * first
+    b1 = u[FIRST_TORQUE] - u[SECOND_TORQUE] + b2 + inertial * second * second
     if e.gravity is not None:
         weight = p.second_mass * p.second_centre * e.gravity.acceleration * math.sin(x[0] + x[1])
         b1 -= (p.first_mass * p.first_centre + p.second_mass * p.first_length) * e.gravity.acceleration * math.sin(x[0]) + weight
@@ -178,43 +180,3 @@ def chain_energy(x, p, e):
         depth = max(x[1] - e.stops.upper, e.stops.lower - x[1], 0.0)
         energy += 0.5 * e.stops.stiffness * depth * depth
     return energy
-
-
-@kernel
-def chain_outputs(t, s, p, e):
-    """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
-    x, u, y = s.x, s.u[0], s.y
-    second, rate = x[0] + x[1], x[2] + x[3]
-    s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
-    y[0], y[1], y[2], y[3] = x[0], second, x[2], rate
-    y[4], y[5] = x[1], x[3]
-    y[6] = p.first_length * s1 + p.second_length * s2
-    y[7] = -p.first_length * c1 - p.second_length * c2
-    y[8] = p.first_length * c1 * x[2] + p.second_length * c2 * rate
-    y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
-    m11, m12, _, _ = mass_matrix(x[1], p)
-    y[10] = m11 * x[2] + m12 * x[3]
-    y[11] = chain_energy(x, p, e)
-    if e.stick_friction is not None:
-        y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
-        y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0
-    if e.reactions is not None:
-        a1, a2, _, _ = motion(x, u, p, e)
-        a2 += a1
-        weight = e.gravity.acceleration if e.gravity is not None else 0.0
-        along1, up1 = a1 * c1 - x[2] * x[2] * s1, a1 * s1 + x[2] * x[2] * c1  # of a point at unit distance from the joint
-        along2, up2 = a2 * c2 - rate * rate * s2, a2 * s2 + rate * rate * c2
-        second_x = p.second_mass * (p.first_length * along1 + p.second_centre * along2)
-        second_y = p.second_mass * (p.first_length * up1 + p.second_centre * up2 + weight)
-        first_x = second_x + p.first_mass * p.first_centre * along1
-        first_y = second_y + p.first_mass * (p.first_centre * up1 + weight)
-        moment = p.second_inertia * a2 + p.second_centre * (second_x * c2 + second_y * s2)
-        y[e.reactions.y], y[e.reactions.y + 1] = first_x, first_y
-        y[e.reactions.y + 2] = (
-            moment
-            + p.first_inertia * a1
-            + p.first_centre * (first_x * c1 + first_y * s1)
-            + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
-        )
-        y[e.reactions.y + 3], y[e.reactions.y + 4], y[e.reactions.y + 5] = second_x, second_y, moment
-    return DONE

@@ -73,19 +73,23 @@ class CompliantJoint(StatelessComponent):
         return 0.5 * p.stiffness * max(float(np.hypot(x2 - x1, y2 - y1)) - play, 0.0) ** 2
 
 
+IN = CompliantJoint.input_places()
+OUT = CompliantJoint.output_places()
+
+
 @kernel
 def joint_forces(t, s, p, e):
     """Forces and the ends' distance; with `rotation` the torques."""
     u, y = s.u[0], s.y
-    x, z = u[4] - u[0], u[5] - u[1]
-    y[0] = p.stiffness * x + p.damping * (u[6] - u[2])
-    y[1] = p.stiffness * z + p.damping * (u[7] - u[3])
-    y[4] = np.hypot(x, z)
+    x, z = u[IN.second_x] - u[IN.first_x], u[IN.second_y] - u[IN.first_y]
+    y[OUT.first_force_x] = p.stiffness * x + p.damping * (u[IN.second_velocity_x] - u[IN.first_velocity_x])
+    y[OUT.first_force_y] = p.stiffness * z + p.damping * (u[IN.second_velocity_y] - u[IN.first_velocity_y])
+    y[OUT.opening] = np.hypot(x, z)
     if e.clearance is not None:
-        share = 1.0 - e.clearance.radius / y[4] if y[4] > e.clearance.radius else 0.0
-        y[0] *= share
-        y[1] *= share
-    y[2], y[3] = -y[0], -y[1]
+        share = 1.0 - e.clearance.radius / y[OUT.opening] if y[OUT.opening] > e.clearance.radius else 0.0
+        y[OUT.first_force_x] *= share
+        y[OUT.first_force_y] *= share
+    y[OUT.second_force_x], y[OUT.second_force_y] = -y[OUT.first_force_x], -y[OUT.first_force_y]
     if e.rotation is not None:
         y[e.rotation.y] = e.rotation.damping * (u[e.rotation.u + 1] - u[e.rotation.u]) - u[e.rotation.u + 2]
         y[e.rotation.y + 1] = -y[e.rotation.y]

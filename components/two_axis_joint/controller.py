@@ -73,6 +73,10 @@ class GimbalController(SampledComponent):
         return STATES
 
 
+IN = GimbalController.input_places()
+OUT = GimbalController.output_places()
+
+
 @kernel
 def axis_sample(i, error, rate_error, gain, rate_gain, integral_gain, x, p):
     """One sample of one axis, 0 outer, 1 inner: voltage, integral and error in x."""
@@ -92,15 +96,38 @@ def control_sample(t, u, s, p, e):
         inner += e.scan.inner_amplitude * math.sin(v * t + e.scan.inner_phase)
         outer_rate = e.scan.outer_amplitude * w * math.cos(w * t + e.scan.outer_phase)
         inner_rate = e.scan.inner_amplitude * v * math.cos(v * t + e.scan.inner_phase)
-    axis_sample(0, outer - u[0], outer_rate - u[2], p.outer_gain, p.outer_rate_gain, p.outer_integral_gain, s.x, p)
-    axis_sample(1, inner - u[1], inner_rate - u[3], p.inner_gain, p.inner_rate_gain, p.inner_integral_gain, s.x, p)
+    axis_sample(
+        0,
+        outer - u[IN.outer_angle],
+        outer_rate - u[IN.outer_rate],
+        p.outer_gain,
+        p.outer_rate_gain,
+        p.outer_integral_gain,
+        s.x,
+        p,
+    )
+    axis_sample(
+        1,
+        inner - u[IN.inner_angle],
+        inner_rate - u[IN.inner_rate],
+        p.inner_gain,
+        p.inner_rate_gain,
+        p.inner_integral_gain,
+        s.x,
+        p,
+    )
 
 
 @kernel
 def control_outputs(t, s, p, e):
     """Voltages and errors of the last sample."""
     x, y = s.x, s.y
-    y[0], y[1], y[2], y[3] = x[VOLTAGES], x[VOLTAGES + 1], x[ERRORS], x[ERRORS + 1]
+    y[OUT.outer_voltage], y[OUT.inner_voltage], y[OUT.outer_error], y[OUT.inner_error] = (
+        x[VOLTAGES],
+        x[VOLTAGES + 1],
+        x[ERRORS],
+        x[ERRORS + 1],
+    )
     return DONE
 
 

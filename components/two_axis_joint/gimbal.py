@@ -286,6 +286,9 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
         super()._check(status)
 
 
+OUT = GimbalBody.output_places()
+
+
 @kernel
 def gimbal_start(t, s, p, e):
     """Angles and rates of the parameters, bristles relaxed; axes at rest stay so where friction holds them."""
@@ -368,9 +371,9 @@ def gimbal_switch(which, t, x, u, s, p, e):
 def gimbal_outputs(t, s, p, e):
     """Angles, rates, momentum, and what the effects add."""
     x, u, y = s.x, s.u[0], s.y
-    y[0], y[1], y[2], y[3] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
-    y[4] = outer_momentum(x, u, p, e)
-    y[5] = gimbal_energy(x, u, p, e)
+    y[OUT.outer_angle], y[OUT.inner_angle], y[OUT.outer_rate], y[OUT.inner_rate] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
+    y[OUT.outer_momentum] = outer_momentum(x, u, p, e)
+    y[OUT.mechanical_energy] = gimbal_energy(x, u, p, e)
     if e.stick_friction is not None:
         y[e.stick_friction.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
         y[e.stick_friction.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0

@@ -15,6 +15,7 @@ from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_fr
 from ..core.kernels import kernel
 
 ALPHA, BETA, OUTER, INNER, CONTACT = range(5)  # of the state: angles, rates, and the bristles or modes of both axes
+OUTER_TORQUE, INNER_TORQUE = range(2)  # inputs
 VERTICAL = 0  # of the choice of the outer axis
 
 
@@ -86,7 +87,7 @@ def drives(x, u, p, e):
     outer_1 = frame_rates(x, u, p, e.base_motion)[3]
     mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, e)
     inertia = p.frame_inertia + p.cross_inertia * c * c + p.axial_inertia * s * s
-    outer, inner = u[0] - c * mx - s * mz - p.frame_inertia * outer_1, u[1] - my
+    outer, inner = u[OUTER_TORQUE] - c * mx - s * mz - p.frame_inertia * outer_1, u[INNER_TORQUE] - my
     if e.gravity is not None:
         fx, fy, fz = specific_force(u, e.gravity, e.base_motion)
         moment = e.gravity.mass * e.gravity.distance

@@ -97,6 +97,10 @@ class PlanarLink(OdeComponent):
         return float(link_energy(self.x, *self.arguments[1:]))
 
 
+IN = PlanarLink.input_places()
+OUT = PlanarLink.output_places()
+
+
 @kernel
 def link_start(t, s, p, e):
     """The pose and rates given."""
@@ -131,18 +135,20 @@ def link_stable(t, s, p, e):
 def link_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (angle, rate[, x, y, x', y' of the centre of mass])."""
     sine, cosine = math.sin(x[0]), math.cos(x[0])
-    torque = u[2] + u[5]
+    torque = u[IN.base_torque] + u[IN.tip_torque]
     dx[0] = x[1]
     if e.pinned is not None:
-        torque += p.length * (cosine * u[3] + sine * u[4])
+        torque += p.length * (cosine * u[IN.tip_force_x] + sine * u[IN.tip_force_y])
         if e.gravity is not None:
             torque -= p.mass * e.gravity.acceleration * p.centre * sine
         dx[1] = torque / (p.inertia + p.mass * p.centre * p.centre)
     else:
-        torque += (p.length - p.centre) * (cosine * u[3] + sine * u[4]) - p.centre * (cosine * u[0] + sine * u[1])
+        torque += (p.length - p.centre) * (cosine * u[IN.tip_force_x] + sine * u[IN.tip_force_y]) - p.centre * (
+            cosine * u[IN.base_force_x] + sine * u[IN.base_force_y]
+        )
         dx[1] = torque / p.inertia
         dx[2], dx[3] = x[4], x[5]
-        dx[4], dx[5] = (u[0] + u[3]) / p.mass, (u[1] + u[4]) / p.mass
+        dx[4], dx[5] = (u[IN.base_force_x] + u[IN.tip_force_x]) / p.mass, (u[IN.base_force_y] + u[IN.tip_force_y]) / p.mass
         if e.gravity is not None:
             dx[5] -= e.gravity.acceleration
 
@@ -167,21 +173,26 @@ def link_outputs(t, s, p, e):
     x, u, y = s.x, s.u[0], s.y
     sine, cosine = math.sin(x[0]), math.cos(x[0])
     if e.pinned is not None:
-        y[0], y[1], y[2], y[3] = p.start_x, p.start_y, 0.0, 0.0
+        y[OUT.base_x], y[OUT.base_y], y[OUT.base_velocity_x], y[OUT.base_velocity_y] = p.start_x, p.start_y, 0.0, 0.0
     else:
-        y[0], y[1] = x[2] - p.centre * sine, x[3] + p.centre * cosine
-        y[2], y[3] = x[4] - p.centre * cosine * x[1], x[5] - p.centre * sine * x[1]
-    y[4], y[5] = y[0] + p.length * sine, y[1] - p.length * cosine
-    y[6], y[7] = y[2] + p.length * cosine * x[1], y[3] + p.length * sine * x[1]
-    y[8], y[9] = x[0], x[1]
-    y[10] = link_energy(x, p, e)
+        y[OUT.base_x], y[OUT.base_y] = x[2] - p.centre * sine, x[3] + p.centre * cosine
+        y[OUT.base_velocity_x], y[OUT.base_velocity_y] = x[4] - p.centre * cosine * x[1], x[5] - p.centre * sine * x[1]
+    y[OUT.tip_x], y[OUT.tip_y] = y[OUT.base_x] + p.length * sine, y[OUT.base_y] - p.length * cosine
+    y[OUT.tip_velocity_x], y[OUT.tip_velocity_y] = (
+        y[OUT.base_velocity_x] + p.length * cosine * x[1],
+        y[OUT.base_velocity_y] + p.length * sine * x[1],
+    )
+    y[OUT.angle], y[OUT.rate] = x[0], x[1]
+    y[OUT.mechanical_energy] = link_energy(x, p, e)
     if e.pinned is not None:
-        torque = u[2] + u[5] + p.length * (cosine * u[3] + sine * u[4])
+        torque = u[IN.base_torque] + u[IN.tip_torque] + p.length * (cosine * u[IN.tip_force_x] + sine * u[IN.tip_force_y])
         weight = p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
         acceleration = (torque - weight * p.centre * sine) / (p.inertia + p.mass * p.centre * p.centre)
         turning = x[1] * x[1]
-        y[e.pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[0] - u[3]
-        y[e.pinned.y + 1] = p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[1] - u[4]
+        y[e.pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[IN.base_force_x] - u[IN.tip_force_x]
+        y[e.pinned.y + 1] = (
+            p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[IN.base_force_y] - u[IN.tip_force_y]
+        )
     return DONE
 
 

@@ -9,13 +9,8 @@ from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel
 from ..core.variables import output, parameter
 from .driven_shaft import (
-    DISSIPATION_OUT,
-    DRIVING_OUT,
-    LOAD,
-    RATIO_OUT,
-    SPEED_OUT,
-    TURBINE_OUT,
-    TURBINE_SPEED,
+    IN,
+    OUT,
     Transmission,
     mesh_loss,
     shaft_acceleration,
@@ -92,7 +87,7 @@ def mean_coefficients(p):
 def mean_torques(speed, u, p):
     """(torque on the driven shaft, torque that brakes the turbine by it), N.m; turned backwards, a crank shakes as well."""
     k1, k2 = mean_coefficients(p)
-    crank = p.gear_ratio * u[TURBINE_SPEED]
+    crank = p.gear_ratio * u[IN.turbine_speed]
     per_speed = max(k1 * abs(crank) - k2 * speed, 0.0)
     return per_speed * abs(crank), math.copysign(p.gear_ratio * per_speed * speed, crank)
 
@@ -101,7 +96,7 @@ def mean_torques(speed, u, p):
 def averaged_start(t, s, p, e):
     """Speed of the driven shaft as given, and its mode."""
     driving, _ = mean_torques(p.start_speed, s.u[0], p)
-    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, LOAD])
+    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, IN.load_torque])
     return DONE
 
 
@@ -116,7 +111,7 @@ def averaged_stable(t, s, p, e):
 def averaged_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (speed of the driven shaft, mode)."""
     driving, _ = mean_torques(x[SPEED], u, p)
-    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
+    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[IN.load_torque], p.driven_inertia, p.driven_damping)
     dx[MODE] = 0.0
 
 
@@ -124,7 +119,7 @@ def averaged_derivatives(t, x, u, dx, s, p, e):
 def averaged_guards(t, x, u, g, s, p, e):
     """That of the driven shaft."""
     driving, _ = mean_torques(x[SPEED], u, p)
-    g[0] = shaft_guard(x[MODE], x[SPEED], driving, u[LOAD])
+    g[0] = shaft_guard(x[MODE], x[SPEED], driving, u[IN.load_torque])
 
 
 @kernel
@@ -132,7 +127,7 @@ def averaged_switch(which, t, x, u, s, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     driving, _ = mean_torques(0.0, u, p)
-    x[MODE] = switched_shaft(x[MODE], driving, u[LOAD])
+    x[MODE] = switched_shaft(x[MODE], driving, u[IN.load_torque])
 
 
 @kernel
@@ -140,10 +135,10 @@ def averaged_outputs(t, s, p, e):
     """Torques, speed, ratio, power lost."""
     x, u, y = s.x, s.u[0], s.y
     driving, on_turbine = mean_torques(x[SPEED], u, p)
-    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
-    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
-    y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
-    y[DISSIPATION_OUT] = p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+    loss = mesh_loss(on_turbine, u[IN.turbine_speed], e.mesh_friction)
+    y[OUT.turbine_torque], y[OUT.speed], y[OUT.driving_torque] = on_turbine + loss, x[SPEED], driving
+    y[OUT.ratio] = speed_ratio(x[SPEED], u[IN.turbine_speed])
+    y[OUT.dissipation] = p.driven_damping * x[SPEED] ** 2 + loss * u[IN.turbine_speed]
     return DONE
 
 
@@ -163,7 +158,7 @@ _step = _events.step
 def averaged_step(t, h, s, p, e):
     """A step with events, refused for a turbine that is faster than the stable step allows for."""
     status = _step(t, h, s, p, e)
-    if status == DONE and not abs(s.u[0, TURBINE_SPEED]) <= p.largest_turbine_speed:  # also where it is no number
+    if status == DONE and not abs(s.u[0, IN.turbine_speed]) <= p.largest_turbine_speed:  # also where it is no number
         return OUT_OF_RANGE
     return status
 

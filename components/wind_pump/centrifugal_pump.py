@@ -70,8 +70,8 @@ class CentrifugalPump(StatelessComponent):
         return {"reach": 1}
 
 
-SPEED, HEAD = CentrifugalPump.input_indices("speed", "head")
-TORQUE_OUT, FLOW_OUT, POWER_OUT = CentrifugalPump.output_indices("torque", "flow", "hydraulic_power")
+IN = CentrifugalPump.input_places()
+OUT = CentrifugalPump.output_places()
 
 
 @kernel
@@ -94,16 +94,16 @@ def pump_start(t, s, p, e):
 def pump_outputs(t, s, p, e):
     """Torque, flow and power."""
     u, y = s.u[0], s.y
-    n, head = max(u[SPEED], 0.0) / p.rated_speed, max(u[HEAD], 0.0)
+    n, head = max(u[IN.speed], 0.0) / p.rated_speed, max(u[IN.head], 0.0)
     shutoff = n * n * p.shutoff_head
     flow, weight, share = flow_at(n, shutoff - head, p.linear_drop, p.curve_drop), p.density * p.gravity, 0.0
     if flow > 0.0:
         share = flow / (n * p.best_flow)
     own_head = shutoff - flow * (n * p.linear_drop + p.curve_drop * flow)
-    y[TORQUE_OUT] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
+    y[OUT.torque] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
     if e.seal_friction is not None:
-        y[TORQUE_OUT] += e.seal_friction.torque
-    y[FLOW_OUT], y[POWER_OUT] = flow, weight * own_head * flow
+        y[OUT.torque] += e.seal_friction.torque
+    y[OUT.flow], y[OUT.hydraulic_power] = flow, weight * own_head * flow
     return DONE
 
 

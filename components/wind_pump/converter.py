@@ -25,9 +25,8 @@ from ..core.kernels import DONE, OUT_OF_RANGE, kernel
 from ..core.spectrum import fastest_rate
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
-    LOAD,
+    IN,
     STANDING,
-    TURBINE_SPEED,
     TURNING,
     Transmission,
     mesh_loss,
@@ -177,10 +176,13 @@ class InertialConverter(Transmission):
         )
 
 
+OUT = InertialConverter.output_places()
+
+
 @kernel
 def shaft_torque(x, u, p):
     """Torque of the input shaft on the crank, N.m."""
-    return p.shaft_stiffness * x[TWIST] + p.shaft_damping * (p.gear_ratio * u[TURBINE_SPEED] - x[RATE])
+    return p.shaft_stiffness * x[TWIST] + p.shaft_damping * (p.gear_ratio * u[IN.turbine_speed] - x[RATE])
 
 
 @kernel
@@ -195,7 +197,7 @@ def clutch_force(velocity, speed, p, clutches):
 @kernel
 def accelerations(x, u, p, clutches):
     """(phi'', y'', w', F) in the present mode."""
-    torque, load = shaft_torque(x, u, p), u[LOAD]
+    torque, load = shaft_torque(x, u, p), u[IN.load_torque]
     if clutches is not None:
         force = clutch_force(x[VELOCITY], x[SPEED], p, clutches)
         crank, slider = free_lever(x[ANGLE], x[RATE], torque, force, p)
@@ -215,7 +217,7 @@ def accelerations(x, u, p, clutches):
 def converter_start(t, s, p, e):
     """The crank turns with the turbine, the lever's guided end is at rest, the shaft between them is relaxed."""
     x = s.x
-    x[ANGLE], x[RATE], x[SPEED] = p.start_angle, p.gear_ratio * s.u[0, TURBINE_SPEED], p.start_speed
+    x[ANGLE], x[RATE], x[SPEED] = p.start_angle, p.gear_ratio * s.u[0, IN.turbine_speed], p.start_speed
     x[MODE] = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
     if e.compliant_clutches is not None:
         if p.start_speed > 0.0:
@@ -240,7 +242,7 @@ def converter_stable(t, s, p, e):
 @kernel
 def converter_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (theta, phi, phi', y, y', w, mode)."""
-    dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
+    dx[TWIST] = p.gear_ratio * u[IN.turbine_speed] - x[RATE]
     dx[ANGLE], dx[SLIDER], dx[MODE] = x[RATE], x[VELOCITY], 0.0
     dx[RATE], dx[VELOCITY], dx[SPEED], _ = accelerations(x, u, p, e.compliant_clutches)
 
@@ -250,7 +252,7 @@ def converter_guards(t, x, u, g, s, p, e):
     """Free: distance from either clutch. Engaged: force and speed. Standing: what is left of the load."""
     _, _, _, force = accelerations(x, u, p, e.compliant_clutches)
     if e.compliant_clutches is not None or x[MODE] == STANDING:
-        g[0] = g[1] = shaft_guard(x[MODE], x[SPEED], p.clutch_arm * abs(force), u[LOAD])
+        g[0] = g[1] = shaft_guard(x[MODE], x[SPEED], p.clutch_arm * abs(force), u[IN.load_torque])
     elif x[MODE] == FREE:
         g[0], g[1] = p.clutch_arm * x[SPEED] - x[VELOCITY], p.clutch_arm * x[SPEED] + x[VELOCITY]
     else:
@@ -263,12 +265,14 @@ def converter_switch(which, t, x, u, s, p, e):
     if e.compliant_clutches is not None:
         driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, e.compliant_clutches))
         x[SPEED] = 0.0
-        x[MODE] = switched_shaft(x[MODE], driving, u[LOAD])
+        x[MODE] = switched_shaft(x[MODE], driving, u[IN.load_torque])
     elif x[MODE] == STANDING:
         torque = shaft_torque(x, u, p)
         _, slider = free_lever(x[ANGLE], x[RATE], torque, 0.0, p)
         x[SPEED] = STARTED
-        if p.clutch_arm * -u[LOAD] / p.driven_inertia > abs(slider):  # driven from outside faster than the lever follows
+        if p.clutch_arm * -u[IN.load_torque] / p.driven_inertia > abs(
+            slider
+        ):  # driven from outside faster than the lever follows
             x[MODE] = FREE
         else:
             x[MODE] = math.copysign(1.0, slider)
@@ -291,14 +295,19 @@ def converter_outputs(t, s, p, e):
     torque = shaft_torque(x, u, p)
     crank, slider, _, force = accelerations(x, u, p, e.compliant_clutches)
     driving = p.clutch_arm * abs(force)
-    loss = mesh_loss(p.gear_ratio * torque, u[TURBINE_SPEED], e.mesh_friction)
-    y[0], y[1], y[2] = p.gear_ratio * torque + loss, x[SPEED], driving
-    y[3] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
-    slip = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
-    y[4] = p.shaft_damping * slip * slip + loss * u[TURBINE_SPEED]
+    loss = mesh_loss(p.gear_ratio * torque, u[IN.turbine_speed], e.mesh_friction)
+    y[OUT.turbine_torque], y[OUT.speed], y[OUT.driving_torque] = p.gear_ratio * torque + loss, x[SPEED], driving
+    y[OUT.ratio] = speed_ratio(x[SPEED], u[IN.turbine_speed])
+    slip = p.gear_ratio * u[IN.turbine_speed] - x[RATE]
+    y[OUT.dissipation] = p.shaft_damping * slip * slip + loss * u[IN.turbine_speed]
     if e.compliant_clutches is not None:
-        y[4] += driving * (abs(x[VELOCITY]) / p.clutch_arm - x[SPEED])
-    y[5], y[6], y[7], y[8] = x[RATE], x[ANGLE], x[VELOCITY], float(np.sign(force))
+        y[OUT.dissipation] += driving * (abs(x[VELOCITY]) / p.clutch_arm - x[SPEED])
+    y[OUT.crank_speed], y[OUT.crank_angle], y[OUT.slider_velocity], y[OUT.engaged] = (
+        x[RATE],
+        x[ANGLE],
+        x[VELOCITY],
+        float(np.sign(force)),
+    )
     if e.stresses is not None:
         k = e.stresses.y
         on_lever, on_mass, on_slider = joint_forces(x[ANGLE], x[RATE], crank, slider, p)

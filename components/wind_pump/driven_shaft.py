@@ -49,10 +49,8 @@ class Transmission(EventComponent):
     dissipation = output("W", "power lost in shaft, bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
 
 
-TURBINE_SPEED, LOAD = Transmission.input_indices("turbine_speed", "load_torque")
-TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = Transmission.output_indices(
-    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
-)
+IN = Transmission.input_places()
+OUT = Transmission.output_places()
 
 
 @kernel

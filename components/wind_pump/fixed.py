@@ -8,13 +8,8 @@ from ..core.kernels import DONE, kernel
 from ..core.spectrum import fastest_rate
 from ..core.variables import parameter
 from .driven_shaft import (
-    DISSIPATION_OUT,
-    DRIVING_OUT,
-    LOAD,
-    RATIO_OUT,
-    SPEED_OUT,
-    TURBINE_OUT,
-    TURBINE_SPEED,
+    IN,
+    OUT,
     Transmission,
     mesh_loss,
     shaft_acceleration,
@@ -60,14 +55,14 @@ TWIST, SPEED, MODE = 0, 1, 2
 @kernel
 def shaft_torque(twist, speed, u, p):
     """Torque of the compliant shaft, N.m."""
-    return p.stiffness * twist + p.shaft_damping * (p.gear_ratio * u[TURBINE_SPEED] - speed)
+    return p.stiffness * twist + p.shaft_damping * (p.gear_ratio * u[IN.turbine_speed] - speed)
 
 
 @kernel
 def fixed_start(t, s, p, e):
     """The shaft relaxed, its speed as given."""
     driving = shaft_torque(0.0, p.start_speed, s.u[0], p)
-    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, LOAD])
+    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, IN.load_torque])
     return DONE
 
 
@@ -81,34 +76,34 @@ def fixed_stable(t, s, p, e):
 def fixed_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (twist, speed of the driven shaft, mode)."""
     driving = shaft_torque(x[TWIST], x[SPEED], u, p)
-    dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
-    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
+    dx[TWIST] = p.gear_ratio * u[IN.turbine_speed] - x[SPEED]
+    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[IN.load_torque], p.driven_inertia, p.driven_damping)
     dx[MODE] = 0.0
 
 
 @kernel
 def fixed_guards(t, x, u, g, s, p, e):
     """That of the driven shaft."""
-    g[0] = shaft_guard(x[MODE], x[SPEED], shaft_torque(x[TWIST], x[SPEED], u, p), u[LOAD])
+    g[0] = shaft_guard(x[MODE], x[SPEED], shaft_torque(x[TWIST], x[SPEED], u, p), u[IN.load_torque])
 
 
 @kernel
 def fixed_switch(which, t, x, u, s, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
-    x[MODE] = switched_shaft(x[MODE], shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
+    x[MODE] = switched_shaft(x[MODE], shaft_torque(x[TWIST], 0.0, u, p), u[IN.load_torque])
 
 
 @kernel
 def fixed_outputs(t, s, p, e):
     """Torques, speed, ratio, power lost."""
     x, u, y = s.x, s.u[0], s.y
-    driving, rate = shaft_torque(x[TWIST], x[SPEED], u, p), p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
+    driving, rate = shaft_torque(x[TWIST], x[SPEED], u, p), p.gear_ratio * u[IN.turbine_speed] - x[SPEED]
     on_turbine = p.gear_ratio * driving
-    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
-    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
-    y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
-    y[DISSIPATION_OUT] = p.shaft_damping * rate**2 + p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+    loss = mesh_loss(on_turbine, u[IN.turbine_speed], e.mesh_friction)
+    y[OUT.turbine_torque], y[OUT.speed], y[OUT.driving_torque] = on_turbine + loss, x[SPEED], driving
+    y[OUT.ratio] = speed_ratio(x[SPEED], u[IN.turbine_speed])
+    y[OUT.dissipation] = p.shaft_damping * rate**2 + p.driven_damping * x[SPEED] ** 2 + loss * u[IN.turbine_speed]
     return DONE
 
 

@@ -89,8 +89,8 @@ class WaterPipe(EventComponent):
         return 1 + (2 if "air_vessel" in self.on else 0) + (TANKED if "tank" in self.on else 0)
 
 
-FLOW = WaterPipe.input_indices("flow")[0]
-HEAD_OUT, OUTFLOW_OUT, DELIVERED_OUT = WaterPipe.output_indices("head", "outflow", "delivered")
+IN = WaterPipe.input_places()
+OUT = WaterPipe.output_places()
 DELIVERED, GAS, COLUMN = 0, 1, 2
 TANKED = 4  # states of the tank, the last ones: level, mode, supplied, overflowed
 
@@ -108,7 +108,7 @@ def outflow(x, u, vessel):
     """Flow at the end of the pipe, m³/s."""
     if vessel is not None:
         return x[COLUMN]
-    return u[FLOW]
+    return u[IN.flow]
 
 
 @kernel
@@ -122,7 +122,7 @@ def pump_head(x, u, p, e):
         return (pressure - ATMOSPHERE) / (p.density * GRAVITY)
     head = end_head(x, p, e.tank)
     if e.friction is not None:
-        head += e.friction.coefficient * u[FLOW] * abs(u[FLOW])
+        head += e.friction.coefficient * u[IN.flow] * abs(u[IN.flow])
     return head
 
 
@@ -159,7 +159,7 @@ def pipe_derivatives(t, x, u, dx, s, p, e):
     leaving = outflow(x, u, e.air_vessel)
     dx[DELIVERED] = leaving
     if e.air_vessel is not None:
-        dx[GAS] = leaving - u[FLOW]
+        dx[GAS] = leaving - u[IN.flow]
         surplus = pump_head(x, u, p, e) - end_head(x, p, e.tank)
         if e.friction is not None:
             surplus -= e.friction.coefficient * leaving * abs(leaving)
@@ -206,8 +206,8 @@ def pipe_switch(which, t, x, u, s, p, e):
 def pipe_outputs(t, s, p, e):
     """Head, flow and volumes."""
     x, u, y = s.x, s.u[0], s.y
-    y[HEAD_OUT] = pump_head(x, u, p, e)
-    y[OUTFLOW_OUT], y[DELIVERED_OUT] = outflow(x, u, e.air_vessel), x[DELIVERED]
+    y[OUT.head] = pump_head(x, u, p, e)
+    y[OUT.outflow], y[OUT.delivered] = outflow(x, u, e.air_vessel), x[DELIVERED]
     if e.tank is not None:
         k = x.size - TANKED
         y[e.tank.y], y[e.tank.y + 1], y[e.tank.y + 2] = x[k], x[k + 2], x[k + 3]

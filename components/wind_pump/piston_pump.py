@@ -95,8 +95,8 @@ class PistonPump(OdeComponent):
         return 1
 
 
-SPEED, HEAD = PistonPump.input_indices("speed", "head")
-TORQUE_OUT, FLOW_OUT, ANGLE_OUT, POWER_OUT = PistonPump.output_indices("torque", "flow", "angle", "hydraulic_power")
+IN = PistonPump.input_places()
+OUT = PistonPump.output_places()
 
 
 @kernel
@@ -138,7 +138,7 @@ def pump_stable(t, s, p, e):
 @kernel
 def pump_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (angle)."""
-    dx[0] = max(u[SPEED], 0.0)
+    dx[0] = max(u[IN.speed], 0.0)
 
 
 @kernel
@@ -146,15 +146,15 @@ def pump_outputs(t, s, p, e):
     """Torque, flow, angle and power."""
     x, u, y = s.x, s.u[0], s.y
     moved, weight = volume_rate(x[0], p, e.averaged), p.density * p.gravity
-    torque = weight * u[HEAD] * moved
+    torque = weight * u[IN.head] * moved
     if e.seal_friction is not None:
         torque += e.seal_friction.force * 0.5 * p.stroke * piston_rate(x[0], e.averaged)
-    flow = moved * max(u[SPEED], 0.0)
+    flow = moved * max(u[IN.speed], 0.0)
     if e.leakage is not None:
         flow *= 1.0 - e.leakage.share
-    y[TORQUE_OUT], y[FLOW_OUT], y[POWER_OUT] = torque, flow, weight * u[HEAD] * flow
+    y[OUT.torque], y[OUT.flow], y[OUT.hydraulic_power] = torque, flow, weight * u[IN.head] * flow
     wrapped = x[0] % TURN
-    y[ANGLE_OUT] = wrapped if wrapped < TURN else 0.0  # rounding of a small negative angle
+    y[OUT.angle] = wrapped if wrapped < TURN else 0.0  # rounding of a small negative angle
     return DONE
 
 

@@ -13,22 +13,7 @@ from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, kernel, kernel_tuple
 from ..core.spectrum import spectral_radius
 from ..core.variables import choice, output, parameter
-from .driven_shaft import (
-    DISSIPATION_OUT,
-    DRIVING_OUT,
-    LOAD,
-    RATIO_OUT,
-    SPEED_OUT,
-    TURBINE_OUT,
-    TURBINE_SPEED,
-    Transmission,
-    mesh_loss,
-    shaft_acceleration,
-    shaft_guard,
-    shaft_mode,
-    speed_ratio,
-    switched_shaft,
-)
+from .driven_shaft import IN, Transmission, mesh_loss, shaft_acceleration, shaft_guard, shaft_mode, speed_ratio, switched_shaft
 
 SHAFTS = ("sun", "ring", "carrier")
 STATIC_BELOW_KINETIC = OWN + 1
@@ -136,7 +121,7 @@ class Gear(NamedTuple):
     shaft_damping: float
 
 
-THIRD_OUT, BRAKE_OUT = PlanetaryTransmission.output_indices("third_speed", "third_torque")
+OUT = PlanetaryTransmission.output_places()
 TWIST, SPEED, THIRD, MODE, SLIP = 0, 1, 2, 3, 4
 
 
@@ -155,7 +140,7 @@ def gear_of(s, p):
 @kernel
 def twist_rate(x, u, gear):
     """Speed of the turbine over that of its shaft of the gear set, rad/s."""
-    return u[TURBINE_SPEED] - gear.torque_ratio * x[SPEED] - gear.third_ratio * x[THIRD]
+    return u[IN.turbine_speed] - gear.torque_ratio * x[SPEED] - gear.third_ratio * x[THIRD]
 
 
 @kernel
@@ -180,8 +165,8 @@ def gear_start(t, s, p, e):
         return STATIC_BELOW_KINETIC
     into, out = coefficient(p.turbine_on, p.teeth_ratio), coefficient(p.pump_on, p.teeth_ratio)
     s.ratios[0], s.ratios[1] = abs(out / into), -coefficient(3 - p.turbine_on - p.pump_on, p.teeth_ratio) / into
-    third = (s.u[0, TURBINE_SPEED] - s.ratios[0] * p.start_speed) / s.ratios[1]
-    s.x[SPEED], s.x[THIRD], s.x[MODE] = p.start_speed, third, shaft_mode(p.start_speed, 0.0, s.u[0, LOAD])
+    third = (s.u[0, IN.turbine_speed] - s.ratios[0] * p.start_speed) / s.ratios[1]
+    s.x[SPEED], s.x[THIRD], s.x[MODE] = p.start_speed, third, shaft_mode(p.start_speed, 0.0, s.u[0, IN.load_torque])
     if e.dry_brake is not None:
         s.x[SLIP] = stick_mode(third, 0.0, e.dry_brake.static)
     return DONE
@@ -214,7 +199,7 @@ def gear_derivatives(t, x, u, dx, s, p, e):
         dx[SLIP] = 0.0
     driving = gear.torque_ratio * shaft_torque(x, u, gear)
     dx[TWIST] = twist_rate(x, u, gear)
-    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
+    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[IN.load_torque], p.driven_inertia, p.driven_damping)
     dx[THIRD] = third / p.third_inertia
     dx[MODE] = 0.0
 
@@ -223,7 +208,7 @@ def gear_derivatives(t, x, u, dx, s, p, e):
 def gear_guards(t, x, u, g, s, p, e):
     """Those of the driven shaft and of the dry brake."""
     gear = gear_of(s, p)
-    g[0] = shaft_guard(x[MODE], x[SPEED], gear.torque_ratio * shaft_torque(x, u, gear), u[LOAD])
+    g[0] = shaft_guard(x[MODE], x[SPEED], gear.torque_ratio * shaft_torque(x, u, gear), u[IN.load_torque])
     g[1] = 1.0
     if e.dry_brake is not None:
         g[1] = stick_guard(x[SLIP], x[THIRD], third_drive(x, u, gear, p.third_damping, e.centrifugal_brake), e.dry_brake.static)
@@ -235,7 +220,7 @@ def gear_switch(which, t, x, u, s, p, e):
     gear = gear_of(s, p)
     if which == 0:
         x[SPEED] = 0.0
-        x[MODE] = switched_shaft(x[MODE], gear.torque_ratio * shaft_torque(x, u, gear), u[LOAD])
+        x[MODE] = switched_shaft(x[MODE], gear.torque_ratio * shaft_torque(x, u, gear), u[IN.load_torque])
     elif e.dry_brake is not None:
         x[THIRD] = 0.0
         x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, gear, p.third_damping, e.centrifugal_brake), e.dry_brake.static)
@@ -246,17 +231,17 @@ def gear_outputs(t, s, p, e):
     """Torques, speeds, ratio, power lost."""
     x, u, y, gear = s.x, s.u[0], s.y, gear_of(s, p)
     torque, rate = shaft_torque(x, u, gear), twist_rate(x, u, gear)
-    loss = mesh_loss(torque, u[TURBINE_SPEED], e.mesh_friction)
+    loss = mesh_loss(torque, u[IN.turbine_speed], e.mesh_friction)
     drive = third_drive(x, u, gear, p.third_damping, e.centrifugal_brake)
     brake = gear.third_ratio * torque - drive
     if e.dry_brake is not None:
         brake += stick_friction(x[SLIP], drive, e.dry_brake.kinetic)
-    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = torque + loss, x[SPEED], gear.torque_ratio * torque
-    y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
-    y[DISSIPATION_OUT] = (
-        p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD] + loss * u[TURBINE_SPEED]
+    y[OUT.turbine_torque], y[OUT.speed], y[OUT.driving_torque] = torque + loss, x[SPEED], gear.torque_ratio * torque
+    y[OUT.ratio] = speed_ratio(x[SPEED], u[IN.turbine_speed])
+    y[OUT.dissipation] = (
+        p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD] + loss * u[IN.turbine_speed]
     )
-    y[THIRD_OUT], y[BRAKE_OUT] = x[THIRD], brake
+    y[OUT.third_speed], y[OUT.third_torque] = x[THIRD], brake
     return DONE
 
 

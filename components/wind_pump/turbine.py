@@ -130,16 +130,14 @@ class WindTurbine(EventComponent):
         return 0.5 * self.arguments[1].inertia * float(self.x[0]) ** 2
 
 
-WIND, TORQUE = WindTurbine.input_indices("wind", "torque")
-SPEED_OUT, ANGLE_OUT, TORQUE_OUT, COEFFICIENT_OUT, RATIO_OUT, POWER_OUT = WindTurbine.output_indices(
-    "speed", "angle", "aerodynamic_torque", "power_coefficient", "tip_speed_ratio", "power"
-)
+IN = WindTurbine.input_places()
+OUT = WindTurbine.output_places()
 
 
 @kernel
 def wind_torque(speed, u, p, pitch, furling):
     """Torque of the wind on the rotor, N.m."""
-    wind = u[WIND]
+    wind = u[IN.wind]
     if furling is not None:
         wind = min(wind, furling.wind)
     if wind < CALM:
@@ -155,7 +153,7 @@ def wind_torque(speed, u, p, pitch, furling):
 @kernel
 def drive(speed, u, p, e):
     """Torque on the rotor, dry friction apart, N.m."""
-    return wind_torque(speed, u, p, e.pitch, e.furling) - u[TORQUE] - p.damping * speed
+    return wind_torque(speed, u, p, e.pitch, e.furling) - u[IN.torque] - p.damping * speed
 
 
 @kernel
@@ -216,12 +214,12 @@ def turbine_switch(which, t, x, u, s, p, e):
 def turbine_outputs(t, s, p, e):
     """Motion, torque, coefficients."""
     x, u, y = s.x, s.u[0], s.y
-    torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[WIND]
-    y[SPEED_OUT], y[ANGLE_OUT], y[TORQUE_OUT], y[POWER_OUT] = x[0], x[1], torque, torque * x[0]
-    y[COEFFICIENT_OUT], y[RATIO_OUT] = 0.0, 0.0
+    torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[IN.wind]
+    y[OUT.speed], y[OUT.angle], y[OUT.aerodynamic_torque], y[OUT.power] = x[0], x[1], torque, torque * x[0]
+    y[OUT.power_coefficient], y[OUT.tip_speed_ratio] = 0.0, 0.0
     if wind > CALM and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
-        y[COEFFICIENT_OUT] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
-        y[RATIO_OUT] = x[0] * p.radius / wind
+        y[OUT.power_coefficient] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
+        y[OUT.tip_speed_ratio] = x[0] * p.radius / wind
     return DONE
 
 

@@ -108,6 +108,9 @@ class Wind(KernelComponent):
         return {"x": 3 if "turbulence" in self.on else 0, "gust": 1}
 
 
+OUT = Wind.output_places()
+
+
 @kernel
 def wind_initialize(t, s, p, e):
     """Turbulence at the samples around the start."""
@@ -175,7 +178,7 @@ def wind_outputs(t, s, p, e):
         if since > 0.0:
             since %= e.gusts.period
         speed += e.gusts.amplitude * gust_share(since, e.gusts.rise, e.gusts.stay)
-    s.y[0] = max(speed, 0.0)
+    s.y[OUT.speed] = max(speed, 0.0)
     return DONE
 
 

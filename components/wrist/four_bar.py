@@ -131,8 +131,8 @@ class FourBar(StatelessComponent):
     def left_range(self) -> str:
         """Where the crank is."""
         s, p, _ = self.arguments
-        reached = "beyond" if abs(cosine_of_transmission(s.u[0, INPUT_ANGLE], p)) > 1.0 else "at"
-        return f"crank angle {s.u[0, INPUT_ANGLE]:.6g} rad is {reached}"
+        reached = "beyond" if abs(cosine_of_transmission(s.u[0, IN.input_angle], p)) > 1.0 else "at"
+        return f"crank angle {s.u[0, IN.input_angle]:.6g} rad is {reached}"
 
     def _check(self, status: int) -> None:
         if status == OUT_OF_RANGE:
@@ -146,10 +146,8 @@ class FourBar(StatelessComponent):
         super()._check(status)
 
 
-INPUT_ANGLE, INPUT_RATE, LOAD = FourBar.input_indices("input_angle", "input_rate", "load_torque")
-OUTPUT_ANGLE, OUTPUT_RATE, INPUT_TORQUE, RATIO, TRANSMISSION, COUPLER = FourBar.output_indices(
-    "output_angle", "output_rate", "input_torque", "ratio", "transmission_angle", "coupler_angle"
-)
+IN = FourBar.input_places()
+OUT = FourBar.output_places()
 
 
 @kernel
@@ -185,7 +183,7 @@ def linkage_start(t, s, p, e):
 @kernel
 def linkage_outputs(t, s, p, e):
     """Position, rates and torques; none at the toggle, nor where the angle is no number."""
-    y, angle, rate = s.y, s.u[0, INPUT_ANGLE], s.u[0, INPUT_RATE]
+    y, angle, rate = s.y, s.u[0, IN.input_angle], s.u[0, IN.input_rate]
     sign = 1.0 if p.assembly == OPEN else -1.0
     linkage = Linkage(p.crank, p.coupler, p.rocker, p.ground, sign, s.linkage[NEAR], s.linkage[FAR])
     transmission, limit = cosine_of_transmission(angle, p), math.cos(p.least_transmission_angle)
@@ -197,15 +195,15 @@ def linkage_outputs(t, s, p, e):
     # per rate of the crank: the rates of those two components, and of the coupler
     along_slope, across_slope = z - p.rocker * math.sin(rocker) * ratio, p.rocker * math.cos(rocker) * ratio - x
     coupler_ratio = (along * across_slope - across * along_slope) / p.coupler**2
-    load = s.u[0, LOAD]
+    load = s.u[0, IN.load_torque]
     if e.rocker_spring is not None:
         load += e.rocker_spring.stiffness * (rocker - e.rocker_spring.rest_angle)
-    y[OUTPUT_ANGLE], y[OUTPUT_RATE], y[RATIO] = rocker, ratio * rate, ratio
-    y[INPUT_TORQUE] = ratio * load
-    y[TRANSMISSION], y[COUPLER] = math.atan2(abs(sine), cosine), math.atan2(across, along)
+    y[OUT.output_angle], y[OUT.output_rate], y[OUT.ratio] = rocker, ratio * rate, ratio
+    y[OUT.input_torque] = ratio * load
+    y[OUT.transmission_angle], y[OUT.coupler_angle] = math.atan2(abs(sine), cosine), math.atan2(across, along)
     if e.pin_damping is not None:
         share = 1.0 + (coupler_ratio - 1.0) ** 2 + (ratio - coupler_ratio) ** 2 + ratio * ratio
-        y[INPUT_TORQUE] += e.pin_damping.coefficient * share * rate
+        y[OUT.input_torque] += e.pin_damping.coefficient * share * rate
         y[e.pin_damping.y] = e.pin_damping.coefficient * share * rate * rate
     if e.coupler_point is not None:
         one, two, point = along / p.coupler, across / p.coupler, e.coupler_point

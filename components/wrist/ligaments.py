@@ -125,6 +125,10 @@ class LigamentBundle(StatelessComponent):
         return float(self.get("stored_energy"))
 
 
+IN = LigamentBundle.input_places()
+OUT = LigamentBundle.output_places()
+
+
 @kernel
 def bundle_axes(p):
     """Where the axes lie at rest."""
@@ -144,8 +148,10 @@ def bundle_start(t, s, p, e):
 def bundle_outputs(t, s, p, e):
     """Torques, tensions and strains, energy, losses."""
     u, y, axes = s.u[0], s.y, bundle_axes(p)
-    y[0], y[1], y[2 + 2 * COUNT], y[3 + 2 * COUNT] = bundle_pull(u[0], u[1], u[2], u[3], axes, s.ligaments)
-    write_bundle(u[0], u[1], u[2], u[3], y, 2, axes, s.ligaments)
+    y[OUT.proximal_torque], y[OUT.distal_torque], y[2 + 2 * COUNT], y[3 + 2 * COUNT] = bundle_pull(
+        u[IN.proximal_angle], u[IN.distal_angle], u[IN.proximal_rate], u[IN.distal_rate], axes, s.ligaments
+    )
+    write_bundle(u[IN.proximal_angle], u[IN.distal_angle], u[IN.proximal_rate], u[IN.distal_rate], y, 2, axes, s.ligaments)
     return DONE
 
 

@@ -157,12 +157,8 @@ class ForearmTendons(OdeComponent):
         return total
 
 
-EXCITATION, FLEXION, DEVIATION, FLEXION_RATE, DEVIATION_RATE = ForearmTendons.input_indices(
-    "excitation[1]", "flexion", "deviation", "flexion_rate", "deviation_rate"
-)
-FLEXION_TORQUE, DEVIATION_TORQUE, POWER, ACTIVATION, FORCE = ForearmTendons.output_indices(
-    "flexion_torque", "deviation_torque", "power", "activation[1]", "force[1]"
-)
+IN = ForearmTendons.input_places()
+OUT = ForearmTendons.output_places()
 STIFFENING = 4.0  # of the passive stretch
 TORN = 100.0  # of that stretch, beyond which it pulls no more: the exponential would overflow
 
@@ -184,7 +180,7 @@ def programmed(i, row, programme):
 @kernel
 def wanted(i, t, u, programme):
     """Excitation of the muscle i at time t, within 0 and 1."""
-    value = u[EXCITATION + i]
+    value = u[IN.excitation + i]
     if programme is not None:
         after = 0
         while after < ROWS and programme.time[after] <= t and (after == 0 or programme.time[after] >= programme.time[after - 1]):
@@ -238,10 +234,10 @@ def tendon_stable(t, s, p, e):
 @kernel
 def shortening(i, u, p, arms):
     """(shortening of the muscle i in m, its moment arm of flexion in m)."""
-    arm, pulled = p.flexion_arm[i], p.flexion_arm[i] * u[FLEXION] + p.radial_arm[i] * u[DEVIATION]
+    arm, pulled = p.flexion_arm[i], p.flexion_arm[i] * u[IN.flexion] + p.radial_arm[i] * u[IN.deviation]
     if arms is not None:
-        pulled += 0.5 * arms.slope[i] * u[FLEXION] * u[FLEXION]
-        arm += arms.slope[i] * u[FLEXION]
+        pulled += 0.5 * arms.slope[i] * u[IN.flexion] * u[IN.flexion]
+        arm += arms.slope[i] * u[IN.flexion]
     return pulled, arm
 
 
@@ -268,10 +264,10 @@ def tendon_derivatives(t, x, u, dx, s, p, e):
 def tendon_outputs(t, s, p, e):
     """Torques, power, activations, forces."""
     x, u, y = s.x, s.u[0], s.y
-    y[FLEXION_TORQUE], y[DEVIATION_TORQUE], y[POWER] = 0.0, 0.0, 0.0
+    y[OUT.flexion_torque], y[OUT.deviation_torque], y[OUT.power] = 0.0, 0.0, 0.0
     for i in range(COUNT):
         pulled, arm = shortening(i, u, p, e.varying_arms)
-        rate = arm * u[FLEXION_RATE] + p.radial_arm[i] * u[DEVIATION_RATE]
+        rate = arm * u[IN.flexion_rate] + p.radial_arm[i] * u[IN.deviation_rate]
         share = x[i]
         if e.fibres is not None:
             strain = -pulled / e.fibres.length[i]
@@ -284,10 +280,10 @@ def tendon_outputs(t, s, p, e):
             passive = min(-pulled / (e.fibres.length[i] * e.fibres.stretch), TORN)
             share += math.expm1(STIFFENING * passive) / math.expm1(STIFFENING)
         force = p.largest_force[i] * share
-        y[FLEXION_TORQUE] += force * arm
-        y[DEVIATION_TORQUE] += force * p.radial_arm[i]
-        y[POWER] += force * rate
-        y[ACTIVATION + i], y[FORCE + i] = x[i], force
+        y[OUT.flexion_torque] += force * arm
+        y[OUT.deviation_torque] += force * p.radial_arm[i]
+        y[OUT.power] += force * rate
+        y[OUT.activation + i], y[OUT.force + i] = x[i], force
     return DONE
 
 
@@ -299,7 +295,7 @@ _advance = _ode.step
 def tendon_step(t, h, s, p, e):
     """A step, refused for angles or rates that are no numbers: activations know nothing of them."""
     status = _advance(t, h, s, p, e)
-    if status == DONE and not math.isfinite(s.y[FLEXION_TORQUE] + s.y[DEVIATION_TORQUE] + s.y[POWER]):
+    if status == DONE and not math.isfinite(s.y[OUT.flexion_torque] + s.y[OUT.deviation_torque] + s.y[OUT.power]):
         return NOT_FINITE
     return status
 

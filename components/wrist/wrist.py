@@ -12,11 +12,38 @@ from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
-from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, axes_refusals, axes_status, crossing, pose
-from .ligament_springs import COLUMNS, COUNT, SPRING, make_ligaments
+from .kinematics import (
+    COUPLING_MODELS,
+    DISTAL_TILT,
+    PROXIMAL_TILT,
+    ROW_OFFSET,
+    Axes,
+    axes_refusals,
+    axes_status,
+    combined,
+    crossing,
+    pose,
+)
+from .ligament_springs import COLUMNS, COUNT, SPRING, make_ligaments, write_bundle
 from .ligaments import Constraint
 from .rigid_ligaments import RIGID_REFUSALS, make_rigid
-from .wrist_equations import TENDONS, axes_of, hand_of, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
+from .wrist_equations import (
+    Q1,
+    Q2,
+    RATE_1,
+    RATE_2,
+    TENDONS,
+    axes_of,
+    hand_of,
+    mass_matrix,
+    motion,
+    point_turning,
+    power_lost,
+    row_flexion,
+    wrist_derivatives,
+    wrist_energy,
+    wrist_pose,
+)
 
 GIVES_WAY, FLEXION_LIMITS, DEVIATION_LIMITS, CONTACT_LIMITS, SINGULAR = range(OWN + 3, OWN + 8)  # statuses
 RIGID = 1  # of the choice `constraint.kind`
@@ -214,6 +241,9 @@ class Wrist(OdeComponent):
         super()._check(status)
 
 
+OUT = Wrist.output_places()
+
+
 @kernel
 def limits_status(interaction):
     """Refuses a lower limit that is not below the upper one."""
@@ -247,6 +277,32 @@ def wrist_start(t, s, p, e):
         make_ligaments(e.constraint, s.ligaments)
         if e.constraint.kind == RIGID:
             return make_rigid(hand.axes, e.constraint, s)
+    return DONE
+
+
+@kernel
+def wrist_outputs(t, s, p, e):
+    """Angles and rates of the hand and of the rows, energy, and what the effects add."""
+    x, y, c = s.x, s.y, hand_of(p, e)
+    at = wrist_pose(x, c, e.morphology)
+    y[OUT.flexion], y[OUT.deviation], y[OUT.roll] = at.flexion, at.deviation, at.roll
+    y[OUT.flexion_rate] = at.flexion_1 * x[RATE_1] + at.flexion_2 * x[RATE_2]
+    y[OUT.deviation_rate] = at.deviation_1 * x[RATE_1] + at.deviation_2 * x[RATE_2]
+    y[OUT.proximal_angle], y[OUT.distal_angle], y[OUT.proximal_rate], y[OUT.distal_rate] = x[Q1], x[Q2], x[RATE_1], x[RATE_2]
+    y[OUT.proximal_flexion], y[OUT.distal_flexion] = row_flexion(x, c)
+    y[OUT.mechanical_energy] = wrist_energy(at, x, c, s.ligaments, e.interaction, e.load)
+    y[OUT.dissipation] = power_lost(at, x, c, s.ligaments, e.interaction)
+    if e.constraint is not None:
+        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, e.constraint.y, c.axes, s.ligaments)
+        k = e.constraint.y + 2 * COUNT
+        _, _, y[k], y[k + 1] = motion(at, x, s.u[0], c, s, e)
+    if e.load is not None:
+        for j in range(TENDONS):
+            y[e.load.y + j] = e.load.flexion_arm[j] * y[OUT.flexion_rate] + e.load.deviation_arm[j] * y[OUT.deviation_rate]
+        k, offset = e.load.y + TENDONS, c.axes.offset
+        y[k], y[k + 1], y[k + 2] = combined(offset, at.row, e.load.tool_distance - offset, at.hand)
+        tip_1, tip_2 = point_turning(at, e.load.tool_distance, c)
+        y[k + 3], y[k + 4], y[k + 5] = combined(x[RATE_1], tip_1, x[RATE_2], tip_2)
     return DONE
 
 

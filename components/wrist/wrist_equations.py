@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from ..core.contact import stop_depth, stop_torque
-from ..core.kernels import DONE, kernel, kernel_tuple
+from ..core.kernels import kernel, kernel_tuple
 from .kinematics import DISTAL_TILT, PROXIMAL_TILT, RULES, Axes, Pose, combined, cross, dot, pose
-from .ligament_springs import COUNT, bundle_pull, write_bundle
+from .ligament_springs import bundle_pull
 
 Q1, Q2, RATE_1, RATE_2 = range(4)
 TAU_FLEXION, TAU_DEVIATION, PROXIMAL_TORQUE, DISTAL_TORQUE = range(4)
@@ -261,32 +261,6 @@ def power_lost(at, x, c, ligaments, interaction):
     if ligaments is not None:
         lost += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, ligaments)[3]
     return lost
-
-
-@kernel
-def wrist_outputs(t, s, p, e):
-    """Angles and rates of the hand and of the rows, energy, and what the effects add."""
-    x, y, c = s.x, s.y, hand_of(p, e)
-    at = wrist_pose(x, c, e.morphology)
-    y[0], y[1], y[2] = at.flexion, at.deviation, at.roll
-    y[3] = at.flexion_1 * x[RATE_1] + at.flexion_2 * x[RATE_2]
-    y[4] = at.deviation_1 * x[RATE_1] + at.deviation_2 * x[RATE_2]
-    y[5], y[6], y[7], y[8] = x[Q1], x[Q2], x[RATE_1], x[RATE_2]
-    y[9], y[10] = row_flexion(x, c)
-    y[11] = wrist_energy(at, x, c, s.ligaments, e.interaction, e.load)
-    y[12] = power_lost(at, x, c, s.ligaments, e.interaction)
-    if e.constraint is not None:
-        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, e.constraint.y, c.axes, s.ligaments)
-        k = e.constraint.y + 2 * COUNT
-        _, _, y[k], y[k + 1] = motion(at, x, s.u[0], c, s, e)
-    if e.load is not None:
-        for j in range(TENDONS):
-            y[e.load.y + j] = e.load.flexion_arm[j] * y[3] + e.load.deviation_arm[j] * y[4]
-        k, offset = e.load.y + TENDONS, c.axes.offset
-        y[k], y[k + 1], y[k + 2] = combined(offset, at.row, e.load.tool_distance - offset, at.hand)
-        tip_1, tip_2 = point_turning(at, e.load.tool_distance, c)
-        y[k + 3], y[k + 4], y[k + 5] = combined(x[RATE_1], tip_1, x[RATE_2], tip_2)
-    return DONE
 
 
 @kernel
