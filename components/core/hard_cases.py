@@ -1,6 +1,6 @@
 """Hard cases of components: where a model is at its limits, and what has to hold there all the same.
 
-Each system declares those of its components in its `hard_cases.py`, as HARD_CASES = {component: (HardCase, ...)}. Nothing that
+Each system declares those of its components in its `hard_cases.py`, as HARD_CASES = {component: {name: HardCase}}. Nothing that
 runs imports those files; tests and the command `cosimo stability --hard-cases` look them up and say how far each claim is from
 its limit.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -186,16 +186,22 @@ class Refused:
 class HardCase:
     """One case of one component.
 
-    name: short, unique among those of the component.  text: what is hard about it.  holds: what has to hold; besides, states
-    and outputs stay finite in every case that is not refused.
-    inputs: numbers, or signals over time.  duration, step: of the run and its macro steps, s.
+    text: what is hard about it.  holds: what has to hold; besides, states and outputs stay finite in every case that is not
+    refused.
+    inputs: numbers, or signals over time.  run: its duration and its macro steps, s.  name: that of the table, unique among those
+    of the component.
     """
 
-    name: str
     text: str
     holds: Sequence[Claim] | Refused
+    _: KW_ONLY
     effects: tuple[str, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
     inputs: Mapping[str, float | InputSignal] = field(default_factory=dict)
-    duration: float = 0.1
-    step: float = 1e-3
+    run: tuple[float, float] = (0.1, 1e-3)
+    name: str = ""
+
+    @property
+    def steps(self) -> int:
+        """Number of macro steps."""
+        return round(self.run[0] / self.run[1])

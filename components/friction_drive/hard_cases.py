@@ -41,47 +41,40 @@ def _there_and_back(t: float) -> float:
 
 
 HARD_CASES = {
-    "FrictionWheels": (
-        HardCase(
-            "both wheels stuck",
+    "FrictionWheels": {
+        "both wheels stuck": HardCase(
             "Rigid contacts would leave the tractions open; these share the load, and lose nothing.",
             (Ends("feed", 1e-15), AtMost("feed", 6.0 / STIFFNESS * 1.01), AtMost(_events, 0.0, "events")),
-            ("exact_slip",),
-            {"substep": 2e-4},
-            {"external_force": InputSignal(_there_and_back)},
-            duration=0.6,
-            step=0.02,
+            effects=("exact_slip",),
+            parameters={"substep": 2e-4},
+            inputs={"external_force": InputSignal(_there_and_back)},
+            run=(0.6, 0.02),
         ),
-        HardCase(
-            "held under vibration",
+        "held under vibration": HardCase(
             "5 N with 3 N at 40 Hz on top of 14 N that hold: it is back where it was.",
             (Ends("feed", 1e-15, value=5.0 / STIFFNESS), AtMost(_events, 0.0, "events")),
-            ("exact_slip",),
-            {"substep": 2e-4},
-            {
+            effects=("exact_slip",),
+            parameters={"substep": 2e-4},
+            inputs={
                 "external_force": InputSignal(
                     lambda t: 5.0 * min(10.0 * t, 1.0) + (3.0 * math.sin(80.0 * math.pi * t) if 0.2 < t < 0.4 else 0.0)
                 )
             },
-            duration=0.5,
-            step=2e-3,
+            run=(0.5, 2e-3),
         ),
-        HardCase(
-            "parallel free rollers",
+        "parallel free rollers": HardCase(
             "They lose the rotation: it is left to the load, M t / J.",
             (Ends("rotation_rate", 1e-12, value=1e-4 * 0.5 / 1.875e-6, share=True), Ends("feed_rate", 1e-6, value=0.2)),
-            ("exact_slip",),
-            {"layout": "skewed_free_rollers", "angle": 0.0, "substep": 2e-4},
-            {"first_rate": 20.0, "second_rate": 20.0, "external_force": -1.0, "external_torque": 1e-4},
-            duration=0.5,
-            step=0.01,
+            effects=("exact_slip",),
+            parameters={"layout": "skewed_free_rollers", "angle": 0.0, "substep": 2e-4},
+            inputs={"first_rate": 20.0, "second_rate": 20.0, "external_force": -1.0, "external_torque": 1e-4},
+            run=(0.5, 0.01),
         ),
-        HardCase(
-            "no preload",
+        "no preload": HardCase(
             "An upright sleeve whose wheels let go falls as a stone.",
             (Ends("feed_rate", 1e-5, value=-9.81 * 0.2),),
-            FULL,
-            NEUTRAL
+            effects=FULL,
+            parameters=NEUTRAL
             | UPRIGHT
             | {
                 "preload_loss.first": 1.0,
@@ -90,126 +83,101 @@ HARD_CASES = {
                 "preload_loss.duration": 1e-6,
                 "substep": 2e-4,
             },
-            duration=0.2,
-            step=0.01,
+            run=(0.2, 0.01),
         ),
-        HardCase(
-            "hardly any preload",
+        "hardly any preload": HardCase(
             "A billionth of it: no stiffer than with all, and not faster than the wheels.",
             (AtMost("feed_rate", 0.1733), AtMost(_events, 20.0, "events")),
-            FULL,
-            NEUTRAL | LOST | {"substep": 2e-4},
-            {"first_rate": 20.0, "second_rate": 20.0},
-            duration=0.3,
-            step=0.01,
+            effects=FULL,
+            parameters=NEUTRAL | LOST | {"substep": 2e-4},
+            inputs={"first_rate": 20.0, "second_rate": 20.0},
+            run=(0.3, 0.01),
         ),
-        HardCase(
-            "stick and slip at every half cycle",
+        "stick and slip at every half cycle": HardCase(
             "A force beyond the contacts swings: tractions within what friction bears.",
             (AtMost(_tractions, 2.0 * 1.2 * 6.0, "tractions, dashpots included, N"), Finite()),
-            ("exact_slip",),
-            {"substep": 2e-4},
-            {"external_force": sine(16.0, 10.0 * math.pi)},
-            duration=0.4,
-            step=2e-3,
+            effects=("exact_slip",),
+            parameters={"substep": 2e-4},
+            inputs={"external_force": sine(16.0, 10.0 * math.pi)},
+            run=(0.4, 2e-3),
         ),
-        HardCase(
-            "a contact beyond the substep",
+        "a contact beyond the substep": HardCase(
             "A hundredth of a micrometre of deflection.",
             Refused("the limit of RK4", accepted={"exact_slip.deflection": 1e-5}),
-            ("exact_slip",),
-            {"exact_slip.deflection": 1e-8},
+            effects=("exact_slip",),
+            parameters={"exact_slip.deflection": 1e-8},
         ),
-        HardCase(
-            "creep at the stable step",
+        "creep at the stable step": HardCase(
             "A blow at 0.97 of the limit dies away.",
             (BoundedEnergy(limit=1e-12),),
-            (),
-            {"substep": 1.58e-4, "start_feed_rate": 1e-4, "start_rotation_rate": 0.01},
-            duration=0.2,
-            step=5e-3,
+            parameters={"substep": 1.58e-4, "start_feed_rate": 1e-4, "start_rotation_rate": 0.01},
+            run=(0.2, 5e-3),
         ),
-    ),
-    "FrictionDrive": (
-        HardCase(
-            "held by two standing motors",
+    },
+    "FrictionDrive": {
+        "held by two standing motors": HardCase(
             "No voltage and 5 N on the sleeve: contacts and shafts stick.",
             (AtMost("feed_rate", 1e-3), AtMost("first_rate", 0.0), Ends("feed", 1e-12, value=(5.0 - 50.0 * 1e-3) / STIFFNESS)),
-            ("shaft_friction", "exact_slip"),
-            {"shaft_friction.level": 0.05},
-            {"external_force": ramp(50.0)},
-            duration=0.1,
-            step=2e-3,
+            effects=("shaft_friction", "exact_slip"),
+            parameters={"shaft_friction.level": 0.05},
+            inputs={"external_force": ramp(50.0)},
+            run=(0.1, 2e-3),
         ),
-        HardCase(
-            "wheels against one another",
+        "wheels against one another": HardCase(
             "Both motors at full voltage, in opposite directions: tractions within friction.",
             (AtMost(_tractions, 2.0 * 1.2 * 6.0, "tractions, dashpots included, N"), Finite()),
-            ("exact_slip",),
-            {},
-            {"first_voltage": 12.0, "second_voltage": -12.0},
-            duration=0.1,
-            step=2e-3,
+            effects=("exact_slip",),
+            inputs={"first_voltage": 12.0, "second_voltage": -12.0},
+            run=(0.1, 2e-3),
         ),
-        HardCase(
-            "a reversal under full voltage",
+        "a reversal under full voltage": HardCase(
             "Ten times a second, with dry shafts: tractions within friction.",
             (AtMost(_tractions, 2.0 * 1.2 * 6.0, "tractions, dashpots included, N"), Finite()),
-            ("shaft_friction", "exact_slip"),
-            {},
-            {"first_voltage": jumps(12.0, (0.05, -12.0), (0.1, 12.0)), "second_voltage": jumps(12.0, (0.05, -12.0), (0.1, 12.0))},
-            duration=0.15,
-            step=2e-3,
+            effects=("shaft_friction", "exact_slip"),
+            inputs={
+                "first_voltage": jumps(12.0, (0.05, -12.0), (0.1, 12.0)),
+                "second_voltage": jumps(12.0, (0.05, -12.0), (0.1, 12.0)),
+            },
+            run=(0.15, 2e-3),
         ),
-        HardCase(
-            "hardly any inductance",
+        "hardly any inductance": HardCase(
             "Its pole at 2e5 1/s is beyond the substep.",
             Refused("the limit of RK4", accepted={"inductance.inductance": 1e-4}),
-            ("inductance",),
-            {"inductance.inductance": 1e-5},
+            effects=("inductance",),
+            parameters={"inductance.inductance": 1e-5},
         ),
-    ),
-    "ServoController": (
-        HardCase(
-            "an infinite set point",
+    },
+    "ServoController": {
+        "an infinite set point": HardCase(
             "1e200 m: voltages at their limit, no number lost.",
             (AtMost(_voltages, 12.0, "voltages, V"),),
-            (),
-            {"set_feed": 1e200},
-            duration=1.0,
-            step=0.01,
+            parameters={"set_feed": 1e200},
+            run=(1.0, 0.01),
         ),
-        HardCase(
-            "a stuck sleeve",
+        "a stuck sleeve": HardCase(
             "An error that stays for 10 s: the integrals do not wind up.",
             (AtMost(_voltages, 12.0, "voltages, V"), AtMost(lambda c: c.x[3:5], 12.0 + 20.0 * 10.0 * 0.02, "integrals, V")),
-            (),
-            {"set_feed": 1e-3, "feed_integral_gain": 50.0},
-            duration=10.0,
-            step=0.1,
+            parameters={"set_feed": 1e-3, "feed_integral_gain": 50.0},
+            run=(10.0, 0.1),
         ),
-        HardCase(
-            "counts at rest",
+        "counts at rest": HardCase(
             "Half a count to and fro is a rate of 0.165 rad/s and back: the voltage is what a count is worth.",
             (AtMost(_voltages, 0.1, "voltages, V"),),
-            ("quantisation",),
-            {"feedback": "wheels"},
-            {"first_angle": sine(0.9e-4, 700.0)},
-            duration=0.5,
+            effects=("quantisation",),
+            parameters={"feedback": "wheels"},
+            inputs={"first_angle": sine(0.9e-4, 700.0)},
+            run=(0.5, 1e-3),
         ),
-        HardCase(
-            "parallel wheels",
+        "parallel wheels": HardCase(
             "The inverse kinematics has no answer for the rotation.",
             Refused("The rotation is lost", accepted={"angle": 2e-3}),
-            (),
-            {"angle": 5e-4},
+            parameters={"angle": 5e-4},
         ),
-        HardCase(
-            "a table that goes back",
+        "a table that goes back": HardCase(
             "Times that decrease.",
             Refused("do not decrease", accepted={"reference.time[3]": 0.5}),
-            ("reference",),
-            {"reference.time[3]": 0.4, "reference.feed[3]": 0.01},
+            effects=("reference",),
+            parameters={"reference.time[3]": 0.4, "reference.feed[3]": 0.01},
         ),
-    ),
+    },
 }

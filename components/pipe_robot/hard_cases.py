@@ -28,212 +28,164 @@ def _backwards(component: Component) -> float:
 
 
 HARD_CASES = {
-    "PipeRobot": (
-        HardCase(
-            "held on a slope under vibration",
+    "PipeRobot": {
+        "held on a slope under vibration": HardCase(
             "Of 8 N that friction bears the weight takes 4.3 N, and 1.1 N come and go.",
             (AtMost("position", 0.0), AtMost(_events, 0.0, "events")),
-            ("harmonic_force", "route"),
-            {"substep": 4e-3},
-            {"route.slope": 0.3, "harmonic_force.amplitude": 10.0, "harmonic_force.frequency": 20.0},
-            duration=5.0,
-            step=0.1,
+            effects=("harmonic_force", "route"),
+            parameters={"substep": 4e-3},
+            inputs={"route.slope": 0.3, "harmonic_force.amplitude": 10.0, "harmonic_force.frequency": 20.0},
+            run=(5.0, 0.1),
         ),
-        HardCase(
-            "switching in every half cycle",
+        "switching in every half cycle": HardCase(
             "19 switches a second at 60 rad/s, none missed and none doubled.",
             (Ends(_events, 3.0, "events", value=57.5), Finite()),
-            ("harmonic_force",),
-            {"substep": 2e-3},
-            duration=3.0,
-            step=0.1,
+            effects=("harmonic_force",),
+            parameters={"substep": 2e-3},
+            run=(3.0, 0.1),
         ),
-        HardCase(
-            "sliding that grazes rest",
+        "sliding that grazes rest": HardCase(
             "v = b (1 - cos wt) touches zero once a period: x = b (t - sin(wt) / w).",
             (Invariant("position", 1e-5, value=lambda t: GRAZING * (t - math.sin(60.0 * t) / 60.0)),),
-            ("prescribed_motion", "tow"),
-            {"substep": 2e-3},
-            {"tow.force": 2.0},
-            duration=2.0,
-            step=0.05,
+            effects=("prescribed_motion", "tow"),
+            parameters={"substep": 2e-3},
+            inputs={"tow.force": 2.0},
+            run=(2.0, 0.05),
         ),
-        HardCase(
-            "ice",
+        "ice": HardCase(
             "No friction at all: the common centre stays.",
             (AtMost(_centre, 1e-12, "common centre, m"),),
-            ("harmonic_force", "route"),
-            {},
-            {"route.friction_factor": 0.0},
-            duration=1.0,
-            step=0.05,
+            effects=("harmonic_force", "route"),
+            inputs={"route.friction_factor": 0.0},
+            run=(1.0, 0.05),
         ),
-        HardCase(
-            "locked bristles in a vertical pipe",
+        "locked bristles in a vertical pipe": HardCase(
             "Friction backwards without bound: a ratchet.",
             (AtMost(_backwards, 1e-6, "velocity backwards, m/s"), AtLeast("position", 1e-6)),
-            ("harmonic_force", "bristles", "cubic_spring", "route"),
-            LOCKED | {"cubic_spring.stiffness": 0.0, "cubic_spring.largest_stretch": 1.0},
-            {"route.slope": 0.5 * math.pi, "harmonic_force.amplitude": 60.0},
-            duration=0.6,
-            step=0.02,
+            effects=("harmonic_force", "bristles", "cubic_spring", "route"),
+            parameters=LOCKED | {"cubic_spring.stiffness": 0.0, "cubic_spring.largest_stretch": 1.0},
+            inputs={"route.slope": 0.5 * math.pi, "harmonic_force.amplitude": 60.0},
+            run=(0.6, 0.02),
         ),
-        HardCase(
-            "locked bristles with bristles of LuGre",
+        "locked bristles with bristles of LuGre": HardCase(
             "What bears without bound has no stiffness that follows.",
             Refused("locked backwards", accepted={"bristles.angle": 1.2}),
-            ("bristles", "lugre_friction"),
-            {"bristles.angle": LEAN},
+            effects=("bristles", "lugre_friction"),
+            parameters={"bristles.angle": LEAN},
         ),
-        HardCase(
-            "a softening spring that tears",
+        "a softening spring that tears": HardCase(
             "Its stretch leaves the range.",
             Refused("stretch of a cubic spring", "step", {"harmonic_force.amplitude": 0.5}),
-            ("harmonic_force", "cubic_spring"),
-            {"cubic_spring.stiffness": -2e6},
-            {"harmonic_force.amplitude": 60.0},
-            duration=1.0,
-            step=0.05,
+            effects=("harmonic_force", "cubic_spring"),
+            parameters={"cubic_spring.stiffness": -2e6},
+            inputs={"harmonic_force.amplitude": 60.0},
+            run=(1.0, 0.05),
         ),
-        HardCase(
-            "an excitation beyond the substep",
+        "an excitation beyond the substep": HardCase(
             "More than a radian within it.",
             Refused("over a radian within a substep", "step", {"harmonic_force.frequency": 1900.0}),
-            ("harmonic_force",),
-            {},
-            {"harmonic_force.frequency": 2500.0},
-            duration=0.01,
+            effects=("harmonic_force",),
+            inputs={"harmonic_force.frequency": 2500.0},
+            run=(0.01, 1e-3),
         ),
-        HardCase(
-            "a spring beyond the substep",
+        "a spring beyond the substep": HardCase(
             "50 ms against 77 rad/s of both masses.",
             Refused("the limit of RK4", accepted={"substep": 0.03}),
-            (),
-            {"substep": 0.05},
+            parameters={"substep": 0.05},
         ),
-    ),
-    "RollingPipeRobot": (
-        HardCase(
-            "rollers that chatter",
+    },
+    "RollingPipeRobot": {
+        "rollers that chatter": HardCase(
             "A force too weak to slide backwards, at 400 rad/s: it only goes forwards.",
             (
                 AtMost(_backwards, 1e-12, "velocity backwards, m/s"),
                 AtLeast("position", 0.0),
                 AtMost(_events, 4.0 * 400.0 / (2.0 * math.pi) + 4.0, "events"),
             ),
-            ("harmonic_force",),
-            EDGE,
-            {"harmonic_force.amplitude": 5.0, "harmonic_force.frequency": 400.0},
-            duration=1.0,
-            step=0.02,
+            effects=("harmonic_force",),
+            parameters=EDGE,
+            inputs={"harmonic_force.amplitude": 5.0, "harmonic_force.frequency": 400.0},
+            run=(1.0, 0.02),
         ),
-        HardCase(
-            "nothing to overcome",
+        "nothing to overcome": HardCase(
             "Rollers without resistance, no force: it stays exactly at rest.",
             (AtMost("position", 0.0), AtMost(_events, 0.0, "events")),
-            ("tow",),
-            {"rolling_resistance": 0.0},
-            duration=0.5,
-            step=0.05,
+            effects=("tow",),
+            parameters={"rolling_resistance": 0.0},
+            run=(0.5, 0.05),
         ),
-        HardCase(
-            "a pipe wider than the rings",
+        "a pipe wider than the rings": HardCase(
             "No contact is left.",
             Refused("lost contact with the pipe", "step", {"diameter": 0.2035}),
-            (),
-            {},
-            {"diameter": jumps(0.2, (2e-3, 0.205))},
-            duration=5e-3,
+            inputs={"diameter": jumps(0.2, (2e-3, 0.205))},
+            run=(5e-3, 1e-3),
         ),
-        HardCase(
-            "a pipe that narrows and widens",
+        "a pipe that narrows and widens": HardCase(
             "Rings that give and take energy as they pass: within what they can store.",
             (Finite(), AtLeast("pressing_force", 0.0)),
-            ("harmonic_force", "route"),
-            {},
-            {"diameter": sine(1e-3, 5.0, 0.2), "taper": sine(0.02, 7.0), "route.slope": 0.2},
-            duration=1.0,
-            step=0.01,
+            effects=("harmonic_force", "route"),
+            inputs={"diameter": sine(1e-3, 5.0, 0.2), "taper": sine(0.02, 7.0), "route.slope": 0.2},
+            run=(1.0, 0.01),
         ),
-    ),
-    "PipeRoute": (
-        HardCase(
-            "beyond both ends",
+    },
+    "PipeRoute": {
+        "beyond both ends": HardCase(
             "A kilometre before and behind the table: the values of its ends, without a slope of them.",
             (AtMost("taper", 0.0), Finite()),
-            (),
-            {"diameter_table[1]": 0.3},
-            {"position": InputSignal(lambda t: -1e3 if t < 0.05 else 1e3, smooth=False)},
+            parameters={"diameter_table[1]": 0.3},
+            inputs={"position": InputSignal(lambda t: -1e3 if t < 0.05 else 1e3, smooth=False)},
         ),
-        HardCase(
-            "a step of the diameter",
+        "a step of the diameter": HardCase(
             "Within a micrometre, between two even pipes: the cubic does not overshoot.",
             (AtLeast("diameter", 1e-15, low=0.2), AtMost("diameter", 0.3 + 1e-15)),
-            (),
-            {
+            parameters={
                 "place[5]": 3.000001,
                 **{f"place[{k}]": k - 1.0 for k in (6, 7, 8)},
                 **{f"diameter_table[{k}]": 0.3 for k in (5, 6, 7, 8)},
             },
-            {"position": ramp(1e-5, 2.9999995)},
-            duration=0.2,
+            inputs={"position": ramp(1e-5, 2.9999995)},
+            run=(0.2, 1e-3),
         ),
-        HardCase(
-            "places out of order",
-            "A table that goes back.",
-            Refused("ascending order", accepted={"place[3]": 1.001}),
-            (),
-            {"place[3]": 1.0},
+        "places out of order": HardCase(
+            "A table that goes back.", Refused("ascending order", accepted={"place[3]": 1.001}), parameters={"place[3]": 1.0}
         ),
-    ),
-    "TowCoupling": (
-        HardCase(
-            "a rope that tightens and goes slack",
+    },
+    "TowCoupling": {
+        "a rope that tightens and goes slack": HardCase(
             "It never pushes, and action is exactly reaction.",
             (AtLeast("rear_force", 0.0), AtMost(lambda c: c["rear_force"] + c["front_force"], 0.0, "sum of the forces, N")),
-            ("slack",),
-            {},
-            {"front_position": sine(0.1, 30.0, 0.5), "front_velocity": sine(3.0, 40.0)},
-            duration=0.5,
+            effects=("slack",),
+            inputs={"front_position": sine(0.1, 30.0, 0.5), "front_velocity": sine(3.0, 40.0)},
+            run=(0.5, 1e-3),
         ),
-        HardCase(
-            "a rope that runs together",
+        "a rope that runs together": HardCase(
             "Ends that pass one another at 1 km/s: nothing.",
             (AtMost("rear_force", 0.0),),
-            ("slack",),
-            {},
-            {"front_position": ramp(-1e3, 0.4), "front_velocity": -1e3},
+            effects=("slack",),
+            inputs={"front_position": ramp(-1e3, 0.4), "front_velocity": -1e3},
         ),
-        HardCase(
-            "a bar without length",
+        "a bar without length": HardCase(
             "Both ends at one place: no direction is needed along one line.",
             (AtMost("stretch", 0.0), AtMost("rear_force", 0.0)),
-            (),
-            {"length": 0.0},
-            {"rear_position": 1e6, "front_position": 1e6},
+            parameters={"length": 0.0},
+            inputs={"rear_position": 1e6, "front_position": 1e6},
         ),
-    ),
-    "ExciterProgram": (
-        HardCase(
-            "a change within a nanosecond",
+    },
+    "ExciterProgram": {
+        "a change within a nanosecond": HardCase(
             "A step for every master: the values before and after, nothing beyond.",
             (AtMost("frequency", 120.0), AtLeast("frequency", 0.0, low=30.0), Ends("frequency", 0.0, value=120.0)),
-            (),
-            {"duration": 1e-9, "start_time": 0.0123},
+            parameters={"duration": 1e-9, "start_time": 0.0123},
         ),
-        HardCase(
-            "there and back",
+        "there and back": HardCase(
             "The way back ends where it began, to rounding of the times.",
             (Ends("voltage", 1e-9), AtMost("voltage", 24.0)),
-            (),
-            {"duration": 0.03, "return_time": 0.05},
+            parameters={"duration": 0.03, "return_time": 0.05},
         ),
-        HardCase(
-            "back before it is there",
+        "back before it is there": HardCase(
             "The way back begins while the change goes on.",
             Refused("when the change ends", accepted={"return_time": 30.0}),
-            (),
-            {"return_time": 29.0},
+            parameters={"return_time": 29.0},
         ),
-    ),
+    },
 }

@@ -17,93 +17,76 @@ def _orbit(component: Component) -> float:
 
 
 HARD_CASES = {
-    "JeffcottRotor": (
-        HardCase(
-            "undamped at the critical speed",
+    "JeffcottRotor": {
+        "undamped at the critical speed": HardCase(
             "The amplitude e w t / 2 grows with the time, and no faster.",
             (AtMost(_orbit, 2.6e-4, "orbit, m"), Ends(_orbit, 1.2e-5, "orbit, m", value=2.5e-4)),
-            ("unbalance",),
-            {"damping": 0.0, "start_speed": 100.0},
-            duration=0.5,
+            effects=("unbalance",),
+            parameters={"damping": 0.0, "start_speed": 100.0},
+            run=(0.5, 1e-3),
         ),
-        HardCase(
-            "near the onset of instability",
+        "near the onset of instability": HardCase(
             "Internal damping at nine tenths of the speed at which it wins: a blow dies away.",
             (AtMost("displacement_x", 2e-3), Ends(_orbit, 0.65e-3, "orbit, m")),
-            ("internal_damping",),
-            {"start_speed": 450.0, "substep": 1e-3},
-            {"force_x": jumps(0.0, (0.0, 100.0), (0.01, 0.0))},
-            duration=3.0,
-            step=1e-2,
+            effects=("internal_damping",),
+            parameters={"start_speed": 450.0, "substep": 1e-3},
+            inputs={"force_x": jumps(0.0, (0.0, 100.0), (0.01, 0.0))},
+            run=(3.0, 1e-2),
         ),
-        HardCase(
-            "down through standstill",
+        "down through standstill": HardCase(
             "The run-up's ramp leads to the opposite speed.",
             (Ends("speed", 0.0, value=-50.0), AtMost("displacement_x", 1e-3)),
-            ("run_up", "unbalance"),
-            {"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0, "substep": 1e-3},
-            duration=1.5,
-            step=0.01,
+            effects=("run_up", "unbalance"),
+            parameters={"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0, "substep": 1e-3},
+            run=(1.5, 0.01),
         ),
-        HardCase(
-            "a shaft too stiff for the substep",
+        "a shaft too stiff for the substep": HardCase(
             "1 GN/m on 10 kg.",
             Refused("the limit of RK4", accepted={"substep": 2.6e-4}),
-            (),
-            {"stiffness": 1e9, "substep": 1e-3},
+            parameters={"stiffness": 1e9, "substep": 1e-3},
         ),
-    ),
-    "BeamRotor": (
-        HardCase(
-            "nothing holds it",
+    },
+    "BeamRotor": {
+        "nothing holds it": HardCase(
             "It falls by g t²/2; bending forces of 1e8 N/m a metre stay below rounding.",
             (Invariant("displacement_y", 1e-12, value=lambda t: -0.5 * 9.81 * t**2),),
-            ("gravity",),
-            LONG,
-            duration=0.1,
-            step=0.01,
+            effects=("gravity",),
+            parameters=LONG,
+            run=(0.1, 0.01),
         ),
-        HardCase(
-            "infinite bearing forces",
+        "infinite bearing forces": HardCase(
             "1e12 N/m through the ports, steps of 0.1 s: the ends stay where they are held.",
             (AtMost("bearing_a.displacement_y", 1e-9), AtMost("displacement_y", 2e-3)),
-            ("disks", "gravity", "bearing_a", "bearing_b"),
-            LONG,
-            {f"bearing_{end}.stiffness[{k}]": RIGID for end in "ab" for k in (1, 7)},
-            duration=0.4,
-            step=0.1,
+            effects=("disks", "gravity", "bearing_a", "bearing_b"),
+            parameters=LONG,
+            inputs={f"bearing_{end}.stiffness[{k}]": RIGID for end in "ab" for k in (1, 7)},
+            run=(0.4, 0.1),
         ),
-        HardCase(
-            "undamped",
+        "undamped": HardCase(
             "A blow on a rotor that stands, on springs: the midpoint rule keeps the energy of each mode.",
             (Invariant("energy", 1e-10, share=True),),
-            ("disks", "linear_supports"),
-            LONG | {"start_speed": 0.0},
-            {"force_y": jumps(1000.0, (0.0, 0.0))},
-            duration=0.2,
-            step=5e-3,
+            effects=("disks", "linear_supports"),
+            parameters=LONG | {"start_speed": 0.0},
+            inputs={"force_y": jumps(1000.0, (0.0, 0.0))},
+            run=(0.2, 5e-3),
         ),
-        HardCase(
-            "an infinite force",
+        "an infinite force": HardCase(
             "Infinite.",
             Refused("not finite", "step", {"force_x": 1.0}),
-            ("linear_supports",),
-            LONG,
-            {"force_x": jumps(0.0, (0.0, math.inf))},
+            effects=("linear_supports",),
+            parameters=LONG,
+            inputs={"force_x": jumps(0.0, (0.0, math.inf))},
         ),
-        HardCase(
-            "a disk beside the shaft",
+        "a disk beside the shaft": HardCase(
             "Its place is beyond the end.",
             Refused("a place on the shaft", accepted={"disks.position[1]": 1.5}),
-            ("disks",),
-            {"disks.position[1]": 1.6},
+            effects=("disks",),
+            parameters={"disks.position[1]": 1.6},
         ),
-        HardCase(
-            "steel that shrinks sideways",
+        "steel that shrinks sideways": HardCase(
             "A shear modulus with which Poisson's ratio has no value.",
             Refused("Poisson's ratio", accepted={"shear_modulus": 7.1e10}),
-            (),
-            {"shear_modulus": 7e10},
+            parameters={"shear_modulus": 7e10},
         ),
-    ),
+    },
 }

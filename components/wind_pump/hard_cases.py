@@ -27,399 +27,299 @@ def _water(component: Component) -> float:
     return component["delivered"] - tank[0] - tank[1] - 2.0 * (tank[2] - 0.5)
 
 
-CALM = HardCase(
-    "nothing moves",
-    "Drive and load are exactly equal: 0.",
-    (AtMost(_still, 0.0, "speed, torques, ratio"),),
-    duration=1.0,
-    step=0.1,
-)
-STANDSTILL = HardCase(
-    "through standstill and back",
-    "A turbine that swings about standstill: the driven shaft never turns back.",
-    (AtLeast("speed", 0.0), AtMost("driving_torque", WOUND)),
-    (),
-    {"driven_inertia": 0.1},
-    {"load_torque": 2.0, "turbine_speed": sine(3.0, 2.0)},
-    duration=4.0,
-    step=0.02,
-)
-LIGHT = HardCase(
-    "a shaft of a milligram",
-    "Its relaxation is far quicker than the substep.",
-    Refused("limit of RK4", accepted={"substep": 2.6e-7}),
-    (),
-    {"driven_inertia": 1e-6},
-    step=1e-5,
-)
-NO_NUMBER = HardCase(
-    "a speed that is no number",
-    "The run ends, and the state before the step can be taken back.",
-    Refused("failed at t = 0 s", "step", {"turbine_speed": 1.0}),
-    (),
-    {},
-    {"turbine_speed": jumps(0.0, (0.0, math.nan))},
-    step=0.01,
-    duration=0.05,
-)
+CALM = {
+    "nothing moves": HardCase(
+        "Drive and load are exactly equal: 0.", (AtMost(_still, 0.0, "speed, torques, ratio"),), run=(1.0, 0.1)
+    )
+}
+STANDSTILL = {
+    "through standstill and back": HardCase(
+        "A turbine that swings about standstill: the driven shaft never turns back.",
+        (AtLeast("speed", 0.0), AtMost("driving_torque", WOUND)),
+        parameters={"driven_inertia": 0.1},
+        inputs={"load_torque": 2.0, "turbine_speed": sine(3.0, 2.0)},
+        run=(4.0, 0.02),
+    )
+}
+LIGHT = {
+    "a shaft of a milligram": HardCase(
+        "Its relaxation is far quicker than the substep.",
+        Refused("limit of RK4", accepted={"substep": 2.6e-7}),
+        parameters={"driven_inertia": 1e-6},
+        run=(0.1, 1e-5),
+    )
+}
+NO_NUMBER = {
+    "a speed that is no number": HardCase(
+        "The run ends, and the state before the step can be taken back.",
+        Refused("failed at t = 0 s", "step", {"turbine_speed": 1.0}),
+        inputs={"turbine_speed": jumps(0.0, (0.0, math.nan))},
+        run=(0.05, 0.01),
+    )
+}
 
 
 HARD_CASES = {
-    "WindTurbine": (
-        HardCase(
-            "calm and standstill",
+    "WindTurbine": {
+        "calm and standstill": HardCase(
             "0 / 0 in the tip speed ratio and in the coefficient.",
             (AtMost("speed", 0.0), AtMost("power_coefficient", 0.0)),
-            (),
-            {"curve": "heier"},
-            {"wind": 0.0},
-            duration=1.0,
-            step=0.1,
+            parameters={"curve": "heier"},
+            inputs={"wind": 0.0},
+            run=(1.0, 0.1),
         ),
-        HardCase(
-            "a breath of wind on a turning rotor",
+        "a breath of wind on a turning rotor": HardCase(
             "1e-300 m/s: a tip speed ratio without bound, a coefficient within 1e9.",
             (AtMost("power_coefficient", 1e9), AtMost("aerodynamic_torque", 10.0)),
-            (),
-            {"start_speed": 3.0},
-            {"wind": 1e-300},
-            duration=1.0,
-            step=0.1,
+            parameters={"start_speed": 3.0},
+            inputs={"wind": 1e-300},
+            run=(1.0, 0.1),
         ),
-        HardCase(
-            "a gust from 5 to 60 m/s",
+        "a gust from 5 to 60 m/s": HardCase(
             "The storm in which the stable step is stated, within one step.",
             (AtMost("speed", 96.001),),
-            (),
-            {"start_speed": 4.0},
-            {"wind": jumps(5.0, (1.0, 60.0))},
-            duration=4.0,
-            step=0.05,
+            parameters={"start_speed": 4.0},
+            inputs={"wind": jumps(5.0, (1.0, 60.0))},
+            run=(4.0, 0.05),
         ),
-        HardCase(
-            "friction at its level",
+        "friction at its level": HardCase(
             "The load is exactly the static friction, and then grows: T t²/2 / J.",
             (Ends("speed", 1e-12, value=0.5 / 15.0),),
-            ("bearing_friction",),
-            {},
-            {"torque": ramp(-1.0, -1.0)},
-            duration=1.0,
-            step=0.1,
+            effects=("bearing_friction",),
+            inputs={"torque": ramp(-1.0, -1.0)},
+            run=(1.0, 0.1),
         ),
-        HardCase(
-            "more than Betz",
+        "more than Betz": HardCase(
             "A farm windmill better than any.",
             Refused("Betz's limit", accepted={"standstill_coefficient": 0.9}),
-            (),
-            {"standstill_coefficient": 1.2},
+            parameters={"standstill_coefficient": 1.2},
         ),
-    ),
-    "Wind": (
-        HardCase(
-            "gusts without a rise",
+    },
+    "Wind": {
+        "gusts without a rise": HardCase(
             "Steps of the wind up and down, across macro steps: never below 0, never above both.",
             (AtLeast("speed", 0.0), AtMost("speed", 12.0)),
-            ("gusts",),
-            {"gusts.rise": 0.0, "gusts.stay": 0.35, "gusts.period": 1.0, "gusts.start_time": 0.5},
-            duration=20.0,
+            effects=("gusts",),
+            parameters={"gusts.rise": 0.0, "gusts.stay": 0.35, "gusts.period": 1.0, "gusts.start_time": 0.5},
+            run=(20.0, 1e-3),
         ),
-        HardCase(
-            "turbulence that calms the wind",
+        "turbulence that calms the wind": HardCase(
             "As strong as the mean: where it takes all, the wind is 0 and not negative.",
             (AtLeast("speed", 0.0), Finite(limit=10.0)),
-            ("turbulence",),
-            {"turbulence.intensity": 1.0, "turbulence.length": 1.0, "turbulence.interval": 0.01},
-            duration=50.0,
-            step=0.1,
+            effects=("turbulence",),
+            parameters={"turbulence.intensity": 1.0, "turbulence.length": 1.0, "turbulence.interval": 0.01},
+            run=(50.0, 0.1),
         ),
-        HardCase(
-            "gusts that overlap",
+        "gusts that overlap": HardCase(
             "A period shorter than a gust.",
             Refused("the duration of a gust", accepted={"gusts.period": 15.0}),
-            ("gusts",),
-            {"gusts.period": 10.0},
+            effects=("gusts",),
+            parameters={"gusts.period": 10.0},
         ),
-        HardCase(
-            "turbulence without a mean",
+        "turbulence without a mean": HardCase(
             "Nothing carries it along.",
             Refused("a mean speed", accepted={"mean_speed": 1e-3}),
-            ("turbulence",),
-            {"mean_speed": 0.0},
+            effects=("turbulence",),
+            parameters={"mean_speed": 0.0},
         ),
-    ),
-    "FixedTransmission": (
-        CALM,
-        STANDSTILL,
-        LIGHT,
-        NO_NUMBER,
-        HardCase(
-            "a rest that is left as the drive grows",
+    },
+    "FixedTransmission": CALM
+    | STANDSTILL
+    | LIGHT
+    | NO_NUMBER
+    | {
+        "a rest that is left as the drive grows": HardCase(
             "Drive and load are exactly 0; the turbine's speed grows as t².",
             (AtMost(_events, 9.0, "events"), AtLeast("speed", 0.0)),
-            (),
-            {},
-            {"turbine_speed": InputSignal(lambda t: t * t)},
-            duration=0.5,
-            step=0.05,
+            inputs={"turbine_speed": InputSignal(lambda t: t * t)},
+            run=(0.5, 0.05),
         ),
-        HardCase(
-            "a seized pump",
+        "a seized pump": HardCase(
             "A load that nothing moves: the shaft winds up and the pump stays exactly at rest.",
             (AtMost("speed", 0.0),),
-            (),
-            {},
-            {"load_torque": 1e9, "turbine_speed": ramp(0.2)},
-            duration=2.0,
-            step=0.05,
+            inputs={"load_torque": 1e9, "turbine_speed": ramp(0.2)},
+            run=(2.0, 0.05),
         ),
-        HardCase(
-            "a load that comes and goes",
+        "a load that comes and goes": HardCase(
             "Jumps of 100 N.m every tenth of a second on a turning shaft.",
             (AtLeast("speed", 0.0), Finite()),
-            ("mesh_friction",),
-            {"start_speed": 3.0},
-            {"turbine_speed": 3.0, "load_torque": jumps(0.0, *((0.1 * k, 100.0 * (k % 2)) for k in range(1, 20)))},
-            duration=2.0,
-            step=0.02,
+            effects=("mesh_friction",),
+            parameters={"start_speed": 3.0},
+            inputs={"turbine_speed": 3.0, "load_torque": jumps(0.0, *((0.1 * k, 100.0 * (k % 2)) for k in range(1, 20)))},
+            run=(2.0, 0.02),
         ),
-    ),
-    "PlanetaryTransmission": (
-        CALM,
-        STANDSTILL,
-        LIGHT,
-        NO_NUMBER,
-        HardCase(
-            "a brake at its level",
+    },
+    "PlanetaryTransmission": CALM
+    | STANDSTILL
+    | LIGHT
+    | NO_NUMBER
+    | {
+        "a brake at its level": HardCase(
             "Dry brake of the third shaft between holding and slipping, with a load that jumps.",
             (AtLeast("speed", 0.0), Finite()),
-            ("dry_brake",),
-            {"dry_brake.static": 12.0},
-            {"turbine_speed": ramp(1.0), "load_torque": jumps(10.0, (1.0, 40.0), (2.0, 1.0))},
-            duration=3.0,
-            step=0.02,
+            effects=("dry_brake",),
+            parameters={"dry_brake.static": 12.0},
+            inputs={"turbine_speed": ramp(1.0), "load_torque": jumps(10.0, (1.0, 40.0), (2.0, 1.0))},
+            run=(3.0, 0.02),
         ),
-        HardCase(
-            "a seized pump",
+        "a seized pump": HardCase(
             "It stands; the third shaft turns instead of it.",
             (AtMost("speed", 0.0), Finite()),
-            (),
-            {},
-            {"load_torque": 1e9, "turbine_speed": 3.0},
-            duration=2.0,
-            step=0.05,
+            inputs={"load_torque": 1e9, "turbine_speed": 3.0},
+            run=(2.0, 0.05),
         ),
-        HardCase(
-            "one shaft for two",
+        "one shaft for two": HardCase(
             "Turbine and pump on the same one.",
             Refused("two different shafts", accepted={"pump_on": "sun"}),
-            (),
-            {"pump_on": "ring"},
+            parameters={"pump_on": "ring"},
         ),
-    ),
-    "AveragedConverter": (
-        CALM,
-        STANDSTILL,
-        LIGHT,
-        NO_NUMBER,
-        HardCase(
-            "a seized pump",
+    },
+    "AveragedConverter": CALM
+    | STANDSTILL
+    | LIGHT
+    | NO_NUMBER
+    | {
+        "a seized pump": HardCase(
             "A load above the peak: it stands, and takes nothing from the turbine.",
             (AtMost("speed", 0.0), AtMost("turbine_torque", 0.0)),
-            (),
-            {},
-            {"load_torque": 1e9, "turbine_speed": 3.0},
-            duration=2.0,
-            step=0.05,
+            inputs={"load_torque": 1e9, "turbine_speed": 3.0},
+            run=(2.0, 0.05),
         ),
-        HardCase(
-            "a gust",
+        "a gust": HardCase(
             "The turbine from 2 to 8 rad/s in a tenth of a second under load.",
             (AtLeast("speed", 0.0), Finite()),
-            (),
-            {},
-            {"load_torque": 10.0, "turbine_speed": InputSignal(lambda t: min(max(2.0 + 60.0 * (t - 1.0), 2.0), 8.0))},
-            duration=4.0,
-            step=0.05,
+            inputs={"load_torque": 10.0, "turbine_speed": InputSignal(lambda t: min(max(2.0 + 60.0 * (t - 1.0), 2.0), 8.0))},
+            run=(4.0, 0.05),
         ),
-    ),
-    "InertialConverter": (
-        CALM,
-        HardCase(
-            "through standstill and back",
+    },
+    "InertialConverter": CALM
+    | {
+        "through standstill and back": HardCase(
             "A turbine that swings about standstill, under load: the pump never turns back.",
             (
                 AtLeast("speed", 0.0),
                 Finite(),
                 AtMost(lambda c: max(abs(c["slider_velocity"]) - 0.05 * c["speed"], 0.0), 1e-14, "slider beyond its clutch, m/s"),
             ),
-            (),
-            {},
-            {"load_torque": 5.0, "turbine_speed": sine(3.0, 2.0)},
-            duration=3.0,
-            step=0.05,
+            inputs={"load_torque": 5.0, "turbine_speed": sine(3.0, 2.0)},
+            run=(3.0, 0.05),
         ),
-        HardCase(
-            "a load above the peak",
+        "a load above the peak": HardCase(
             "1.2 times what the lever gives: it is not moved by a bit.",
             (AtMost("speed", 0.0), AtMost("ratio", 0.0)),
-            (),
-            {},
-            {"turbine_speed": 3.0, "load_torque": 1.2 * PEAK},
-            duration=2.0,
-            step=0.05,
+            inputs={"turbine_speed": 3.0, "load_torque": 1.2 * PEAK},
+            run=(2.0, 0.05),
         ),
-        HardCase(
-            "four events a revolution",
+        "four events a revolution": HardCase(
             "Clutches that close and open at 18 rad/s: none is missed and none doubled.",
             (
                 AtMost(lambda c: _events(c) - 2.0 * c["crank_angle"] / math.pi, 5.0, "events beside four a revolution"),
                 AtLeast("speed", 0.0),
             ),
-            (),
-            {},
-            {"turbine_speed": 3.0, "load_torque": 5.0},
-            duration=5.0,
-            step=0.1,
+            inputs={"turbine_speed": 3.0, "load_torque": 5.0},
+            run=(5.0, 0.1),
         ),
-        HardCase(
-            "a lever of a milligram",
+        "a lever of a milligram": HardCase(
             "It pushes nothing: the pump stands, and the crank turns as if it were alone.",
             (AtMost("speed", 0.0), Ends("crank_speed", 1e-6, value=18.0)),
-            (),
-            {"lever_mass": 1e-6, "slider_mass": 0.0},
-            {"turbine_speed": 3.0, "load_torque": 1.0},
-            duration=3.0,
-            step=0.1,
+            parameters={"lever_mass": 1e-6, "slider_mass": 0.0},
+            inputs={"turbine_speed": 3.0, "load_torque": 1.0},
+            run=(3.0, 0.1),
         ),
-        HardCase(
-            "stiff clutches",
+        "stiff clutches": HardCase(
             "Slipping ones that relax far more quickly than their substep.",
             Refused("limit of RK4", accepted={"compliant_clutches.damping": 4e3}),
-            ("compliant_clutches",),
-            {"compliant_clutches.damping": 1e5},
+            effects=("compliant_clutches",),
+            parameters={"compliant_clutches.damping": 1e5},
         ),
-        HardCase(
-            "a crank too fast for the substep",
+        "a crank too fast for the substep": HardCase(
             "240 rad/s at 2 ms.",
             Refused("range", "step", {"substep": 5e-4}),
-            (),
-            {},
-            {"turbine_speed": jumps(3.0, (0.0, 40.0))},
-            duration=1.0,
-            step=0.1,
+            inputs={"turbine_speed": jumps(3.0, (0.0, 40.0))},
+            run=(1.0, 0.1),
         ),
-    ),
-    "PistonPump": (
-        HardCase(
-            "through standstill and back",
+    },
+    "PistonPump": {
+        "through standstill and back": HardCase(
             "It takes no negative speed: the crank stands, and nothing flows back.",
             (AtLeast("flow", 0.0), AtLeast("hydraulic_power", 0.0), Finite()),
-            ("leakage", "seal_friction"),
-            {"action": "double"},
-            {"speed": sine(30.0, 10.0)},
-            duration=2.0,
-            step=0.02,
+            effects=("leakage", "seal_friction"),
+            parameters={"action": "double"},
+            inputs={"speed": sine(30.0, 10.0)},
+            run=(2.0, 0.02),
         ),
-        HardCase(
-            "a dry well",
+        "a dry well": HardCase(
             "No head: no torque, no power, and it turns.",
             (AtMost("torque", 0.0), AtMost("hydraulic_power", 0.0)),
-            (),
-            {},
-            {"head": 0.0, "speed": 10.0},
-            duration=1.0,
-            step=0.02,
+            inputs={"head": 0.0, "speed": 10.0},
+            run=(1.0, 0.02),
         ),
-        HardCase(
-            "a rod as thick as the piston",
+        "a rod as thick as the piston": HardCase(
             "No return stroke is left.",
             Refused("less than the piston's", accepted={"rod_diameter": 0.059}),
-            (),
-            {"action": "double", "rod_diameter": 0.06},
+            parameters={"action": "double", "rod_diameter": 0.06},
         ),
-        HardCase(
-            "a speed that is no number",
+        "a speed that is no number": HardCase(
             "The run ends.",
             Refused("not finite", "step", {"speed": 1.0}),
-            (),
-            {},
-            {"speed": jumps(0.0, (0.0, math.nan))},
-            step=0.01,
+            inputs={"speed": jumps(0.0, (0.0, math.nan))},
+            run=(0.1, 0.01),
         ),
-    ),
-    "CentrifugalPump": (
-        HardCase(
-            "standstill against a head",
+    },
+    "CentrifugalPump": {
+        "standstill against a head": HardCase(
             "No flow and no 0 / 0 in the efficiency; friction alone is left.",
             (AtMost("flow", 0.0), AtMost("torque", 0.2)),
-            ("seal_friction",),
-            {},
-            {"speed": 0.0, "head": 100.0},
-            duration=0.1,
-            step=0.01,
+            effects=("seal_friction",),
+            inputs={"speed": 0.0, "head": 100.0},
+            run=(0.1, 0.01),
         ),
-        HardCase(
-            "a valve that opens and closes",
+        "a valve that opens and closes": HardCase(
             "Speed through the shut-off head: flow from 0 without a jump, never negative.",
             (AtLeast("flow", 0.0), AtLeast("hydraulic_power", 0.0), Finite()),
-            (),
-            {},
-            {"speed": InputSignal(lambda t: 150.0 * math.sin(3.0 * t) ** 2), "head": 10.0},
-            duration=2.0,
-            step=0.01,
+            inputs={"speed": InputSignal(lambda t: 150.0 * math.sin(3.0 * t) ** 2), "head": 10.0},
+            run=(2.0, 0.01),
         ),
-        HardCase(
-            "a negative speed and a negative head",
+        "a negative speed and a negative head": HardCase(
             "They count as standstill and as none.",
             (AtMost("flow", 0.0), AtMost("torque", 0.0)),
-            (),
-            {},
-            {"speed": -1e9, "head": -1e9},
-            duration=0.1,
-            step=0.01,
+            inputs={"speed": -1e9, "head": -1e9},
+            run=(0.1, 0.01),
         ),
-        HardCase(
-            "a curve beyond its efficiency",
+        "a curve beyond its efficiency": HardCase(
             "It reaches flows at which the parabola is negative.",
             Refused("less than twice", accepted={"best_flow": 1.2e-3}),
-            (),
-            {"best_flow": 0.9e-3},
+            parameters={"best_flow": 0.9e-3},
         ),
-    ),
-    "WaterPipe": (
-        HardCase(
-            "a tank that is full, empty and full",
+    },
+    "WaterPipe": {
+        "a tank that is full, empty and full": HardCase(
             "Each limit is met and left; no water is lost or made.",
             (AtMost(_water, 1e-12, "balance of the water, m³"), AtLeast("tank.level", 0.0), AtMost("tank.level", 2.0)),
-            ("tank", "friction"),
-            {"tank.start_level": 0.5, "tank.area": 2.0},
-            {"flow": jumps(1.0, (5.0, 0.0), (10.0, 2.0)), "tank.demand": jumps(0.0, (5.0, 1.5), (10.0, 0.5))},
-            duration=15.0,
-            step=0.1,
+            effects=("tank", "friction"),
+            parameters={"tank.start_level": 0.5, "tank.area": 2.0},
+            inputs={"flow": jumps(1.0, (5.0, 0.0), (10.0, 2.0)), "tank.demand": jumps(0.0, (5.0, 1.5), (10.0, 0.5))},
+            run=(15.0, 0.1),
         ),
-        HardCase(
-            "water hammer on a thimble of air",
+        "water hammer on a thimble of air": HardCase(
             "A pump that stops within a step: the column swings, and friction damps it.",
             (Finite(), AtLeast("head", 0.0, low=-10.33)),
-            ("air_vessel", "friction"),
-            {"air_vessel.gas_volume": 5e-4},
-            {"flow": jumps(0.0, (0.0, 1e-3), (1.0, 0.0))},
-            duration=3.0,
-            step=0.02,
+            effects=("air_vessel", "friction"),
+            parameters={"air_vessel.gas_volume": 5e-4},
+            inputs={"flow": jumps(0.0, (0.0, 1e-3), (1.0, 0.0))},
+            run=(3.0, 0.02),
         ),
-        HardCase(
-            "no air to speak of",
+        "no air to speak of": HardCase(
             "A cubic millimetre: the column's frequency is beyond the substep.",
             Refused("limit of RK4", accepted={"substep": 7.5e-4}),
-            ("air_vessel",),
-            {"air_vessel.gas_volume": 1e-9},
+            effects=("air_vessel",),
+            parameters={"air_vessel.gas_volume": 1e-9},
         ),
-        HardCase(
-            "a tank that begins above its rim",
+        "a tank that begins above its rim": HardCase(
             "Its level is beyond the overflow.",
             Refused("at most the height", accepted={"tank.start_level": 2.0}),
-            ("tank",),
-            {"tank.start_level": 2.1},
+            effects=("tank",),
+            parameters={"tank.start_level": 2.1},
         ),
-    ),
+    },
 }

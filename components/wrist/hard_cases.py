@@ -43,119 +43,88 @@ def _activations(component: Component) -> list[float]:
 
 
 HARD_CASES = {
-    "FourBar": (
-        HardCase(
-            "through a change point",
+    "FourBar": {
+        "through a change point": HardCase(
             "All links in one line, twice a turn: the loop closes and the ratio stays 1.",
             (AtMost(_closure, 1e-15, "open loop, m"), Invariant("ratio", 1e-12, value=1.0)),
-            (),
-            PARALLELOGRAM | {"change_point": "through"},
-            {"input_angle": ramp(2.0 * math.pi, 0.1), "input_rate": 2.0 * math.pi},
-            duration=2.0,
-            step=0.0125,
+            parameters=PARALLELOGRAM | {"change_point": "through"},
+            inputs={"input_angle": ramp(2.0 * math.pi, 0.1), "input_rate": 2.0 * math.pi},
+            run=(2.0, 0.0125),
         ),
-        HardCase(
-            "folded at a change point",
+        "folded at a change point": HardCase(
             "It goes on as the antiparallelogram, with a kink and without a gap.",
             (AtMost(_closure, 1e-15, "open loop, m"), Finite()),
-            (),
-            PARALLELOGRAM | {"change_point": "fold"},
-            {"input_angle": ramp(2.0 * math.pi, 0.1)},
-            duration=2.0,
-            step=0.0125,
+            parameters=PARALLELOGRAM | {"change_point": "fold"},
+            inputs={"input_angle": ramp(2.0 * math.pi, 0.1)},
+            run=(2.0, 0.0125),
         ),
-        HardCase(
-            "into the toggle",
+        "into the toggle": HardCase(
             "The ratio grows beyond bounds; the run ends before it.",
             Refused("the toggle, where coupler and rocker", "step", {"input_angle": TOGGLE - 1e-3}),
-            (),
-            ROCKER_DRIVES,
-            {"input_angle": ramp(1.0, TOGGLE - 0.05)},
-            duration=0.1,
+            parameters=ROCKER_DRIVES,
+            inputs={"input_angle": ramp(1.0, TOGGLE - 0.05)},
+            run=(0.1, 1e-3),
         ),
-        HardCase(
-            "near the toggle",
+        "near the toggle": HardCase(
             "A microradian before it: the loop closes, and torques are finite.",
             (AtMost(_closure, 1e-15, "open loop, m"), Finite(limit=1e6)),
-            (),
-            ROCKER_DRIVES | {"least_transmission_angle": 1e-6},
-            {"input_angle": TOGGLE - 1e-6, "load_torque": 1.0},
+            parameters=ROCKER_DRIVES | {"least_transmission_angle": 1e-6},
+            inputs={"input_angle": TOGGLE - 1e-6, "load_torque": 1.0},
         ),
-        HardCase(
-            "a start beyond the toggle",
+        "a start beyond the toggle": HardCase(
             "Such a pose does not exist.",
             Refused("beyond the toggle", accepted={"input_angle": TOGGLE - 0.01}),
-            (),
-            ROCKER_DRIVES,
-            {"input_angle": TOGGLE + 0.01},
+            parameters=ROCKER_DRIVES,
+            inputs={"input_angle": TOGGLE + 0.01},
         ),
-        HardCase(
-            "lengths that close nowhere",
+        "lengths that close nowhere": HardCase(
             "One link is longer than all others together.",
             Refused("longest link", accepted={"ground": 0.059}),
-            (),
-            {"crank": 0.02, "coupler": 0.02, "rocker": 0.02, "ground": 0.07},
-            {"input_angle": 0.1},
+            parameters={"crank": 0.02, "coupler": 0.02, "rocker": 0.02, "ground": 0.07},
+            inputs={"input_angle": 0.1},
         ),
-        HardCase(
-            "an unresolved change point",
+        "an unresolved change point": HardCase(
             "It is not known how it goes on.",
             Refused("change point at the crank angle", accepted={"rocker": 0.021}),
-            (),
-            PARALLELOGRAM,
-            {"input_angle": 1.0},
+            parameters=PARALLELOGRAM,
+            inputs={"input_angle": 1.0},
         ),
-    ),
-    "ForearmTendons": (
-        HardCase(
-            "excitations beyond all bounds",
+    },
+    "ForearmTendons": {
+        "excitations beyond all bounds": HardCase(
             "They count from 0 to 1: activations stay there, forces within the largest.",
             (
                 AtMost(_activations, 1.0, "activations"),
                 AtLeast(_activations, 0.0, "activations"),
                 AtLeast(_forces, 0.0, "forces, N"),
             ),
-            (),
-            {},
-            {f"excitation[{i}]": sine(1e6, 20.0 + i) for i in range(1, 6)},
-            duration=0.5,
-            step=0.01,
+            inputs={f"excitation[{i}]": sine(1e6, 20.0 + i) for i in range(1, 6)},
+            run=(0.5, 0.01),
         ),
-        HardCase(
-            "torn fibres",
+        "torn fibres": HardCase(
             "A stretch far beyond what the exponential of their stiffness could bear.",
             (Finite(limit=1e300),),
-            ("fibres",),
-            {},
-            PULLED | {"flexion": ramp(-1e5)},
-            duration=1.0,
-            step=0.05,
+            effects=("fibres",),
+            inputs=PULLED | {"flexion": ramp(-1e5)},
+            run=(1.0, 0.05),
         ),
-        HardCase(
-            "shortened faster than they can",
+        "shortened faster than they can": HardCase(
             "None pulls beyond its greatest rate, and none pushes.",
             (AtLeast(_forces, 0.0, "forces, N"),),
-            ("force_velocity", "varying_arms"),
-            {},
-            PULLED | {"flexion_rate": sine(1e4, 20.0), "flexion": sine(1.0, 20.0)},
-            duration=0.5,
-            step=0.01,
+            effects=("force_velocity", "varying_arms"),
+            inputs=PULLED | {"flexion_rate": sine(1e4, 20.0), "flexion": sine(1.0, 20.0)},
+            run=(0.5, 0.01),
         ),
-        HardCase(
-            "a rise beyond the substep",
-            "0.1 ms at 2 ms.",
-            Refused("the limit of RK4", accepted={"substep": 2.6e-4}),
-            (),
-            {"rise_time": 1e-4},
+        "a rise beyond the substep": HardCase(
+            "0.1 ms at 2 ms.", Refused("the limit of RK4", accepted={"substep": 2.6e-4}), parameters={"rise_time": 1e-4}
         ),
-    ),
-    "Wrist": (
-        HardCase(
-            "nearly parallel axes",
+    },
+    "Wrist": {
+        "nearly parallel axes": HardCase(
             "One combination of the rows has 1e4 times the inertia of the other: nothing is lost.",
             (Invariant("energy", 1e-7, share=True),),
-            ("morphology",),
-            FREE
+            effects=("morphology",),
+            parameters=FREE
             | {
                 "morphology.proximal_tilt": PARALLEL,
                 "morphology.distal_tilt": PARALLEL,
@@ -164,120 +133,91 @@ HARD_CASES = {
                 "start_proximal_angle": 0.2,
                 "start_distal_angle": 0.1,
             },
-            duration=0.3,
-            step=0.02,
+            run=(0.3, 0.02),
         ),
-        HardCase(
-            "parallel axes",
+        "parallel axes": HardCase(
             "One motion instead of two.",
             Refused("one motion instead of two", accepted={"morphology.proximal_tilt": 0.011}),
-            ("morphology",),
-            {"morphology.proximal_tilt": 0.009, "morphology.distal_tilt": 0.01},
+            effects=("morphology",),
+            parameters={"morphology.proximal_tilt": 0.009, "morphology.distal_tilt": 0.01},
         ),
-        HardCase(
-            "thrown at a hard limit",
+        "thrown at a hard limit": HardCase(
             "20 kN.m/rad: it gives back no more than it got.",
             (BoundedEnergy(limit=1e-5), AtMost("deviation", 0.7)),
-            ("interaction",),
-            {
+            effects=("interaction",),
+            parameters={
                 "interaction.stiffness": 2e4,
                 "substep": 5e-5,
                 "start_proximal_rate": 30.0,
                 "start_distal_rate": -35.0,
                 "interaction.contact_lower": -2.0,
             },
-            duration=0.04,
-            step=1e-3,
+            run=(0.04, 1e-3),
         ),
-        HardCase(
-            "five rigid ligaments without a contradiction",
+        "five rigid ligaments without a contradiction": HardCase(
             "Large swings under all of them: strains are rounding.",
             (AtMost(_strains, 1e-14, "strains"),),
-            ("morphology", "constraint"),
-            FREE
+            effects=("morphology", "constraint"),
+            parameters=FREE
             | ISOMETRIC
             | {"constraint.kind": "rigid", "start_proximal_angle": 0.6, "start_distal_angle": 0.3, "substep": 1e-2},
-            duration=3.0,
-            step=0.1,
+            run=(3.0, 0.1),
         ),
-        HardCase(
-            "five rigid ligaments that contradict each other",
+        "five rigid ligaments that contradict each other": HardCase(
             "They hold both rows.",
             Refused("hold both rows", accepted={"constraint.cut": 2}),
-            ("morphology", "constraint"),
-            {"constraint.kind": "rigid"},
+            effects=("morphology", "constraint"),
+            parameters={"constraint.kind": "rigid"},
         ),
-        HardCase(
-            "hardly any inertia",
+        "hardly any inertia": HardCase(
             "A hand of a mg.m²: krad/s at a substep of 1 ms.",
             Refused("Reduce substep", accepted={"substep": 8e-5}),
-            (),
-            TINY,
+            parameters=TINY,
         ),
-        HardCase(
-            "hardly any inertia, followed",
+        "hardly any inertia, followed": HardCase(
             "A quarter of its period of 0.2 ms: amplitude rate / frequency.",
             (Ends("proximal_angle", 1e-7, value=100.0 * math.sqrt(1e-9), share=True), Invariant("energy", 1e-6, share=True)),
-            (),
-            TINY | {"substep": 1e-6, "start_proximal_rate": 100.0},
-            duration=0.5 * math.pi * math.sqrt(1e-9),
-            step=0.5 * math.pi * math.sqrt(1e-9),
+            parameters=TINY | {"substep": 1e-6, "start_proximal_rate": 100.0},
+            run=(0.5 * math.pi * math.sqrt(1e-9), 0.5 * math.pi * math.sqrt(1e-9)),
         ),
-        HardCase(
-            "no inertia",
+        "no inertia": HardCase(
             "The mass matrix is singular.",
             Refused("mass matrix is singular", accepted={"transverse_inertia": 1e-3}),
-            (),
-            {"transverse_inertia": 0.0, "axial_inertia": 0.0, "hand_mass": 0.0},
+            parameters={"transverse_inertia": 0.0, "axial_inertia": 0.0, "hand_mass": 0.0},
         ),
-        HardCase(
-            "a hand turned too far",
+        "a hand turned too far": HardCase(
             "30 N.m without limits.",
             Refused("Give the effect interaction", "step", {"tau_flexion": 0.3}),
-            ("morphology",),
-            {},
-            {"tau_flexion": jumps(0.0, (0.0, 30.0))},
-            duration=0.5,
-            step=0.05,
+            effects=("morphology",),
+            inputs={"tau_flexion": jumps(0.0, (0.0, 30.0))},
+            run=(0.5, 0.05),
         ),
-    ),
-    "LigamentBundle": (
-        HardCase(
-            "slack",
+    },
+    "LigamentBundle": {
+        "slack": HardCase(
             "Without prestrain, to and fro: ligaments pull or do nothing.",
             (AtLeast(_tensions, 0.0, "tensions, N"), AtLeast("stored_energy", 0.0), Finite(limit=1e4)),
-            (),
-            {},
-            {"proximal_angle": sine(1.0, 10.0), "distal_angle": sine(0.8, 17.0)},
-            duration=1.0,
-            step=0.01,
+            inputs={"proximal_angle": sine(1.0, 10.0), "distal_angle": sine(0.8, 17.0)},
+            run=(1.0, 0.01),
         ),
-        HardCase(
-            "damping that would push",
+        "damping that would push": HardCase(
             "A quick release: the damper takes the tension to 0 and not below.",
             (AtLeast(_tensions, 0.0, "tensions, N"), AtLeast("dissipation", 1e-12)),
-            (),
-            {"damping": 1.0, "prestrain": 0.02},
-            {"proximal_angle": sine(0.3, 50.0), "proximal_rate": sine(100.0, 50.0), "distal_rate": sine(50.0, 31.0)},
-            duration=0.5,
-            step=0.01,
+            parameters={"damping": 1.0, "prestrain": 0.02},
+            inputs={"proximal_angle": sine(0.3, 50.0), "proximal_rate": sine(100.0, 50.0), "distal_rate": sine(50.0, 31.0)},
+            run=(0.5, 0.01),
         ),
-        HardCase(
-            "no toe",
+        "no toe": HardCase(
             "A kink at the slack length instead of a curve.",
             (AtLeast(_tensions, 0.0, "tensions, N"), AtLeast("stored_energy", 0.0)),
-            (),
-            {"toe": 0.0},
-            {"proximal_angle": sine(1e-6, 10.0)},
-            duration=1.0,
-            step=0.01,
+            parameters={"toe": 0.0},
+            inputs={"proximal_angle": sine(1e-6, 10.0)},
+            run=(1.0, 0.01),
         ),
-        HardCase(
-            "parallel axes",
+        "parallel axes": HardCase(
             "One motion instead of two.",
             Refused("one motion instead of two", accepted={"proximal_tilt": 0.011}),
-            (),
-            {"proximal_tilt": 0.009, "distal_tilt": 0.01},
+            parameters={"proximal_tilt": 0.009, "distal_tilt": 0.01},
         ),
-    ),
+    },
 }

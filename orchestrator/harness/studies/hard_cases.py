@@ -79,7 +79,8 @@ def declared() -> dict[str, tuple[HardCase, ...]]:
     for system in sorted({module.partition(".")[0] for module in CATALOGUE.values()}):
         module = f"....components.{system}.hard_cases"
         if find_spec(module, __package__):
-            cases |= import_module(module, __package__).HARD_CASES
+            for component, named in import_module(module, __package__).HARD_CASES.items():
+                cases[component] = tuple(replace(case, name=name) for name, case in named.items())
     unknown = cases.keys() - CATALOGUE.keys()
     assert not unknown, f"hard cases of components that are not in the catalogue: {unknown}"
     return {name: cases.get(name, ()) for name in CATALOGUE}
@@ -150,7 +151,7 @@ def _run(component: Component, case: HardCase, claims: Iterable[Claim]) -> list[
         return component.t, [component.y / nominal if isinstance(c, Finite) else seen(component, c.of) for c in claims]
 
     rows = [row()]
-    for k in range(round(case.duration / case.step)):
+    for k in range(case.steps):
         _advance(component, case, k)
         rows.append(row())
     return rows
@@ -158,7 +159,7 @@ def _run(component: Component, case: HardCase, claims: Iterable[Claim]) -> list[
 
 def _advance(component: Component, case: HardCase, k: int) -> None:
     """The k-th macro step; `StepFailed` also where a number in the component is not finite after it."""
-    t, h = k * case.step, case.step
+    t, h = k * case.run[1], case.run[1]
     for column, name in enumerate(component.inputs):
         course = case.inputs.get(name)
         if not isinstance(course, InputSignal):
@@ -182,7 +183,7 @@ def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:
         when = "initialize"
         component = _initial_component(name, case, {})
         when = "step"
-        for k in range(round(case.duration / case.step)):
+        for k in range(case.steps):
             state = component.save()
             try:
                 _advance(component, case, k)
@@ -207,7 +208,7 @@ def _accepted(name: str, case: HardCase, instead: Mapping[str, Any], when: str) 
     """The largest factor between a value refused and one accepted, and what is wrong with the latter."""
     try:
         component = _initial_component(name, case, instead)
-        for k in range(round(case.duration / case.step) if when == "step" else 1):
+        for k in range(case.steps if when == "step" else 1):
             _advance(component, replace(case, inputs={**case.inputs, **instead}), k)
     except (BadInput, StepFailed) as error:
         return math.nan, str(error)

@@ -30,7 +30,7 @@ TOW = "TowCoupling"  # 500 N/m, 5 N.s/m, 0.5 m; without a state
 
 def one(holds, component=TOW, **more):
     """The verdict of a case with one claim."""
-    made = HardCase("name", "Text.", holds if isinstance(holds, Refused) else (holds,), **more)
+    made = HardCase("Text.", holds if isinstance(holds, Refused) else (holds,), name="name", **more)
     (found,) = verdicts(component, made)
     return found
 
@@ -51,7 +51,7 @@ def one(holds, component=TOW, **more):
 ])  # fmt: skip
 def test_what_a_claim_reaches(claim, reached):
     """A quarter of a turn and then two whole ones, in 40 steps."""
-    found = one(claim, inputs={"front_position": sine(0.02, 10.0, 0.5)}, duration=math.pi / 4.0, step=math.pi / 160.0)
+    found = one(claim, inputs={"front_position": sine(0.02, 10.0, 0.5)}, run=(math.pi / 4.0, math.pi / 160.0))
     assert found.reached == pytest.approx(reached, abs=1e-12)
     assert found.limit == claim.limit
     assert found.margin == (claim.limit / found.reached if found.reached else math.inf)
@@ -73,7 +73,7 @@ def test_courses_follow_time_within_a_step_and_jumps_do_not():
         ("start", jumps(7.0, (0.0, 2.0))),
         ("held", InputSignal(lambda t: t, smooth=False)),
     ):
-        ends[name] = one(Ends("rear_position", 10.0), inputs={"rear_position": course}, duration=0.1, step=0.02).reached
+        ends[name] = one(Ends("rear_position", 10.0), inputs={"rear_position": course}, run=(0.1, 0.02)).reached
     assert ends == pytest.approx({"ramp": 0.1, "jump": 1.0, "start": 2.0, "held": 0.08})
     found = one(Invariant("rear_position", 10.0), inputs={"rear_position": jumps(7.0, (0.0, 2.0))})
     assert found.reached == 5.0  # it was initialized with 7

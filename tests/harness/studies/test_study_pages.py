@@ -63,7 +63,7 @@ def hard_cases_of_two_components(folder):
 
 def hard_cases_that_fail(folder):
     claims = (AtMost("stretch", 1e-3), AtMost("rear_force", 1.0))
-    case = HardCase("a case", "What is hard.", claims, inputs={"front_position": 0.6})
+    case = HardCase("What is hard.", claims, name="a case", inputs={"front_position": 0.6})
     return for_hard_cases(HardCases(tuple(verdicts("TowCoupling", case))), folder)
 
 
