@@ -1,6 +1,10 @@
-"""The texts of an FMU that are written at build time: modelDescription.xml and documentation/index.html.
+"""The texts of an FMU that are written at build time.
 
-Source: FMI for Model Exchange and Co-Simulation 2.0.4, sections 2.2 and 4.3.
+modelDescription.xml and documentation/index.html: FMI for Model Exchange and Co-Simulation 2.0.4, sections 2.2 and 4.3, with
+units (2.2.2: shown value = factor value + offset) and types of real variables (2.2.3).
+terminalsAndIcons/terminalsAndIcons.xml has the ports of an FMU as terminals: FMI 3.0.2, section 2.4.9; FMI 2.0 takes the same
+file, with the version that defines it. Own signals of no declared port are the terminal `signals`. Members match by what stands
+behind the dot of a signal's name.
 """
 
 from __future__ import annotations
@@ -10,6 +14,7 @@ import inspect
 import math
 import os
 from collections.abc import Iterable
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -17,10 +22,9 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..components.core.measure import BASES, parse
+from ..components.core.variables import Declared, gathered
 from .interface import Scalar, interface
 from .picture import icon
-from .quantities import MOVING, SHOWN, TYPES, quantity, typical_size
-from .terminals import FILE, ICON, terminals_and_icons
 
 RELEASED = "2026-11-22T00:00:00Z"  # of this version's source; the variable SOURCE_DATE_EPOCH gives another date
 AUTHOR = "the cosimo developers"
@@ -255,3 +259,111 @@ def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), h
 
 def _shown(scalar: Scalar) -> str:
     return "" if scalar.causality == "output" else str(scalar.start)
+
+
+OTHERS = "signals"
+FILE, ICON = "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"
+
+
+def terminals(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+    """Names of terminals -> member -> variable; only what has two members and more.
+
+    declared: ports of the component.  companions: derivatives of inputs.
+    """
+    groups = {port or OTHERS: members for port, members in gathered(names, declared).items()}
+    if listed := list(companions):
+        groups["derivatives"] = {name: name for name in listed}
+    return {group: members for group, members in groups.items() if len(members) > 1}
+
+
+def terminals_and_icons(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> bytes:
+    """The file, for an icon as wide as high."""
+    root = ET.Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
+    graphics = ET.SubElement(root, "GraphicalRepresentation")
+    corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    ET.SubElement(graphics, "CoordinateSystem", {**corners, "suggestedScalingFactorTo_mm": "0.1"})
+    ET.SubElement(graphics, "Icon", corners)
+    if groups := terminals(names, declared, companions):
+        parent = ET.SubElement(root, "Terminals")
+        for group, members in groups.items():
+            terminal = ET.SubElement(parent, "Terminal", {"name": group, "matchingRule": "bus"})
+            for member, variable in members.items():
+                ET.SubElement(
+                    terminal, "TerminalMemberVariable", {"variableName": variable, "memberName": member, "variableKind": "signal"}
+                )
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+# unit of measure -> units to show it in, (factor, offset); the first one is the type's
+SHOWN = {
+    "rad": {"deg": (180.0 / math.pi, 0.0)},
+    "rad/s": {"rpm": (30.0 / math.pi, 0.0), "deg/s": (180.0 / math.pi, 0.0)},
+    "K": {"degC": (1.0, -273.15)},
+    "m": {"mm": (1e3, 0.0)},
+}
+TYPES = {
+    "m": "Length",
+    "m/s": "Velocity",
+    "m/s2": "Acceleration",
+    "m2": "Area",
+    "m3": "Volume",
+    "rad": "Angle",
+    "rad/s": "AngularVelocity",
+    "rad/s2": "AngularAcceleration",
+    "s": "Time",
+    "Hz": "Frequency",
+    "kg": "Mass",
+    "kg.m2": "MomentOfInertia",
+    "N": "Force",
+    "N.m": "Torque",
+    "N/m": "Stiffness",
+    "N.s/m": "Damping",
+    "N.m/rad": "AngularStiffness",
+    "N.m.s/rad": "AngularDamping",
+    "m/N": "Compliance",
+    "Pa": "Pressure",
+    "J": "Energy",
+    "W": "Power",
+    "K": "Temperature",
+    "W/K": "ThermalConductance",
+    "J/K": "HeatCapacity",
+    "V": "Voltage",
+    "A": "Current",
+    "Ohm": "Resistance",
+    "H": "Inductance",
+    "kg/m3": "Density",
+    "m3/s": "VolumeFlowRate",
+}
+MOVING = "MovingPosition"  # type of inputs that a master is not to hold over a step
+SHORT = 0.1  # m: lengths of this size and below are shown in mm
+SPINS = ("speed",)  # parts of the names of angular velocities that are shown in rpm
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a real variable's declaration adds to its unit; "" where it has no such."""
+
+    type: str
+    display: str
+
+
+def quantity(scalar: Scalar) -> Quantity:
+    """The type and the display unit of a real variable."""
+    return Quantity(MOVING if scalar.moving else TYPES.get(scalar.unit, ""), _display(scalar))
+
+
+def _display(scalar: Scalar) -> str:
+    if scalar.unit == "m":
+        return "mm" if 0.0 < typical_size(scalar) <= SHORT else ""
+    if scalar.unit == "rad/s":
+        return "rpm" if any(part in scalar.name for part in SPINS) else "deg/s"
+    return next(iter(SHOWN.get(scalar.unit, {})), "")
+
+
+def typical_size(scalar: Scalar) -> float:
+    """The nominal value: as declared, or of a parameter the size of its start value."""
+    start = scalar.start
+    if scalar.nominal == 1.0 and scalar.causality in ("parameter", "local") and isinstance(start, float) and math.isfinite(start):
+        return abs(start) or 1.0
+    return scalar.nominal

@@ -25,8 +25,18 @@ from .contact import (
     direction,
     friction_on_body,
 )
-from .exciters import HarmonicExciter, PrescribedMotion, Unbalance
-from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, ShakenRobot, Tow, free_rate, hanging_stretch
+from .parts import (
+    FASTEST_PHASE,
+    CubicSpring,
+    HarmonicExciter,
+    PipeSlope,
+    PrescribedMotion,
+    ShakenRobot,
+    Tow,
+    Unbalance,
+    free_rate,
+    hanging_stretch,
+)
 from .robot_equations import (
     CONTACT,
     INNER,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import BASES, parse
 from ...components.core.measure import Unit as Measure
-from ...fmus.quantities import MOVING
+from ...fmus.description import MOVING
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
 from .interface import Interface, Signal
 from .values import checked_values

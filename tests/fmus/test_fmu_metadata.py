@@ -11,12 +11,11 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.measure import parse
 from cosimo.fmus.build import build
-from cosimo.fmus.description import model_description, shared_files
+from cosimo.fmus.description import FILE, ICON, model_description, shared_files, terminals
 from cosimo.fmus.interface import interface
 from cosimo.fmus.native.description import description3
 from cosimo.fmus.native.variables import NativeVariable
 from cosimo.fmus.picture import SIZE, icon
-from cosimo.fmus.terminals import FILE, ICON, terminals
 from lxml import etree
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema"

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.drives.closed_forms import poles, steady, step_response, wheel_constants
 from cosimo.components.drives.servo_motor import ServoMotor, servo_derivatives, shaft_inertia
+from cosimo.tests.systems.drives.closed_forms import poles, steady, step_response, wheel_constants
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.interpreted

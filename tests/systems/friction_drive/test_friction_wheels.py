@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.friction_drive.closed_forms import load_share, loaded_feed
 from cosimo.components.friction_drive.sleeve import DEFLECTIONS, FEED_RATE, MODES, ROTATION_RATE
 from cosimo.components.friction_drive.wheels import FrictionWheels, wheels_derivatives
+from cosimo.tests.systems.friction_drive.closed_forms import load_share, loaded_feed
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.interpreted

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.drives.closed_forms import wheel_constants
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.controller import ServoController
 from cosimo.components.friction_drive.monolith import FrictionDrive
 from cosimo.components.friction_drive.wheels import FrictionWheels
+from cosimo.tests.systems.drives.closed_forms import wheel_constants
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.interpreted

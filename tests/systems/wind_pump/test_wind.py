@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.wind_pump.noise import normal_number
-from cosimo.components.wind_pump.wind import Wind
+from cosimo.components.wind_pump.wind import Wind, normal_number
 
 pytestmark = pytest.mark.interpreted
 

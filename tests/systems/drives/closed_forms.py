@@ -6,8 +6,7 @@ import cmath
 from typing import NamedTuple
 
 import numpy as np
-
-from .servo_motor import ServoMotor
+from cosimo.components.drives.servo_motor import ServoMotor
 
 
 class Steady(NamedTuple):

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 
-from ..core.errors import BadInput
-from .kinematics import LAYOUTS, ORTHOGONAL, SKEWED
-from .sleeve import friction_level
-from .wheels import FrictionWheels
+from cosimo.components.core.errors import BadInput
+from cosimo.components.friction_drive.kinematics import LAYOUTS, ORTHOGONAL, SKEWED
+from cosimo.components.friction_drive.sleeve import friction_level
+from cosimo.components.friction_drive.wheels import FrictionWheels
 
 
 def load_share(wheels: FrictionWheels, force: float, torque: float = 0.0) -> float:
