@@ -137,7 +137,7 @@ def coldest(x):
 
 
 @kernel
-def range_outside(h, x, u, p, e):
+def range_outside(h, x, u, e):
     """(lowest, highest) temperature in K of the outermost part, if it radiates, after a step of h s; u: (3, m) with slopes.
 
     It rises above the warmest of parts, ambient and oil only as far as until radiation alone takes all supplied heat away,
@@ -271,7 +271,7 @@ _advance = _stiff.step
 @kernel
 def network_step(t, h, s, p, e):
     """A step of the method, and whether it led where temperatures can be."""
-    low, high = range_outside(h, s.x, s.u, p, e)
+    low, high = range_outside(h, s.x, s.u, e)
     status = _advance(t, h, s, p, e)
     if status == DONE and not low <= s.x[s.x.size - 3] <= high:
         return NOT_CONVERGED

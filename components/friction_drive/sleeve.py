@@ -186,7 +186,7 @@ def seal_place(lugre, exact):
 
 
 @kernel
-def seal_rate(x, p, lugre, exact, trocar):
+def seal_rate(x, p, lugre, exact):
     """Rate of the seal's deflection."""
     z = seal_place(lugre, exact)
     return planar_stick_rate(x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1], 1.0 / p.substep)
@@ -209,7 +209,7 @@ def sleeve_derivatives(t, x, first, second, external, dx, p, e):
         dx[MODES] = dx[MODES + 1] = 0.0
     if e.trocar_friction is not None:
         z, stiffness = seal_place(e.lugre_slip, e.exact_slip), e.trocar_friction.level / e.trocar_friction.deflection
-        dx[z], dx[z + 1] = seal_rate(x, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
+        dx[z], dx[z + 1] = seal_rate(x, p, e.lugre_slip, e.exact_slip)
         dx[z + 2] = 0.0
         zx, zy = planar_stick_deflection(x[z + 2], x[z], x[z + 1], e.trocar_friction.deflection)
         along -= stiffness * (zx + e.trocar_friction.damping_time * dx[z])

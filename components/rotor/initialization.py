@@ -26,7 +26,7 @@ def rotor_initialize(t, s, p, e):
     if status != DONE:
         return status
     set_matrices(s, p, e)
-    set_loads(s, p, e)
+    set_loads(s, e)
     N, x = DOFS * s.mesh[NODES], s.x
     q, v, force, band, factors = x[:N], x[N : 2 * N], x[2 * N : 3 * N], s.now[0, :N], s.now[1, :N]
     angle, speed = p.start_angle % TURN, speed_at(t, p.start_speed, e.run_up)
@@ -167,7 +167,7 @@ def set_matrices(s, p, e):
 
 
 @kernel
-def set_loads(s, p, e):
+def set_loads(s, e):
     """Weight, and what a frame that turns loads the rotor with per speed and rate."""
     nodes = s.nodes[: s.mesh[NODES]]
     N = DOFS * nodes.size

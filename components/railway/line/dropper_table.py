@@ -34,7 +34,7 @@ def line_of(values: Mapping[str, Any], where: str = "line") -> Line:
 def with_droppers(line: Line, text: str, where: str) -> Line:
     """The line with the droppers of a CSV table in the place of its own."""
     rows = _rows(text, where)
-    sections = [_with_rows(s, i, rows, line) for i, s in enumerate(resolved_sections(line))]
+    sections = [_with_rows(s, i, rows) for i, s in enumerate(resolved_sections(line))]
     if rows:
         place, row = next(iter(rows.items()))
         raise BadInput(
@@ -46,7 +46,7 @@ def with_droppers(line: Line, text: str, where: str) -> Line:
     return replace(line, sections=tuple(sections))
 
 
-def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper], line: Line) -> Any:
+def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
     """A section with its spans one by one, each with its rows, which are taken out of `rows`."""
     spans = []
     twin = s.section.second_contact_wire.tension is not None
