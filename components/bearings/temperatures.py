@@ -270,7 +270,7 @@ _advance = _stiff.step
 
 @kernel
 def network_step(t, h, s, p, e):
-    """A step of the method, and whether it led where temperatures can be."""
+    """A step of the method; refuses temperatures that are physically impossible."""
     low, high = range_outside(h, s.x, s.u, e)
     status = _advance(t, h, s, p, e)
     if status == DONE and not low <= s.x[s.x.size - 3] <= high:

@@ -1,4 +1,4 @@
-"""Components without a state: massless couplings, tables, courses over time. Kernels as templates.
+"""Components without a state: massless couplings, tables, time histories. Kernels as templates.
 
 What a component supplies: `outputs(t, s, p, e) -> status`, and where something follows from the parameters a kernel `start` of
 the same form.

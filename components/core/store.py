@@ -78,7 +78,7 @@ def _umask() -> int:
 
 
 def kept(path: Path, intact: Callable[[Path], bool], make: Callable[[Path], Path]) -> Path:
-    """A file of the cache: as it is where it is intact, made anew where it is missing or damaged.
+    """A file of the cache: an intact one is used, one that is missing or damaged is made anew.
 
     Where the cache cannot be written, it is made in a folder for temporary files that goes with this process.
     """

@@ -154,22 +154,22 @@ def counted(value, step):
 
 
 @kernel
-def wanted(t, rows, p, course):
-    """(feed, rotation, their rates) of the set point at time t; rows: (1,) in use of the course, or None."""
+def wanted(t, rows, p, reference):
+    """(feed, rotation, their rates) of the set point at time t; rows: (1,) in use of the reference, or None."""
     feed, rotation, feed_rate, rotation_rate = p.set_feed, p.set_rotation, 0.0, 0.0
-    if course is not None:
+    if reference is not None:
         n, i = rows[0], 0
-        while i < n and course.time[i] <= t:
+        while i < n and reference.time[i] <= t:
             i += 1
         before, after = max(i - 1, 0), min(i, n - 1)
-        feed += course.feed[before]
-        rotation += course.rotation[before]
-        length = course.time[after] - course.time[before]
+        feed += reference.feed[before]
+        rotation += reference.rotation[before]
+        length = reference.time[after] - reference.time[before]
         if length > 0.0:
-            feed_rate = (course.feed[after] - course.feed[before]) / length
-            rotation_rate = (course.rotation[after] - course.rotation[before]) / length
-            feed += feed_rate * (t - course.time[before])
-            rotation += rotation_rate * (t - course.time[before])
+            feed_rate = (reference.feed[after] - reference.feed[before]) / length
+            rotation_rate = (reference.rotation[after] - reference.rotation[before]) / length
+            feed += feed_rate * (t - reference.time[before])
+            rotation += rotation_rate * (t - reference.time[before])
     return feed, rotation, feed_rate, rotation_rate
 
 

@@ -276,7 +276,7 @@ class Catenary(HungLine):
 
     @property
     def mesh(self) -> Mesh:
-        """The mesh as it is after `initialize`."""
+        """The mesh that `initialize` has filled."""
         s = self.arguments[0]
         return in_python(unpacked)(s.numbers, s.indices)
 

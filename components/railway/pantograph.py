@@ -2,7 +2,7 @@
 
 The pantograph owns the contact law (it gets the wire's height and gives the force). The head and the contact spring
 form a 13 Hz oscillator inside the 20 Hz band of the standard; kept in one unit it is integrated without delay, and
-only the wire, which answers a force like the dashpot 2 sqrt(T m), has to be told in advance what the force will be.
+only the wire, which answers a force like the dashpot 2 sqrt(T m), needs a prediction of the force.
 
 Measured on the EN 50318:2002 scene at 250 km/h against an independent solution (`orchestrator/systems/railway/modal.py`),
 catenary first, force extrapolated linearly: the 20 Hz-filtered force is off by 0.4 % of its standard deviation (rms) with a

@@ -133,7 +133,7 @@ def coefficient(shaft, k):
 
 @kernel
 def gear_of(s, p):
-    """The gear set as it is arranged."""
+    """The gear set in its arrangement."""
     return Gear(s.ratios[0], s.ratios[1], p.stiffness, p.shaft_damping)
 
 
