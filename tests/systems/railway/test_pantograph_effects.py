@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.railway.pantograph import Pantograph, speed_at
+from cosimo.components.railway.pantograph import Pantograph
+from cosimo.components.railway.pantograph_effects import speed_at
 from cosimo.components.railway.sines import AMPLITUDE, NUMBER, PHASE, sum_of_sines
 
 pytestmark = pytest.mark.interpreted
