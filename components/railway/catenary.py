@@ -284,8 +284,8 @@ class Catenary(HungLine):
     def _initialize(self, t: float) -> int:
         status = super()._initialize(t)
         if status == DONE and "moving_window" in self.on:
-            given = [float(self.get(f"moving_window.{name}")) for name in ("ahead", "behind")]
-            warn_of_narrow_window(self.name, *given, self.arguments[0].window, float(self.mesh.position[-1]))
+            ahead, behind = (float(self.get(f"moving_window.{name}")) for name in ("ahead", "behind"))
+            warn_of_narrow_window(self.name, ahead, behind, self.arguments[0].window, float(self.mesh.position[-1]))
         return status
 
     def energy(self) -> float:
