@@ -165,6 +165,7 @@ class WorkerSimulator:
         expected, self._since = self._expected, monotonic()
         if expected is None:  # the process had ended before the request was sent
             raise self._end()
+        content: Any
         try:
             code, content = self._channel.receive(max(expected.longest, REPORT))
         except NoMessage:
@@ -174,8 +175,9 @@ class WorkerSimulator:
         except KeyboardInterrupt:
             self._lost = True  # part of a message may be left in the pipe
             raise
-        self._expected = self._since = failure = answer = None
+        self._expected = self._since = answer = None
         texts: list[str] = []
+        failure: Exception | None = None
         try:
             if code == Code.WARNED:
                 code, content, texts = read_warnings(content)
