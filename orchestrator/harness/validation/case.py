@@ -148,7 +148,7 @@ class Case:
         claims: tuple[ClaimResult, ...] = ()
         if measured:
             table = load_table(self.name)
-            rows += compare(table.rows, measured)
+            rows = (*compare(table.rows, measured), *rows)
             if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
                 raise ValueError(f"case {self.name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
             claims = claim_results(table.claims, rows, charts)

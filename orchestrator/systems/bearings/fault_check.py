@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...harness.analysis.records import component_of
 from ...harness.analysis.spectra import amplitude_spectrum, envelope_spectrum, peak
-from .fault_data import CLASSES, RPM, Sensor, base_scene
+from .fault_data import CLASSES, RPM, Sensor, base_scene, bearing_of
 
 WITHIN = 2.0  # Hz, around the place of a line
 BAND = 0.5  # of the resonance: the envelope is of the band resonance ± this share
@@ -76,7 +75,7 @@ def check(directory: str | Path, sensor: Sensor, seed: int = 0) -> FaultCheck:
         raise BadInput("dataset", "no scikit-learn", "an installed scikit-learn for the check", "pip install scikit-learn")
     from sklearn.ensemble import RandomForestClassifier
 
-    component: Any = component_of(base_scene(1.0), "bearing")
+    component = bearing_of(base_scene(1.0))
     rows, labels, parts = [], [], []
     for row, x in read_records(directory):
         if row["run_up"] == "no":

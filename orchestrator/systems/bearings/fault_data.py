@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...harness.analysis.records import component_of
 from ...harness.sweep import Sweep, sweep
 from ...output import ensure_directory, write_table
 from ...scene.scene import Scene
+from ...units.component import make
 from .. import load_scene
 
 RPM = 2.0 * math.pi / 60.0
@@ -189,6 +189,11 @@ def base_scene(duration: float) -> Scene:
     )
 
 
+def bearing_of(scene: Scene) -> Any:
+    """The bearing of such a scene, not initialized."""
+    return make("bearing", scene.units["bearing"])
+
+
 def fault_data(
     directory: str | Path,
     *,
@@ -212,7 +217,7 @@ def fault_data(
     chosen = sensor or Sensor()
     _check(chosen, layout, duration)
     scene, records = base_scene(duration), planned(individuals, seed, run_up, conditions)
-    component = component_of(scene, "bearing")
+    component = bearing_of(scene)
     points = [point(r, component) for r in records]
     plan = {
         "method": "list",

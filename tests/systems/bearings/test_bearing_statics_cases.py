@@ -6,8 +6,7 @@ from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
-from cosimo.orchestrator.systems.bearings.cases import clearance, hertz_textbook, iso16281
-from cosimo.orchestrator.systems.bearings.statics import at_rest
+from cosimo.orchestrator.systems.bearings.cases import clearance, hertz_textbook, statics
 
 IN_PROCESS = Options(in_process=True)
 
@@ -23,7 +22,7 @@ IN_PROCESS = Options(in_process=True)
     ],
 )
 def test_all_rows_are_inside(name, expected, rows):
-    found = cases()[name].function(IN_PROCESS)
+    found = cases()[name].findings(IN_PROCESS)
     assert [(r.reference.quantity, r.reference.condition) for r in found.rows if not r.inside] == []
     assert outcome(found.rows) == expected
     assert len(found.rows) == rows
@@ -33,7 +32,7 @@ def test_all_rows_are_inside(name, expected, rows):
 
 def test_a_radial_clearance_for_a_diametral_one_fails_the_published_displacement():
     """Mistake three in the published solver's row: 10 um taken as the radial gap."""
-    wrong = 1e6 * iso16281.bearing(20e-6).equilibrium(iso16281.LOAD * iso16281.RADIAL).displacement[0]
+    wrong = 1e6 * statics.bearing(20e-6).equilibrium(statics.LOAD * statics.RADIAL).displacement[0]
     rows = compare(load_table("iso16281").rows, {"10.radial": wrong})
     assert not any(r.inside for r in rows if r.reference.measure == "10.radial")
 
@@ -52,4 +51,4 @@ def test_a_shaft_that_is_free_sideways_has_other_frequencies():
 
 def test_an_equilibrium_that_was_not_found_ends_the_case():
     with pytest.raises(StepFailed):
-        at_rest(iso16281.bearing(0.0), 1e6 * iso16281.RADIAL)
+        statics.at_rest(statics.bearing(0.0), 1e6 * statics.RADIAL)

@@ -5,10 +5,18 @@ import csv
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.analysis.records import component_of
 from cosimo.orchestrator.harness.many.plan import changes
 from cosimo.orchestrator.systems.bearings.fault_check import features
-from cosimo.orchestrator.systems.bearings.fault_data import CLASSES, SHORTEST, Sensor, base_scene, fault_data, planned, point
+from cosimo.orchestrator.systems.bearings.fault_data import (
+    CLASSES,
+    SHORTEST,
+    Sensor,
+    base_scene,
+    bearing_of,
+    fault_data,
+    planned,
+    point,
+)
 
 QUIET = 200.0  # dB: no noise to speak of
 
@@ -29,7 +37,7 @@ def test_no_individual_is_in_two_parts_and_every_part_has_all_classes():
 
 def test_every_planned_record_is_a_scene():
     scene = base_scene(0.1)
-    component = component_of(scene, "bearing")
+    component = bearing_of(scene)
     for record in planned(3, 1, run_up=True)[::5]:
         one = scene.with_changes(changes(scene, point(record, component)))
         assert set(CLASSES[record.label]) <= set(one.units["bearing"].effects)
@@ -70,7 +78,7 @@ def test_records_without_lines_to_look_for_are_refused_before_anything_runs(dura
 
 @pytest.mark.parametrize("rpm", [1730.0, 1797.0])
 def test_the_shortest_record_has_every_feature(rpm):
-    component = component_of(base_scene(1.0), "bearing")
+    component = bearing_of(base_scene(1.0))
     frequencies = component.geometry.defect_frequencies(rpm / 60.0)
     x = np.random.default_rng(3).standard_normal(round(SHORTEST * Sensor().rate))
     assert all(np.isfinite(v) for v in features(x, Sensor(), frequencies).values())

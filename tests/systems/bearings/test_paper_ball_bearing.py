@@ -91,4 +91,4 @@ def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
 @pytest.mark.full
 def test_the_case_gives_its_verdicts():
     case = cases()["paper-ball-bearing"]
-    assert CaseResult(case, case.function(Options(in_process=True))).outcome == "passed"
+    assert CaseResult(case, case.findings(Options(in_process=True))).outcome == "passed"

@@ -101,4 +101,4 @@ def test_axial_preload_is_in_equilibrium():
 @pytest.mark.full
 def test_the_case_gives_its_verdicts():
     case = cases()["paper-deep-groove"]
-    assert CaseResult(case, case.function(Options(in_process=True))).outcome == "passed"
+    assert CaseResult(case, case.findings(Options(in_process=True))).outcome == "passed"

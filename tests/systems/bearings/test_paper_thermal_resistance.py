@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import CaseResult, Options
 from cosimo.orchestrator.systems import cases
-from cosimo.orchestrator.systems.bearings.cases.paper_thermal_resistance import circumference, network, paths, plane
+from cosimo.orchestrator.systems.bearings.cases import paper_thermal_resistance as paper
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import ellipkm1
@@ -16,7 +16,7 @@ from scipy.special import ellipkm1
 
 def test_resistance_under_axial_load_is_that_of_equal_balls():
     """All balls alike: load from the angle that the axial force gives, constrictions by SciPy's elliptic integral."""
-    model = network.bearing("7210B")
+    model = paper.bearing("7210B")
     p, geometry = model.parameters, model.geometry()
     distance = (p["inner_conformity"] + p["outer_conformity"] - 1.0) * p["ball_diameter"]
     stiffness = geometry.stiffness(model.material())
@@ -31,14 +31,14 @@ def test_resistance_under_axial_load_is_that_of_equal_balls():
     for race in ("inner", "outer"):
         minor, major = (0.5 * axis for axis in geometry.contact(race, model.material()).axes(load))
         total += 2.0 * ellipkm1((minor / major) ** 2) / (2.0 * math.pi * 46.0 * major)
-    assert network.resistance(model, 1000.0) == pytest.approx(total / 16, rel=1e-6)
+    assert paper.resistance(model, 1000.0) == pytest.approx(total / 16, rel=1e-6)
 
 
-@pytest.mark.parametrize("preset", network.ANGLES)
+@pytest.mark.parametrize("preset", paper.ANGLES)
 def test_exponent_is_the_slope_of_a_wide_difference(preset):
-    model = network.bearing(preset)
-    wide = -math.log(network.resistance(model, 220.0) / network.resistance(model, 180.0)) / math.log(220.0 / 180.0)
-    assert network.exponent(model, 200.0) == pytest.approx(wide, abs=1e-3)
+    model = paper.bearing(preset)
+    wide = -math.log(paper.resistance(model, 220.0) / paper.resistance(model, 180.0)) / math.log(220.0 / 180.0)
+    assert paper.exponent(model, 200.0) == pytest.approx(wide, abs=1e-3)
 
 
 @pytest.mark.parametrize("epsilon", [0.7, 1.25, 2.5])
@@ -48,36 +48,36 @@ def test_ratio_of_the_load_zone_is_that_of_its_integrals(epsilon):
     def mean(power):
         return quad(lambda t: max(1.0 - (1.0 - math.cos(t)) / (2.0 * epsilon), 0.0) ** power, 0.0, edge)[0] / math.pi
 
-    assert plane.zone(epsilon) == pytest.approx(mean(1.5) ** (1.0 / 3.0) / mean(0.5), rel=0.01)
+    assert paper.zone(epsilon) == pytest.approx(mean(1.5) ** (1.0 / 3.0) / mean(0.5), rel=0.01)
 
 
 @pytest.mark.parametrize("beside", [False, True])
 def test_shares_sum_to_one_and_air_beside_the_contacts_takes_from_them(beside):
-    parts = network.shares("7008C", 100.0, beside=beside)
+    parts = paper.shares("7008C", 100.0, beside=beside)
     assert list(parts) == ["contacts", "gas", "convection", "radiation"]
     assert sum(parts.values()) == pytest.approx(1.0, abs=1e-12)
     assert all(v > 0.0 for v in parts.values())
     if beside:
-        assert parts["contacts"] < network.shares("7008C", 100.0, beside=False)["contacts"]
+        assert parts["contacts"] < paper.shares("7008C", 100.0, beside=False)["contacts"]
 
 
-@pytest.mark.parametrize("preset", network.ANGLES)
+@pytest.mark.parametrize("preset", paper.ANGLES)
 def test_without_load_the_side_paths_are_left(preset):
-    model = network.bearing(preset, network.SIDE, **network.ANNULUS)
-    assert 1.0 / network.resistance(model, 0.0) == pytest.approx(paths.side_paths(preset), rel=1e-9)
+    model = paper.bearing(preset, paper.SIDE, **paper.ANNULUS)
+    assert 1.0 / paper.resistance(model, 0.0) == pytest.approx(paper.side_paths(preset), rel=1e-9)
 
 
 def test_conductances_of_the_balls_sum_to_the_bearing_and_follow_the_cube_root():
-    model = network.bearing("7210B")
-    whole = 1.0 / network.resistance(model, 1000.0, 1000.0)
-    each = network.ball_conductances(model)
+    model = paper.bearing("7210B")
+    whole = 1.0 / paper.resistance(model, 1000.0, 1000.0)
+    each = paper.ball_conductances(model)
     assert each.sum() == pytest.approx(whole, rel=1e-12)
     assert each / each.max() == pytest.approx(np.cbrt(model.ball_loads / model.ball_loads.max()), abs=1e-12)
-    areas = circumference.areas(model, model.ball_loads)
+    areas = paper.areas(model, model.ball_loads)
     assert areas / areas.max() == pytest.approx((each / each.max()) ** 2, abs=1e-9)
 
 
 @pytest.mark.full
 def test_the_case_gives_its_verdicts():
     case = cases()["paper-thermal-resistance"]
-    assert CaseResult(case, case.function(Options(in_process=True))).outcome == "passed"
+    assert CaseResult(case, case.findings(Options(in_process=True))).outcome == "passed"

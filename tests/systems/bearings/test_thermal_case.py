@@ -11,7 +11,7 @@ pytestmark = pytest.mark.full
 
 @pytest.fixture(scope="module")
 def findings():
-    return cases()["thermal-scaling"].function(Options(in_process=True))
+    return cases()["thermal-scaling"].findings(Options(in_process=True))
 
 
 def test_it_passes(findings):

@@ -6,31 +6,27 @@ from . import (
     clearance,
     defect_frequencies,
     hertz_textbook,
-    iso16281,
     lyapunov_sum,
     paper_ball_bearing,
     paper_deep_groove,
     paper_thermal_resistance,
     recurrence,
-    stribeck,
+    statics,
     thermal_scaling,
     varying_compliance,
 )
 
-CASES = tuple(
-    module.CASE
-    for module in (
-        varying_compliance,
-        lyapunov_sum,
-        defect_frequencies,
-        hertz_textbook,
-        iso16281,
-        stribeck,
-        clearance,
-        recurrence,
-        thermal_scaling,
-        paper_ball_bearing,
-        paper_deep_groove,
-        paper_thermal_resistance,
-    )
+CASES = (
+    varying_compliance.CASE,
+    lyapunov_sum.CASE,
+    defect_frequencies.CASE,
+    hertz_textbook.CASE,
+    statics.ISO16281,
+    statics.STRIBECK,
+    clearance.CASE,
+    recurrence.CASE,
+    thermal_scaling.CASE,
+    paper_ball_bearing.CASE,
+    paper_deep_groove.CASE,
+    paper_thermal_resistance.CASE,
 )

@@ -9,10 +9,8 @@ import numpy as np
 
 from .....components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
-from ..statics import at_rest
+from ....harness.validation import Case, Evidence, Question, Runs
+from .statics import at_rest
 
 MASS, GRAVITY = 20.0, 9.81
 CLEARANCES = (-10, -5, 0, 5, 15, 30, 50)  # um, diametral
@@ -26,9 +24,8 @@ PLANE = ("z", "tilt_x", "tilt_y")  # held: the shaft is guided
 DOWN = np.array([0.0, -1.0, 0.0, 0.0, 0.0])
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Frequencies from the bearing's own linearisation in its equilibrium; displacements under 1 kN."""
-    table = load_table("clearance-lowers-frequency")
     measured: dict[str, float] = {}
     for c in CLEARANCES:
         for axis, frequency in zip(AXES, frequencies(c, ("x",))[0], strict=True):
@@ -38,7 +35,7 @@ def findings(options: Options) -> Findings:
     free = np.array([frequencies(c, ())[1] for c in fine])
     for names, curves in ((AXES, held), (("lower", "upper"), free)):
         for i, name in enumerate(names):
-            measured[f"rise.{name}"] = float(np.diff(curves[:, i]).max())
+            measured[f"rise.{name}"] = np.diff(curves[:, i]).max()
     for name, parameters in BEARINGS.items():
         for c in (0, 15):
             model = _bearing(c, parameters)
@@ -52,7 +49,7 @@ def findings(options: Options) -> Findings:
         f"{measured['rise.vertical']:.2f} Hz over a micrometre at most, where balls lose their load.",
         "From where two balls carry all of a light weight on, more clearance changes nothing for a shaft that is free sideways.",
     )
-    return Findings(compare(table.rows, measured), charts=(_chart(fine, held, free),), notes=notes)
+    return Evidence(measured, (_chart(fine, held, free),), notes=notes)
 
 
 def _bearing(clearance: float, parameters: dict[str, Any]) -> DeepGrooveBearing:
@@ -87,12 +84,11 @@ def _chart(clearance: np.ndarray, held: np.ndarray, free: np.ndarray) -> Chart:
     )  # fmt: skip
 
 
-CASE = function_case(
+CASE = Case(
     "clearance-lowers-frequency",
     "Clearance lowers the natural frequencies",
     "Linearises the bearing in its equilibrium under the weight of a rigid mass, over the clearance. It shows the "
     "published fall of the frequencies, and meets an independent solver's numbers; the numbers of the published bearing "
     "itself were not at hand.",
-    "bearings",
-    findings,
+    (Question(measure),),
 )

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ....harness.analysis.records import after_transient, component_of
+from ....harness.analysis.records import after_transient
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.charts.chart import Chart, Lines, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
 from ....scene.scene import Scene
+from ....units.component import make
 from ... import load_scene
 
 RPM = 2.0 * math.pi / 60.0
@@ -57,17 +56,17 @@ class Spectrum:
         return self.line(float(self.frequency[first + int(np.argmax(self.amplitude[first:]))]))
 
 
-def findings(options: Options) -> Findings:
-    """Seven runs, their envelope spectra, the lines in them."""
-    results = {k: run(_scene(*k), in_process=options.in_process, progress=options.progress) for k in RUNS}
-    broken = [r for r in results.values() if r.outcome != "done"]
-    if broken:
-        return Findings((), {"a run that failed": broken[0]}, notes=tuple(r.message for r in broken), complete=False)
-    spectra = {k: spectrum(r) for k, r in results.items()}
-    shown = {f"{bearing}, pit: {pit}": results[bearing, pit] for bearing, pit in (("6306", "outer"), ("6306", "inner"))}
-    rows = compare(load_table("defect-frequencies").rows, _measured(spectra))
+def scenes() -> dict[tuple[str, str], Scene]:
+    """Bearings without a pit and with one, by bearing and pit."""
+    return {(bearing, pit): _scene(bearing, pit) for bearing, pit in RUNS}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Envelope spectra of the runs, and the lines in them."""
+    spectra = {k: spectrum(r) for k, r in runs.items()}
+    shown = {f"{bearing}, pit: {pit}": runs[bearing, pit] for bearing, pit in (("6306", "outer"), ("6306", "inner"))}
     envelope = f"of the acceleration along the load between {BAND[0]:g} and {BAND[1]:g} Hz, Hann window, 4 s"
-    return Findings(rows, shown, _charts(spectra), notes=(NOTE,), settings={"envelope": envelope})
+    return Evidence(_measured(spectra), _charts(spectra), shown, (NOTE,), settings={"envelope": envelope})
 
 
 def _scene(bearing: str, pit: str) -> Scene:
@@ -92,9 +91,8 @@ def spectrum(result: Result) -> Spectrum:
 
 
 def _expected(bearing: str, pit: str) -> dict[str, float]:
-    scene = _scene(bearing, pit)
-    component = component_of(scene, "bearing")
-    return component.geometry.defect_frequencies(BEARINGS[bearing][1] / 60.0)  # type: ignore[union-attr]
+    component: Any = make("bearing", _scene(bearing, pit).units["bearing"])
+    return component.geometry.defect_frequencies(BEARINGS[bearing][1] / 60.0)
 
 
 def _contrast(spectra: dict[tuple[str, str], Spectrum], bearing: str, pit: str) -> float:
@@ -119,7 +117,7 @@ def _measured(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, float]:
         "6306.outer": spectra["6306", "outer"].highest(),
         "6306.turn": inner.highest(),
         "6306.inner": inner.line(near["inner"]),
-        "6306.sideband": float(np.diff(beside).mean()),
+        "6306.sideband": np.diff(beside).mean(),
         "6306.healthy.rms": spectra["6306", ""].rms,
         "6306.outer.rms": spectra["6306", "outer"].rms,
         "6306.inner.rms": inner.rms,
@@ -156,13 +154,12 @@ def _lines(bearing: str, pit: str) -> dict[str, float]:
     }[pit]
 
 
-CASE = function_case(
+CASE = Case(
     "defect-frequencies",
     "Frequencies of bearing defects",
     "Reads the lines of pits in the outer race, in the inner race and on a ball off the envelope spectrum of the simulated "
     "acceleration, and holds them against published multiples of the shaft's speed. It shows that angles, rolling without slip "
     "and the passing of the pits are right, and that a line is the pit's and not that of the varying compliance; amplitudes are "
     "compared with an independent integration of the same equations only.",
-    "bearings",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -10,8 +10,7 @@ from .....components.bearings.film import Lubricant, entrainment_speed, film_thi
 from .....components.bearings.geometry import BallGeometry
 from .....components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, point_contact
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....harness.validation.reference import load_table
 
 RATIOS = (1.0001, 2.0, 5.0, 10.0, 20.0, 32.35, 100.0)  # Ry / Rx
@@ -26,10 +25,9 @@ HAMROCK_MODULUS = effective_modulus(2e11, 0.3, 2e11, 0.3)
 HAMROCK_LOAD, HAMROCK_SPEED, HAMROCK_OIL = 4944.0, 400.0, Lubricant(0.04, 2.3e-8)  # N a ball, rad/s
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Every number of the table by the code the components use."""
-    table = load_table("hertz-textbook")
-    return Findings(compare(table.rows, {**_ellipses(), **_harris(), **_hamrock()}), charts=(_fit_chart(),), notes=(table.text,))
+    return Evidence(_ellipses() | _harris() | _hamrock(), (_fit_chart(),), notes=(load_table("hertz-textbook").text,))
 
 
 def _fit_error(ratio: float) -> float:
@@ -94,12 +92,11 @@ def _fit_chart() -> Chart:
     )  # fmt: skip
 
 
-CASE = function_case(
+CASE = Case(
     "hertz-textbook",
     "Hertz contacts and films of textbook bearings",
     "Evaluates elliptic contacts, curvature sums, stiffnesses, contact ellipses and oil films of bearings that textbooks "
     "work out. It shows that the constants of all bearing models are right to the printed digits, units and factors of "
     "two included; it says nothing about the assumptions behind them (elastic half spaces, smooth surfaces, ample oil).",
-    "bearings",
-    findings,
+    (Question(measure),),
 )

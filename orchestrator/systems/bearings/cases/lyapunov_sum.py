@@ -11,9 +11,7 @@ from ....harness.analysis.lyapunov import Lyapunov, lyapunov_spectrum
 from ....harness.analysis.sections import distinct, stroboscopic_points
 from ....harness.charts.chart import Band, Chart, Panel, Series
 from ....harness.report.bifurcation import bifurcation_chart
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 
 SPEED = 1000.0 * 2.0 * math.pi / 60.0  # rad/s
 STATES, SCALES = (0, 1, 2, 3), (6e-6, 6e-6, 8e-3, 8e-3)  # m, m/s: of the bearing's dimensionless form
@@ -50,17 +48,17 @@ def places(clearance: float) -> int:
     return distinct(passages(clearance), SAME)
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Components stepped alone; a scene would add nothing but time."""
     by_gap = {gap: exponents(gap) for gap in STUDY}
     measured: dict[str, float] = {"damped.sum": exponents(30.0, 600.0).sum}
     for gap in (0.0, 2.0, 5.0, 30.0):
         measured |= {f"{gap:g}.sum": by_gap[gap].sum, f"{gap:g}.largest": by_gap[gap].largest, f"{gap:g}.places": places(gap)}
-    rows = compare(load_table("lyapunov-sum").rows, measured)
-    return Findings(rows, charts=(_chart(by_gap), _diagram(by_gap)), notes=(
+    note = (
         "Between order and chaos, around 20 um, the largest exponent depends on the length of the run and on the start: no "
-        "number of it is compared with anything.",
-    ))  # fmt: skip
+        "number of it is compared with anything."
+    )
+    return Evidence(measured, (_chart(by_gap), _diagram(by_gap)), notes=(note,))
 
 
 def _chart(by_gap: dict[float, Lyapunov]) -> Chart:
@@ -86,12 +84,11 @@ def _diagram(by_gap: dict[float, Lyapunov]) -> Chart:
     )  # fmt: skip
 
 
-CASE = function_case(
+CASE = Case(
     "lyapunov-sum",
     "Lyapunov exponents of a ball bearing",
     "Computes the four exponents of the ball bearing's motion. Their sum is known exactly and tests integration and method "
     "together, in chaos as well; their sign is compared with an independent computation at small clearance and at 30 um, where "
     "it is beyond doubt. Single chaotic trajectories are not compared: nobody can.",
-    "bearings",
-    findings,
+    (Question(measure),),
 )

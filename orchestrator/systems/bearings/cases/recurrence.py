@@ -11,9 +11,8 @@ from scipy.stats import norm
 
 from ....harness.analysis.recurrence import Quantification, embed, line_survival, quantify, recurrence_matrix
 from ....harness.charts.chart import Chart, Panel, Picture, Series
-from ....harness.validation.case import Findings, Row, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import TableRow
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation.reference import Row, TableRow
 
 STATES = 2000
 REALISATIONS = 10  # of what is random; their mean is compared
@@ -40,7 +39,7 @@ MEASURES: dict[str, tuple[str, Callable[[Quantification], float]]] = {
 UNITS = {"L": "samples", "Lmax": "samples", "TT": "samples", "DIV": "1/samples", "ENTR": "nat"}
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Measures beside their closed forms, the recurrence plots, and the fall of the number of lines with their length."""
     noise = [recurrence_matrix(x, NOISE_THRESHOLD) for x in np.random.default_rng(1).normal(size=(REALISATIONS, STATES, 1))]
     angle = 2.0 * np.pi / PER_PERIOD * np.arange(STATES)
@@ -64,7 +63,7 @@ def findings(options: Options) -> Findings:
         source = f"a point returns after exactly {period} steps"
         rows += _rows(f"logistic map, r = {r:g}", _mean([matrix], 1), of_period(len(matrix), period), RELATIVE_ACCURACY, source)
     charts = (_plots({NOISE: noise[0], SINE: sine[0], CHAOS: chaos[0]}), _survival(noise[0], chaos[0]))
-    return Findings(tuple(rows), charts=charts, notes=NOTES)
+    return Evidence(charts=charts, notes=NOTES, rows=tuple(rows))
 
 
 NOTES = (
@@ -199,11 +198,10 @@ def _survival(noise: np.ndarray, chaos: np.ndarray) -> Chart:
     return Chart("Lengths of the diagonal lines", "length, samples", (panel,), text)
 
 
-CASE = function_case(
+CASE = Case(
     "recurrence",
     "Recurrence quantification against closed forms",
     "Counts, rates and line lengths of recurrence plots where they are known exactly. It shows that the measures are counted as "
     "defined; it says nothing of which threshold, sampling or embedding suits a measured motion.",
-    "bearings",
-    findings,
+    (Question(measure),),
 )

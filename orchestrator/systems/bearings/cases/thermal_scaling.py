@@ -12,9 +12,8 @@ from scipy.special import ellipkm1
 from .....components.bearings.conductance import AngularContactConductance
 from .....components.bearings.constriction import constriction
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Findings, Row, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import TableRow, load_table
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation.reference import Row, TableRow, load_table
 from ..heat_path import Surroundings, solve_bearing
 
 BEARINGS: dict[str, tuple[float, float]] = {"7008C": (40e-3, 68e-3), "7210B": (50e-3, 90e-3)}  # bore, outside diameter, m
@@ -46,18 +45,16 @@ class Study(NamedTuple):
         return 100.0 * (self.lumped / self.reference - 1.0)
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Closed forms and table for the contacts, finite volumes for the whole path."""
-    table = load_table("thermal-scaling")
-    measured = _contacts() | _laws()
-    rows = list(compare(table.rows, measured))
     studies = _against_finite_volumes()
+    rows = []
     for s in studies:
         low, high = (float((1.0 + sign * s.band) * s.reference) for sign in (-1.0, 1.0))
         source = "finite volumes of balls and rings by this project, checked against closed forms; their own error is about 2 %"
         row = TableRow("resistance of the lumped path", s.condition, s.condition, "K/W", low, high, "computed", source)
         rows.append(Row(row, s.lumped))
-    return Findings(tuple(rows), charts=(_chart(), _grid(studies)), notes=_notes(studies))
+    return Evidence(_contacts() | _laws(), (_chart(), _grid(studies)), notes=_notes(studies), rows=tuple(rows))
 
 
 def bearing(preset: str, effects: tuple[str, ...], axial: float, radial: float = 0.0, more: Mapping[str, Any] | None = None):
@@ -172,12 +169,11 @@ def _notes(studies: list[Study]) -> tuple[str, ...]:
     )
 
 
-CASE = function_case(
+CASE = Case(
     "thermal-scaling",
     "Heat resistance of angular contact bearings",
     "Holds the resistance through the contacts against the law R ~ F^(-1/3) and against an independent computation under axial "
     "and radial load, and the lumped path, ball and rings included, against finite volumes. It says nothing of rotating "
     "bearings, and does not reproduce a published curve.",
-    "bearings",
-    findings,
+    (Question(measure),),
 )

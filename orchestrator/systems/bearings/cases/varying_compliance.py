@@ -13,10 +13,8 @@ from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
 from ....harness.analysis.sections import Bifurcation, bifurcation
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
-from ....run import run
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....scene.scene import Scene
 from ... import load_scene
 
 RPM = 2.0 * math.pi / 60.0
@@ -38,21 +36,20 @@ def bearing(clearance: float, rpm: float, start_cage_angle: float = 0.0) -> Ball
     return model
 
 
-def findings(options: Options) -> Findings:
-    """Components stepped alone for the numbers, one run of the scene for the pictures."""
+def scenes() -> dict[str, Scene]:
+    """The shipped scene, for the pictures."""
     scene = load_scene("ball-bearing-clearance")
     given = scene.units["bearing"].parameters
     micrometres, rpm = float(given["clearance.radial_clearance"]) / MICRO, float(given["speed"]) * 30.0 / math.pi
-    shown = run(scene, in_process=options.in_process, progress=options.progress)
-    if shown.outcome != "done":
-        return Findings((), {"the run that failed": shown}, notes=(shown.message,), complete=False)
+    return {f"radial clearance {micrometres:g} µm, {rpm:.0f} rpm": scene}
+
+
+def measure(runs: Runs) -> Evidence:
+    """The numbers are those of components that are stepped alone."""
     swept = {gap: np.array([peak_to_peak(gap * MICRO, v) for v in SPEEDS]) for gap in (0, 1)}
-    return Findings(
-        compare(load_table("varying-compliance").rows, _measured(swept)),
-        {f"radial clearance {micrometres:g} µm, {rpm:.0f} rpm": shown},
-        (_resonances(swept), _clearances({v: diagram(v) for v in PERIODS}), _trap()),
-        notes=("With clearance the bearing is softer, and its resonances move to lower speeds.",),
-    )
+    charts = _resonances(swept), _clearances({v: diagram(v) for v in PERIODS}), _trap()
+    note = "With clearance the bearing is softer, and its resonances move to lower speeds."
+    return Evidence(_measured(swept), charts, runs, (note,))
 
 
 def peak_to_peak(clearance: float, rpm: float) -> tuple[float, float]:
@@ -162,12 +159,11 @@ def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
     return solve_ivp(right_hand_side, (0.0, end), model.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]
 
 
-CASE = function_case(
+CASE = Case(
     "varying-compliance",
     "Varying compliance of a ball bearing",
     "Holds the static deflection, the resonances that the passing balls excite and the motion over the clearance against an "
     "independent solution of the same equations. It shows that contact law, geometry and integration are right for a bearing "
     "without faults; the parameters are a recalled set, so that it says nothing about any measured bearing.",
-    "bearings",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -12,8 +12,7 @@ from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
 from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 
 RPM = 2.0 * math.pi / 60.0
 SPEED = 3000.0 * RPM
@@ -43,7 +42,7 @@ def scaled_form(metres: BallBearing) -> tuple[DimensionlessBallBearing, Scales]:
     return other, by
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """One motion in metres, in binary units, and dimensionless: at the same steps, by solvers, and in short numbers."""
     measured = {"binary": binary_units(), "same": same_steps()}
     for gap in (0.0, 2.0):
@@ -61,10 +60,11 @@ def study(options: Options) -> Evidence:
         for form, scaled in (("metres", False), ("dimensionless", True)):
             measured[f"{name}.{form}"] = 100.0 * short_numbers(kind, scaled)
     measured["float16.failed"] = float(not math.isfinite(measured["float16.metres"]))
-    return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(
+    note = (
         "Multiplication by a scale only shifts the exponent: with units of 2^-18 m and 2^-10 s the trajectory is the same bit "
-        "for bit. What scaling cures are absolute thresholds: tolerances, differences, and numbers of a short range.",
-    ), claim="A1")  # fmt: skip
+        "for bit. What scaling cures are absolute thresholds: tolerances, differences, and numbers of a short range."
+    )
+    return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(note,), claim="A1")
 
 
 def binary_units() -> float:
@@ -241,3 +241,6 @@ def _solvers(table: dict[str, dict[str, tuple[float, int]]]) -> Chart:
         "Relative tolerance 1e-3, absolute 1e-6: a quarter of the deflection, if lengths are in metres. The same "
         "tolerance per state, in the scales of the motion, does what the dimensionless form does.",
     )
+
+
+QUESTION = Question(measure)

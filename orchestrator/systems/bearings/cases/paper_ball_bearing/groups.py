@@ -13,8 +13,7 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 
 BASE = {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 0.05}  # ten times the set's damping: transients die out
 SPEED, GAP = 0.05, 0.3  # Om, G
@@ -24,7 +23,7 @@ GAPS, BALLS, EXCENTRICITIES = (0.0, 1.0, 3.0), (7, 8, 9), (0.2, 0.4)
 SMALL = 1e-3  # of x_s, a push whose oscillation is linear
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Pairs of dimensional bearings, and the dimensionless one with one group changed at a time."""
     measured = {"equal": equal_groups()}
     light, heavy = (free_oscillation(load) for load in (196.0, 392.0))
@@ -130,3 +129,6 @@ def _chart(groups: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]) -> Chart
         f"Dimensionless bearing at Om = {SPEED:g}, no fault. The balls set where the lines are, the clearance how high.",
         columns=2,
     )
+
+
+QUESTION = Question(measure)

@@ -12,8 +12,7 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.recurrence import Quantification, quantify, recurrence_matrix, standardised
 from .....harness.analysis.sections import distinct
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from ..lyapunov_sum import INTERVAL, INTERVALS, SAME, SCALES, SPEED, STATES, TRANSIENT, bearing, passages
 
 GAPS = np.arange(0.0, 30.5, 1.0)  # um, radial
@@ -26,7 +25,7 @@ DRAWN = 300  # states in a recurrence plot
 SIGNALS = ("displacement_x", "displacement_y", "velocity_x", "velocity_y")
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Components stepped alone at 1000 rpm, without unbalance, each from equilibrium."""
     largest = np.array([largest_exponent(gap) for gap in GAPS])
     points = [passages(gap) for gap in GAPS]
@@ -45,12 +44,14 @@ def study(options: Options) -> Evidence:
     }
     for name, of in plots.items():
         measured |= {f"{name}.{n}": v for n, v in separation(largest, of).items()}
-    return Evidence(measured, (_diagram(points, largest, plots, first[0]), _plots(matrices["coarse"])), notes=(
+    charts = _diagram(points, largest, plots, first[0]), _plots(matrices["coarse"])
+    notes = (
         f"First beyond zero: the exponent at {first[0]:g} um; beyond 50 places at {first[1]:g} um; longest line below "
         f"half a record at {first[2]:g} um (fine) and {first[3]:g} um (coarse sampling).",
         "Sampled finely, any smooth motion stays near its past for some samples: DET is high in chaos, too, and does not tell it "
         "from order. Sampled once a natural period, it does.",
-    ), claim="A6")  # fmt: skip
+    )
+    return Evidence(measured, charts, notes=notes, claim="A6")
 
 
 def separation(largest: np.ndarray, plots: list[Quantification]) -> dict[str, float]:
@@ -138,3 +139,6 @@ def _plots(matrices: list[np.ndarray]) -> Chart:
         columns=3,
         height=300,
     )
+
+
+QUESTION = Question(measure)

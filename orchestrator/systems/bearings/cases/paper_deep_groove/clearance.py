@@ -9,10 +9,10 @@ import numpy as np
 from .....harness.analysis.signals import amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .shaft import BALL_PASS, BALLS, FREQUENCY, LENGTH, MASS, acceleration, motion, over_a_pitch, scene, stiffness
+from .....scene.scene import Scene
+from .shaft import BALL_PASS, BALLS, FREQUENCY, LENGTH, MASS, acceleration, over_a_pitch, scene, stiffness
 
 TABLE = (-3.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 WIDE = (5.0, 10.0)  # two balls carry, whatever the clearance
@@ -28,28 +28,36 @@ RING_DAMPING, RING_START, RING_END = 400.0, 0.6, 2.6  # N.s/m, s: by then the fa
 OFF_LINE = 0.2 * PITCH  # angle of a ball from the load line at rest, so that both directions are excited
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[tuple[str, float], Scene]:
+    """By clearance: the shaft that falls into the bearing at rest, and at a speed at which balls pass `PASSES` times a second."""
+    return {("falling", g): falling(g) for g in RINGING} | {
+        ("passing", g): scene(TRANSIENT + SEEN, STEP, PASSES / BALL_PASS, clearance=g) for g in RUNS
+    }
+
+
+def measure(runs: Runs) -> Evidence:
     """Linearisation over cage angle and clearance, its frequencies in free oscillation, vibration at a constant speed."""
     static = {g: over_a_pitch(g).mean(axis=0) for g in (*TABLE, *WIDE, *NORMAL)}
     measured: dict[str, float] = {}
     for g, (along, across) in static.items():
-        measured |= {f"along.{g:g}": float(along), f"across.{g:g}": float(across)}
+        measured |= {f"along.{g:g}": along, f"across.{g:g}": across}
     for balls in FEWER:
         along, across = over_a_pitch(0.0, balls).mean(axis=0)
-        measured |= {f"along.{balls} balls": float(along), f"across.{balls} balls": float(across)}
+        measured |= {f"along.{balls} balls": along, f"across.{balls} balls": across}
     measured |= _falls(static)
     for g in RINGING:
-        expected, rung = ringing(g)
-        measured[f"ringing.{g:g}"] = float(100.0 * np.abs(rung / expected - 1.0).max())
-    levels = {g: level(passing(g)) for g in RUNS}
+        expected, rung = ringing(g, runs["falling", g])
+        measured[f"ringing.{g:g}"] = 100.0 * np.abs(rung / expected - 1.0).max()
+    levels = {g: level(runs["passing", g]) for g in RUNS}
     measured |= {f"level.{g:g}": v for g, v in levels.items()}
     measured["level.ratio"] = levels[3.0] / levels[0.0]
     measured["level.preloaded"] = max(levels[g] for g in RUNS if g <= -0.5) / levels[0.0]
-    return Evidence(measured, (_frequencies(static), _levels(levels)), notes=(
+    notes = (
         f"x_s = {1e6 * LENGTH:.3f} um, f_0 = {FREQUENCY:.1f} Hz: 20 kg on one bearing of {BALLS} balls of 11.1 mm.",
         "From where two balls carry the weight on, the loads follow from their directions alone, and with them the stiffness: "
         "more clearance changes nothing any more.",
-    ), claim="C4")  # fmt: skip
+    )
+    return Evidence(measured, (_frequencies(static), _levels(levels)), notes=notes, claim="C4")
 
 
 def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
@@ -68,14 +76,18 @@ def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
     }
 
 
-def ringing(clearance: float) -> tuple[np.ndarray, np.ndarray]:
+def falling(clearance: float) -> Scene:
+    """The shaft that falls into the bearing at rest, little damped."""
+    parameters = {"first_ball": OFF_LINE - 0.5 * math.pi}
+    return scene(RING_END, STEP, 0.0, clearance=clearance, damping=RING_DAMPING, parameters=parameters)
+
+
+def ringing(clearance: float, result: Result) -> tuple[np.ndarray, np.ndarray]:
     """Both natural frequencies of the linearisation, and of the shaft that fell into the bearing at rest and still oscillates.
 
     (2,) each, over f_0. The motion is seen along the linearisation's own directions, in which each frequency is alone.
     """
     squares, directions = np.linalg.eigh(stiffness(clearance, OFF_LINE) / MASS)
-    parameters = {"first_ball": OFF_LINE - 0.5 * math.pi}
-    result = motion(scene(RING_END, STEP, 0.0, clearance=clearance, damping=RING_DAMPING, parameters=parameters))
     kept = result.time >= RING_START
     away = np.stack([result[f"rotor.displacement_{axis}"][kept][1:] for axis in "xy"])
     lines = []
@@ -83,11 +95,6 @@ def ringing(clearance: float) -> tuple[np.ndarray, np.ndarray]:
         f, a = amplitude_spectrum(x, 1.0 / STEP)
         lines.append(peak(f, a, float(f[int(np.argmax(a))]), 3.0)[0])
     return np.sqrt(squares) / (2.0 * math.pi * FREQUENCY), np.array(lines) / FREQUENCY
-
-
-def passing(clearance: float) -> Result:
-    """The run at a speed at which balls pass `PASSES` times a second."""
-    return motion(scene(TRANSIENT + SEEN, STEP, PASSES / BALL_PASS, clearance=clearance))
 
 
 def level(result: Result) -> float:
@@ -136,3 +143,6 @@ def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:
     squares = (sum(k * f(at) ** 2 for k, at in zip(stiffness, (a, b), strict=True)) for f in (np.cos, np.sin))
     along, across = (float(np.sqrt(s).mean()) for s in squares)
     return along, across
+
+
+QUESTION = Question(measure, scenes, in_process=True)

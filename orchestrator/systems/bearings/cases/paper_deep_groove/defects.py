@@ -8,10 +8,10 @@ import numpy as np
 
 from .....harness.analysis.spectra import envelope_spectrum, peak
 from .....harness.charts.chart import Chart, Lines, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .shaft import acceleration, bearing, motion, scene
+from .....scene.scene import Scene
+from .shaft import acceleration, bearing, scene
 
 TURNS = 30.0  # per second
 STEP = 5e-5  # s, a fourteenth of the passage of a ball over a pit
@@ -26,9 +26,14 @@ SHOWN = 600.0  # Hz
 Spectrum = tuple[np.ndarray, np.ndarray]
 
 
-def study(options: Options) -> Evidence:
-    """Three runs at 1800 rpm without clearance: no pit, one in each race."""
-    spectra = {pit: envelope(passing(pit)) for pit in ("", "outer", "inner")}
+def scenes() -> dict[str, Scene]:
+    """The shaft at 1800 rpm without clearance, by the race that has a pit: none, the outer, the inner one."""
+    return {pit: passing(pit) for pit in ("", *POSITIONS)}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Lines, harmonics and sidebands in the envelopes of the acceleration."""
+    spectra = {pit: envelope(result) for pit, result in runs.items()}
     expected = bearing((), **GEOMETRY).geometry.defect_frequencies(TURNS)
     measured: dict[str, float] = {}
     for pit in POSITIONS:
@@ -50,13 +55,13 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_chart(spectra, expected),), claim="C7")
 
 
-def passing(pit: str) -> Result:
-    """The run with a pit in the race of that name, or with none."""
+def passing(pit: str) -> Scene:
+    """The shaft with a pit in the race of that name, or with none."""
     parameters = dict(GEOMETRY)
     if pit:
         parameters |= {f"{pit}_defect.{n}": v for n, v in {**PIT, "position": POSITIONS[pit]}.items()}
     effects = [f"{pit}_defect"] if pit else []
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, parameters=parameters))
+    return scene(TRANSIENT + SEEN, STEP, TURNS, effects, parameters=parameters)
 
 
 def envelope(result: Result) -> Spectrum:
@@ -91,3 +96,6 @@ def _chart(spectra: dict[str, Spectrum], expected: dict[str, float]) -> Chart:
         tuple(panels),
         f"Acceleration along the load at {60.0 * TURNS:g} rpm. The marks stand where kinematics puts the lines.",
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

@@ -18,11 +18,11 @@ from fmpy.ssp.ssd import Parameter, ParameterSet
 from ......components.bearings.ball_bearing import BallBearing
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.other_masters import as_other_masters
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs, done
+from .....run import run
 from .....scene.scene import Scene
 from .....scene.ssp.write import write
-from .shaft import BEARING, DAMPING, MASS, MOTION, STIFFNESS, WEIGHT, motion, scene
+from .shaft import BEARING, DAMPING, MASS, MOTION, STIFFNESS, WEIGHT, scene
 
 TURNS, END = 30.0, 0.03  # per second; s: the shaft falls into the bearing, and three balls pass
 STEPS = (5e-6, 2.5e-6)  # s; a force held and handed over once a step is 1.5 steps late, which takes 1.5 h k of the damping
@@ -32,7 +32,12 @@ OPTIONAL = {"libcosim": "libcosimpy", "Ecos": "ecospy", "OMSimulator": "OMSimula
 MICRO = 1e6
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """The scene as this program's own master runs it best: sequential, extrapolated."""
+    return {"own": scene(END, STEPS[0], TURNS, damping=HEAVY)}
+
+
+def measure(runs: Runs) -> Evidence:
     """Motion along the load by each master at two steps; as FMUs in all of them."""
     exact = in_one_piece(STEPS[0])
     packed = {h: as_other_masters(scene(END, h, TURNS, damping=HEAVY)) for h in STEPS}
@@ -47,8 +52,7 @@ def study(options: Options) -> Evidence:
     }
     ratios = [errors[n, coarse] / errors[n, fine] for n in (OURS, PLAIN, FMPY)]
     measured |= {"order.least": min(ratios), "order.greatest": max(ratios)}
-    own = motion(scene(END, coarse, TURNS, damping=HEAVY))
-    away = own["rotor.displacement_y"][np.rint(_times() / coarse).astype(int)] - exact
+    away = runs["own"]["rotor.displacement_y"][np.rint(_times() / coarse).astype(int)] - exact
     measured["own"] = float(100.0 * np.abs(away).max() / swing)
     rows: tuple[tuple[str | float, ...], ...] = tuple((n, 1e6 * h, 100.0 * e) for (n, h), e in errors.items())
     rows += ((f"{OURS}, sequential, extrapolated", 1e6 * coarse, measured["own"]),)
@@ -88,7 +92,7 @@ def in_one_piece(step: float) -> np.ndarray:
 
 def by_all(packed: Scene, step: float) -> dict[str, np.ndarray]:
     """Motion upwards at `_times()` by each master, (n,) m, of a scene with held inputs."""
-    result = motion(packed, in_process=False)
+    result = done(run(packed, in_process=False))
     rows = np.rint(_times() / step).astype(int)
     with TemporaryDirectory() as folder:
         package = write(packed, Path(folder) / "shaft.ssp")
@@ -176,3 +180,6 @@ def _chart(exact: np.ndarray, histories: dict[tuple[str, float], np.ndarray]) ->
         (Panel("height of the shaft, um", tuple(lines)), Panel("difference from one piece, nm", tuple(away))),
         f"Macro step {1e6 * fine:g} us, held inputs. The shaft falls into the bearing and then follows the balls.",
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)

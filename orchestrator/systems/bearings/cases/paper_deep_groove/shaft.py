@@ -16,12 +16,11 @@ import numpy as np
 from ......components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 from ......components.bearings.geometry import BallGeometry
 from ......components.bearings.hertz import effective_modulus
-from ......components.core.errors import StepFailed
 from .....results import Result
-from .....run import run
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import read_scene
-from ...statics import at_rest
+from .... import build_scene
+from ..statics import at_rest
 
 MASS, GRAVITY = 20.0, 9.81
 WEIGHT = MASS * GRAVITY
@@ -95,26 +94,23 @@ def scene(
         loads = at_rest(bearing(diametral_clearance=diametral(clearance)), np.array([0.0, 0.0, axial, 0.0, 0.0]))
         given["displacement_z"] = float(loads.displacement[2])
     links = [f"rotor.{n} -> bearing.{n}" for n in (*MOTION, "speed")] + [f"bearing.force_{a} -> rotor.force_{a}" for a in "xy"]
-    rotor = {"mass": MASS, "stiffness": 0.0, "damping": damping, "start_speed": 2.0 * math.pi * turns,
-             "gravity.acceleration": gravity}  # fmt: skip
-    return read_scene({
-        "title": "Rigid shaft in a deep groove bearing",
-        "stop_time": stop_time,
-        "units": {"rotor": {"component": "JeffcottRotor", "effects": ["gravity"], "parameters": rotor},
-                  "bearing": {"component": "DeepGrooveBearing", "effects": list(effects), "parameters": given}},
-        "connections": links,
-        "master": {"algorithm": "gauss-seidel", "step": step},
-        "record": {"signals": list(SIGNALS), **({"interval": interval} if interval else {})},
-        "analysis": {"system": "bearings"},
-    }, "shaft-in-bearing")  # fmt: skip
-
-
-def motion(of: Scene, in_process: bool = True) -> Result:
-    """The run of a scene, in process as of any study of many runs; raises `StepFailed` where it does not reach its end."""
-    result = run(of, in_process=in_process)
-    if result.outcome != "done":
-        raise StepFailed(of.name, 0.0, result.message)
-    return result
+    rotor: dict[str, Any] = {"mass": MASS, "stiffness": 0.0, "damping": damping, "start_speed": 2.0 * math.pi * turns,
+                             "gravity.acceleration": gravity}  # fmt: skip
+    units = {
+        "rotor": unit("JeffcottRotor", effects=["gravity"], **rotor),
+        "bearing": unit("DeepGrooveBearing", effects=effects, **given),
+    }
+    return build_scene(
+        units,
+        links,
+        stop_time=stop_time,
+        step=step,
+        name="shaft-in-bearing",
+        title="Rigid shaft in a deep groove bearing",
+        master={"algorithm": "gauss-seidel"},
+        record={"signals": list(SIGNALS), **({"interval": interval} if interval else {})},
+        analysis={"system": "bearings"},
+    )
 
 
 def acceleration(result: Result, axis: str, damping: float = DAMPING, gravity: float = GRAVITY) -> np.ndarray:

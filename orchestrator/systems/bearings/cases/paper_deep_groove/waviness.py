@@ -9,16 +9,17 @@ import numpy as np
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .shaft import BALL_PASS, BALLS, LENGTH, motion, scene
+from .....scene.scene import Scene
+from .shaft import BALL_PASS, BALLS, LENGTH, scene
 
 TURNS = 2.4  # per second: ten times of them lie below a tenth of the lower natural frequency
 STEP, INTERVAL = 1e-4, 1e-3  # s
 TRANSIENT, SEEN = 0.5, 5.0  # s; 12 turns, bins of 0.2 Hz
 AMPLITUDE = 0.01 * LENGTH  # m
 ORDERS = tuple(range(2, BALLS + 2))
+LOW = tuple(range(2, BALLS - 1))  # whose lines are at order times the speed
 PLACES = 8  # for orders, that the effect has
 ALL = ORDERS[:PLACES]
 PRELOAD = 200.0  # N axial, as much as the weight, beside no radial load: a shaft that stands upright
@@ -28,39 +29,49 @@ ALONG_ACROSS = {"along": {2: 0.5211, 3: 0.1111, 4: 0.0474}, "across": {2: 1.0421
 SHOWN = 30.0  # Hz
 
 
-def study(options: Options) -> Evidence:
-    """One run an order and ring; amplitudes are of the motion's difference from that of perfect rings, over the waves'."""
-    perfect = {loaded: waves((), loaded) for loaded in (True, False)}
-    runs = {k: waves((k,), True) for k in ORDERS}
-    inner = {k: difference(r, perfect[True]) for k, r in runs.items()}
+def scenes() -> dict[str | int, Scene]:
+    """One scene for each order, some for several orders and for larger waves, and perfect rings, under the weight and preloaded."""
+    return {
+        "perfect": waves((), True),
+        **{k: waves((k,), True) for k in ORDERS},
+        "outer": waves(ALL, True, "outer"),
+        **{f"{n:g} times": waves((2,), True, times=n) for n in LARGER},
+        "perfect, preloaded": waves((), False),
+        "preloaded": waves(LOW, False),
+    }
+
+
+def measure(runs: Runs) -> Evidence:
+    """Lines in the difference of the motion from that of perfect rings, over the amplitude of the waves."""
+    perfect = runs["perfect"]
+    inner = {k: difference(runs[k], perfect) for k in ORDERS}
     measured: dict[str, float] = {}
     for k, away in inner.items():
         measured |= {f"line.{k}.{axis}": line(x, k * TURNS) for axis, x in away.items()}
-    measured["off"] = max(abs(place(inner[k]["across"], k * TURNS) - k * TURNS) / BIN for k in range(2, BALLS - 1))
+    measured["off"] = max(abs(place(inner[k]["across"], k * TURNS) - k * TURNS) / BIN for k in LOW)
     measured["nothing"] = max(measured[f"line.{k}.{axis}"] for k in (BALLS - 1, BALLS + 1) for axis in ALONG_ACROSS)
     beside = [abs(2.0 - q * BALL_PASS) * TURNS for q in (-1, 1)]
     measured["sidebands.2"] = line(inner[2]["across"], 2.0 * TURNS) / max(line(inner[2]["across"], f) for f in beside)
     for k in (BALLS - 2, BALLS - 1, BALLS, BALLS + 1):
         alias = abs(k - BALL_PASS) * TURNS
         measured |= {f"alias.{k}.{axis}": line(x, alias) for axis, x in inner[k].items()}
-    preloaded = difference(waves(tuple(range(2, BALLS - 1)), False), perfect[False])
+    preloaded = difference(runs["preloaded"], runs["perfect, preloaded"])
     measured["preloaded"] = max(
-        100.0 * line(preloaded[axis], k * TURNS) / measured[f"line.{k}.{axis}"] for k in range(2, BALLS - 1) for axis in preloaded
+        100.0 * line(preloaded[axis], k * TURNS) / measured[f"line.{k}.{axis}"] for k in LOW for axis in preloaded
     )
-    outer = difference(waves(ALL, True, "outer"), perfect[True])
+    outer = difference(runs["outer"], perfect)
     measured["outer.turn"] = max(line(x, k * TURNS) for k in ALL if _apart(k) for x in outer.values())
     measured["outer.pass"] = line(outer["across"], BALL_PASS * TURNS)
-    larger = [difference(waves((2,), True, times=n), perfect[True])["across"] for n in LARGER]
+    larger = [difference(runs[f"{n:g} times"], perfect)["across"] for n in LARGER]
     second = [line(x, 4.0 * TURNS) for x in larger]
     measured["harmonic.rate"] = math.log(second[1] / second[0]) / math.log(LARGER[1] / LARGER[0])
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
-    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(
-        f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm.",
-    ), claim="C6")  # fmt: skip
+    note = f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm."
+    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(note,), claim="C6")
 
 
-def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Result:
-    """The run with waves of some orders on one ring, under the weight or with an axial preload alone; `times` the amplitude."""
+def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Scene:
+    """The shaft with waves of some orders on one ring, under the weight or with an axial preload alone; `times` the amplitude."""
     left_out = PLACES - len(orders)
     parameters = (
         {
@@ -72,7 +83,7 @@ def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: flo
     )
     effects = [f"{ring}_waviness"] if orders else []
     weight = {} if loaded else {"gravity": 0.0, "axial": PRELOAD}
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, interval=INTERVAL, parameters=parameters, **weight))
+    return scene(TRANSIENT + SEEN, STEP, TURNS, effects, interval=INTERVAL, parameters=parameters, **weight)
 
 
 def _apart(order: int) -> bool:
@@ -128,13 +139,16 @@ def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
 def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
     series = []
     for axis, limit in ALONG_ACROSS.items():
-        low = [k for k in inner if k <= BALLS // 2]
+        few = [k for k in inner if k <= BALLS // 2]
         heights = [line(x[axis], k * TURNS) for k, x in inner.items()]
         series += [Series(f"{axis}, at order times speed", tuple(inner), heights, "points"),
-                   Series(f"{axis}, many balls", low, [limit[k] for k in low], faint=True)]  # fmt: skip
+                   Series(f"{axis}, many balls", few, [limit[k] for k in few], faint=True)]  # fmt: skip
     return Chart(
         "What a wave leaves at order times speed",
         "order of waviness",
         (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
         "Lines: load zone of a bearing with many balls and no clearance, in closed form.",
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)
