@@ -18,7 +18,7 @@ import numpy as np
 
 from ....components.wrist.ligament_springs import LIGAMENTS
 from ....components.wrist.tendons import MUSCLES
-from ...harness.analysis.records import recorded
+from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -94,10 +94,9 @@ class LinkageRecord:
 def wrists(result: Result) -> list[WristRecord]:
     """The wrists of a run whose angles were recorded, in the order of the scene."""
     records = []
-    for unit in result.scene.units:
-        own = {n: np.asarray(result.columns[f"{unit}.{n}"], dtype=float) for n in WRIST if f"{unit}.{n}" in result.columns}
-        if {"flexion", "deviation"} <= own.keys() and own.keys() & {"proximal_angle", "roll"}:
-            records.append(WristRecord(unit, result.time, own))
+    for unit in recorded_units(result, "flexion", "deviation"):
+        if unit.has("proximal_angle") or unit.has("roll"):
+            records.append(WristRecord(unit.name, unit.time, unit.recorded(WRIST)))
     outer = [r.unit.rpartition(".")[0] for r in records]
     return [replace(r, unit=name) for r, name in zip(records, outer, strict=True)] if distinct(outer) else records
 
@@ -150,12 +149,11 @@ def postures(record: WristRecord, instants: Sequence[float] = (), start: int = 0
 def muscles(result: Result) -> list[Muscles]:
     """The units of muscles of a run whose activations were recorded."""
     records = []
-    for unit in result.scene.units:
-        activation = _elements(result, f"{unit}.activation", [n.upper() for n in MUSCLES])
-        if activation:
-            torques = {n: result.columns[c] for n in HAND[:2] if (c := f"{unit}.{n}_torque") in result.columns}
-            force = _elements(result, f"{unit}.force", [n.upper() for n in MUSCLES])
-            records.append(Muscles(unit, result.time, activation, force, torques))
+    names = [n.upper() for n in MUSCLES]
+    for unit in recorded_units(result):
+        if activation := _elements(unit, "activation", names):
+            torques = {n: unit[f"{n}_torque"] for n in HAND[:2] if unit.has(f"{n}_torque")}
+            records.append(Muscles(unit.name, unit.time, activation, _elements(unit, "force", names), torques))
     return records
 
 
@@ -163,26 +161,20 @@ def bundles(result: Result) -> list[Bundle]:
     """The ligaments of a run whose strains or tensions were recorded: of units of their own, and of wrists that have them."""
     names = [n.replace("_", "-") for n in LIGAMENTS]
     records = []
-    for unit in result.scene.units:
-        for owner in (unit, f"{unit}.constraint"):
-            tension, strain = (_elements(result, f"{owner}.{what}", names) for what in ("tension", "strain"))
+    for unit in recorded_units(result):
+        for owner in ("", "constraint."):
+            tension, strain = (_elements(unit, f"{owner}{what}", names) for what in ("tension", "strain"))
             if tension or strain:
-                records.append(Bundle(unit, result.time, tension, strain))
+                records.append(Bundle(unit.name, unit.time, tension, strain))
     return records
 
 
-def _elements(result: Result, array: str, names: Sequence[str]) -> dict[str, np.ndarray]:
-    """The recorded elements of an array by their names."""
-    columns = {name: f"{array}[{i}]" for i, name in enumerate(names, 1)}
-    return {name: np.asarray(result.columns[c], dtype=float) for name, c in columns.items() if c in result.columns}
+def _elements(unit: RecordedUnit, array: str, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """The recorded elements of an array of the unit itself, by their names."""
+    return {name: unit[f"{array}[{i}]"] for i, name in enumerate(names, 1) if unit.has(f"{array}[{i}]")}
 
 
 def linkages(result: Result) -> list[LinkageRecord]:
     """The four-bar linkages of a run whose rocker angle and crank angle, or what drives it, were recorded."""
-    records = []
-    for unit in result.scene.units:
-        own = {n: np.asarray(result.columns[f"{unit}.{n}"], dtype=float) for n in LINKAGE if f"{unit}.{n}" in result.columns}
-        crank = recorded(result, unit, "input_angle") if "output_angle" in own else ""
-        if crank:
-            records.append(LinkageRecord(unit, np.asarray(result.columns[crank], dtype=float), own))
-    return records
+    units = recorded_units(result, "output_angle")
+    return [LinkageRecord(u.name, u["input_angle"], u.recorded(LINKAGE)) for u in units if u.column("input_angle")]

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...harness.analysis.records import after_transient
 from ...harness.summary import Summary, SummaryRow
-from .keys import WristKeys
+from . import WristKeys
 from .records import HAND, bundles, linkages, postures, wrists
 
 if TYPE_CHECKING:

@@ -83,7 +83,7 @@ def test_pairs_with_an_end_on_the_axis_do_not_stretch_at_all():
 @pytest.mark.full
 def test_every_claim_has_the_verdict_of_its_review():
     case = cases()["paper-wrist"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     outside = {r.reference.measure for r in result.findings.rows if not r.inside}
     assert outside == {"roll.stiffness", "strain.lunate_radius", "strain.trapezium_scaphoid", "cut.several"}

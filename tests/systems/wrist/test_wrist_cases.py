@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
+from cosimo.orchestrator.harness.validation import Question
 from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.systems.wrist.cases import four_bar
 from cosimo.orchestrator.systems.wrist.cases import rules as wrist_rules
@@ -12,18 +14,16 @@ from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
 
 
 @pytest.mark.full
-def test_an_axis_that_is_moved_by_a_degree_is_seen(monkeypatch):
+def test_an_axis_that_is_moved_by_a_degree_is_seen():
     """The signs stay, the angles of the rows and the roll do not."""
-    given = wrist_rules.scenes
 
     def moved():
-        made = given()
-        tilts = {"morphology.distal_tilt": math.radians(46.0)}
-        changes = {f"units.{unit}.parameters.{n}": v for unit in wrist_rules.HELD for n, v in tilts.items()}
-        return made | {"held postures": made["held postures"].with_changes(changes)}
+        scenes = wrist_rules.scenes()
+        changes = {f"units.{unit}.parameters.morphology.distal_tilt": math.radians(46.0) for unit in wrist_rules.HELD}
+        return scenes | {"held postures": scenes["held postures"].with_changes(changes)}
 
-    monkeypatch.setattr(wrist_rules, "scenes", moved)
-    inside = {r.reference.measure: r.inside for r in wrist_rules.findings(Options(in_process=True)).rows}
+    case = replace(wrist_rules.CASE, questions=(Question(wrist_rules.measure, moved),))
+    inside = {r.reference.measure: r.inside for r in case.findings(Options(in_process=True)).rows}
     angles = [f"{u}.{n}" for u in ("flexion", "radial", "ulnar") for n in ("proximal_angle", "distal_angle", "roll")]
     assert not any(inside[m] for m in angles)
     assert all(inside[f"{u}.{row}_flexion"] for u in wrist_rules.HELD for row in ("proximal", "distal"))
@@ -31,22 +31,23 @@ def test_an_axis_that_is_moved_by_a_degree_is_seen(monkeypatch):
 
 def test_a_coupler_of_another_length_is_another_linkage(monkeypatch):
     monkeypatch.setitem(four_bar.CRANK_ROCKER, "coupler", 0.0501)
-    inside = {r.reference.measure: r.inside for r in four_bar.findings(Options(in_process=True)).rows}
+    inside = {r.reference.measure: r.inside for r in four_bar.CASE.findings(Options(in_process=True)).rows}
     assert not any(inside[m] for m in ("rocker.low", "rocker.high", "transmission.low", "transmission.high"))
     assert inside["closure.equation"]
     assert inside["work.energy"]
 
 
 @pytest.mark.full
-def test_a_stiffness_that_is_turned_the_other_way_is_seen(monkeypatch):
+def test_a_stiffness_that_is_turned_the_other_way_is_seen():
     """With the sign of the coupling the other way, the hand would be soft in radial flexion: 26.6 degrees on the wrong side."""
-    given = wrist_stiffness.scene
 
-    def mirrored(effects):
-        made = given(effects)
-        return made.with_changes({f"units.{unit}.parameters.coupling_stiffness": -5.736 for unit in made.units})
+    def mirrored():
+        return {
+            name: scene.with_changes({f"units.{unit}.parameters.coupling_stiffness": -5.736 for unit in scene.units})
+            for name, scene in wrist_stiffness.scenes().items()
+        }
 
-    monkeypatch.setattr(wrist_stiffness, "scene", mirrored)
-    inside = {r.reference.measure: r.inside for r in wrist_stiffness.findings(Options(in_process=True)).rows}
+    case = replace(wrist_stiffness.CASE, questions=(Question(wrist_stiffness.measure, mirrored),))
+    inside = {r.reference.measure: r.inside for r in case.findings(Options(in_process=True)).rows}
     assert not inside["orientation.sign"]
     assert inside["orientation"]

@@ -115,7 +115,8 @@ def test_wrists_of_subsystems_have_the_subsystems_names():
     assert [w.unit for w in wrists(wrist_run({"intact": 1.0, "cut": 1.2}, prefix="_x"))] == ["intact_x", "cut_x"]
     run = wrist_run({"intact": 1.0, "cut": 1.2}, prefix="_x")
     run.columns = {n.replace("_x.", ".wrist."): v for n, v in run.columns.items()}
-    run.scene = SimpleNamespace(units={u.replace("_x", ".wrist"): v for u, v in run.scene.units.items()})
+    units = {u.replace("_x", ".wrist"): v for u, v in run.scene.units.items()}
+    run.scene = SimpleNamespace(units=units, coupling=run.scene.coupling)
     assert [w.unit for w in wrists(run)] == ["intact", "cut"]
 
 

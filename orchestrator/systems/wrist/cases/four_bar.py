@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 CRANK_ROCKER = {"crank": 0.020, "coupler": 0.050, "rocker": 0.040, "ground": 0.055}  # m
 ROCKER_DRIVES = {"crank": 0.040, "coupler": 0.050, "rocker": 0.020, "ground": 0.055}
@@ -26,14 +24,14 @@ SIGNALS = ("crank.angle", "crank.rate", "crank.mechanical_energy", "bar.output_a
            "bar.ratio", "bar.transmission_angle")  # fmt: skip
 
 
-def findings(options: Options) -> Findings:
+TOGGLE = "driven by its rocker"  # the run that fails on purpose
+
+
+def measure(runs: Runs) -> Evidence:
     """A flywheel turns the crank of each linkage; one run fails on purpose, where its linkage comes to the toggle."""
-    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
-    stopped = runs.pop("driven by its rocker")
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
-    turning, loaded, damped, parallel, crossed = runs.values()
+    shown = {name: result for name, result in runs.items() if name != TOGGLE}
+    stopped = runs[TOGGLE]
+    turning, loaded, damped, parallel, crossed = shown.values()
     angle, rocker = turning["crank.angle"], turning["bar.output_angle"]
     tip = np.hypot(turning["bar.coupler_point.x"] - CRANK_ROCKER["ground"], turning["bar.coupler_point.y"])
     transmission = DEGREES * turning["bar.transmission_angle"]
@@ -65,7 +63,7 @@ def findings(options: Options) -> Findings:
         "The run that is driven by its rocker fails on purpose: what is the crank of the other runs lies in line with the "
         f"coupler there, and no torque turns it over. The message is: {stopped.message}"
     )
-    return Findings(compare(load_table("four-bar").rows, measured), runs, (_chart(turning, stopped),), (note,))
+    return Evidence(measured, (_chart(turning, stopped),), shown, (note,))
 
 
 def freudenstein(crank: np.ndarray, rocker: np.ndarray) -> np.ndarray:
@@ -84,24 +82,30 @@ def scenes() -> dict[str, Scene]:
         "crank-rocker, damped": _scene(CRANK_ROCKER | {"pin_damping": {"coefficient": DAMPING}}, ("pin_damping",), 1.0, TURN),
         "parallelogram": _scene(EQUAL_PAIRS, (), 2.0, TURN),
         "antiparallelogram": _scene(EQUAL_PAIRS | {"assembly": "crossed"}, (), 2.0, TURN),
-        "driven by its rocker": _scene(ROCKER_DRIVES, (), 1.0, 1.0, 1.0),
+        TOGGLE: _scene(ROCKER_DRIVES, (), 1.0, 1.0, 1.0),
     }
 
 
 def _scene(parameters: dict[str, Any], effects: tuple[str, ...], stop: float, rate: float, start: float = 0.0) -> Scene:
-    flywheel = {"inertia": FLYWHEEL, "centre": 0.0, "start_angle": start, "start_rate": rate}
     own = {"coupler_point": ("bar.coupler_point.x", "bar.coupler_point.y"), "pin_damping": ("bar.pin_damping.dissipation",)}
-    return read_scene({
-        "title": "Four-bar linkage turned by a flywheel",
-        "stop_time": stop,
-        "connections": ["crank.angle -> bar.input_angle", "crank.rate -> bar.input_rate",
-                        {"source": "bar.input_torque", "target": "crank.base_torque", "factor": -1.0}],
-        "units": {"crank": {"component": "PlanarLink", "effects": ["pinned"], "parameters": flywheel},
-                  "bar": {"component": "FourBar", "effects": list(effects), "parameters": parameters}},
-        "master": {"step": 1e-3, "extrapolation": 1},
-        "record": {"signals": [*SIGNALS, *(n for e in effects for n in own[e])]},
-        "analysis": {"system": "wrist"},
-    }, "four-bar")  # fmt: skip
+    return build_scene(
+        {
+            "crank": unit("PlanarLink", effects=["pinned"], inertia=FLYWHEEL, centre=0.0, start_angle=start, start_rate=rate),
+            "bar": unit("FourBar", effects=effects, **parameters),
+        },
+        [
+            "crank.angle -> bar.input_angle",
+            "crank.rate -> bar.input_rate",
+            {"source": "bar.input_torque", "target": "crank.base_torque", "factor": -1.0},
+        ],
+        stop_time=stop,
+        step=1e-3,
+        name="four-bar",
+        title="Four-bar linkage turned by a flywheel",
+        master={"extrapolation": 1},
+        record={"signals": [*SIGNALS, *(n for e in effects for n in own[e])]},
+        analysis={"system": "wrist"},
+    )
 
 
 def _integral(result: Result, values: np.ndarray) -> float:
@@ -120,12 +124,11 @@ def _chart(turning: Result, stopped: Result) -> Chart:
     return Chart("Ratio", "", tuple(panels), text, columns=2)
 
 
-CASE = function_case(
+CASE = Case(
     "four-bar",
     "Closed forms of the planar four-bar linkage",
     "Extremes of rocker and transmission angle of a crank-rocker, closure of its loop, virtual work under load and with damped "
     "pins, the toggle at which a run has to fail, and change points that are passed without a kink. It shows that the unit is "
     "this linkage; that a wrist is made of two of them is a reading of the abstract of Sandow (2020), and not shown.",
-    "wrist",
-    findings,
+    (Question(measure, scenes, may_fail=(TOGGLE,)),),
 )

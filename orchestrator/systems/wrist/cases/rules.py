@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import load_scene, read_scene
-from ..keys import WristKeys
+from ... import build_scene, load_scene
+from .. import WristKeys
 from ..records import postures, wrists
 
 DEGREES = 180.0 / math.pi
@@ -29,17 +27,13 @@ CALM: dict[str, Any] = {"proximal_damping": 0.05, "distal_damping": 0.05}  # N.m
 HAND = ("flexion", "deviation", "roll", "proximal_angle", "distal_angle", "proximal_flexion", "distal_flexion")
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Wrists at rest under held torques, one that swings out with its ligaments, and the scene moved by muscles."""
-    runs = {name: run(scene, in_process=options.in_process, progress=options.progress) for name, scene in scenes().items()}
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
     held, compliance, swing, moved = runs.values()
     measured: dict[str, float] = {}
-    for unit in ("flexion", "extension", "radial", "ulnar", "ulnar_other", "half_flexion", "half_radial"):
-        measured |= {f"{unit}.{n}": DEGREES * float(held[f"{unit}.{n}"][-1]) for n in HAND}
-    measured["roll.largest"] = max(abs(measured[f"{unit}.roll"]) for unit in HELD)
+    for wrist in ("flexion", "extension", "radial", "ulnar", "ulnar_other", "half_flexion", "half_radial"):
+        measured |= {f"{wrist}.{n}": DEGREES * held[f"{wrist}.{n}"][-1] for n in HAND}
+    measured["roll.largest"] = max(abs(measured[f"{wrist}.roll"]) for wrist in HELD)
     measured["half.share"] = measured["half_flexion.proximal_flexion"] / measured["half_flexion.flexion"]
     crossed = [_slope(compliance, "deviation", "flexion"), _slope(compliance, "flexion", "deviation")]
     measured["reciprocity"] = crossed[0] / crossed[1]
@@ -62,7 +56,7 @@ def findings(options: Options) -> Findings:
         "In radial deviation the rows of OpenSim's wrist model, each with half of everything, do not flex at all: it contradicts "
         "the rule, and is there as an alternative with a name.",
     )
-    return Findings(compare(load_table("wrist-rules").rows, measured), runs, (_chart(held), _grid(measured)), notes)
+    return Evidence(measured, (_chart(held), _grid(measured)), runs, notes)
 
 
 def scenes() -> dict[str, Scene]:
@@ -78,9 +72,11 @@ def scenes() -> dict[str, Scene]:
             torque = [b + sign * STEP * (j == i) for j, b in enumerate(BIAS)]
             near[f"{name}_{'less' if sign < 0.0 else 'more'}"] = _wrist(torque, CALM, ("morphology", "constraint"))
     compliance = _scene(near, [f"{u}.{n}" for u in near for n in HAND[:2]], SETTLED, 0.02)
-    swinging = {"wrist": _wrist((0.0, 0.0), {"start_proximal_angle": 0.6, "start_distal_angle": -0.3}),
-                "ligaments": {"component": "LigamentBundle", "parameters": {"damping": 0.02}},
-                "isometric": {"component": "LigamentBundle", "parameters": {"off_axis": [0.0] * 5}}}  # fmt: skip
+    swinging = {
+        "wrist": _wrist((0.0, 0.0), {"start_proximal_angle": 0.6, "start_distal_angle": -0.3}),
+        "ligaments": unit("LigamentBundle", damping=0.02),
+        "isometric": unit("LigamentBundle", off_axis=[0.0] * 5),
+    }
     signals = [*(f"wrist.{n}" for n in (*HAND, "mechanical_energy", "dissipation")), "ligaments.stored_energy",
                "ligaments.dissipation", "ligaments.strain", "isometric.strain"]  # fmt: skip
     swing = _scene(swinging, signals, 2.0, 5e-4, ("wrist.* -> ligaments.*", "ligaments.* -> wrist.*", "wrist.* -> isometric.*"))
@@ -88,17 +84,22 @@ def scenes() -> dict[str, Scene]:
 
 
 def _wrist(torques: Sequence[float], parameters: Mapping[str, Any], effects: Sequence[str] = ("morphology",)) -> dict[str, Any]:
-    values = {"tau_flexion": torques[0], "tau_deviation": torques[1], **parameters}
-    return {"component": "Wrist", "effects": list(effects), "parameters": values}
+    return unit("Wrist", effects=effects, tau_flexion=torques[0], tau_deviation=torques[1], **parameters)
 
 
 def _scene(units: dict[str, Any], signals: list[str], stop: float, step: float, connections: tuple[str, ...] = ()) -> Scene:
     analysis = {"system": "wrist"} if connections else {"system": "wrist", "postures": [stop]}
-    return read_scene({
-        "title": "Wrists", "stop_time": stop, "units": units, "connections": list(connections),
-        "master": {"step": step} | ({"extrapolation": 1} if connections else {}),
-        "record": {"signals": signals}, "analysis": analysis,
-    }, "wrist-rules")  # fmt: skip
+    return build_scene(
+        units,
+        connections,
+        stop_time=stop,
+        step=step,
+        name="wrist-rules",
+        title="Wrists",
+        master={"extrapolation": 1} if connections else {},
+        record={"signals": signals},
+        analysis=analysis,
+    )
 
 
 def _slope(result: Result, angle: str, torque: str) -> float:
@@ -130,13 +131,12 @@ def _grid(measured: dict[str, float]) -> Grid:
     return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")
 
 
-CASE = function_case(
+CASE = Case(
     "wrist-rules",
     "Row rules, roll, ligaments and energy of the wrist",
     "What the rows do in flexion, extension, radial and ulnar deviation against the rule of the abstract of Sandow (2020), their "
     "angles and the roll of the hand against the exact inverse of two rotations, isometric ligaments, reciprocity of the "
     "stiffness, decay of energy. Measured in runs. That real carpal bones turn by these angles it does not show: axes, extents "
     "and stiffness are not published with that abstract.",
-    "wrist",
-    findings,
+    (Question(measure, scenes),),
 )

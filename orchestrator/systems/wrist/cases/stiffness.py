@@ -7,28 +7,24 @@ import math
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 DEGREES = 180.0 / math.pi
 MOMENT, COUNT = 2.0, 24  # N.m; directions of it, every 15 degrees
 SETTLED = 1.5  # s
 
 
-def findings(options: Options) -> Findings:
-    """A wrist for each direction of the moment, held until it rests; a smooth one and one of two rows must agree."""
-    runs = {
-        name: run(scene(effects), in_process=options.in_process)
-        for name, effects in (("small angles", ()), ("two rows", ("morphology",)))
-    }
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
+def scenes() -> dict[str, Scene]:
+    """A smooth wrist and one of two rows for each direction of the moment."""
+    return {"small angles": scene(()), "two rows": scene(("morphology",))}
+
+
+def measure(runs: Runs) -> Evidence:
+    """The wrists are held until they rest; both kinds must agree. 24 wrists that come to rest are no picture: none is shown."""
     ranges = {name: displacements(result) for name, result in runs.items()}
     way = ranges["small angles"]
     size = np.hypot(*way.T)
@@ -52,8 +48,7 @@ def findings(options: Options) -> Findings:
         f"stiffness gives {2.0 * size[softest]:.1f} degrees, since it has no neutral zone, in which a wrist hardly resists. Most "
         "of the measured range lies there.",
     )
-    rows = compare(load_table("wrist-stiffness").rows, measured)
-    return Findings(rows, charts=(_chart(ranges),), notes=notes)  # 24 wrists that come to rest are no picture
+    return Evidence(measured, (_chart(ranges),), notes=notes)
 
 
 def directions() -> np.ndarray:
@@ -64,14 +59,15 @@ def directions() -> np.ndarray:
 
 def scene(effects: tuple[str, ...]) -> Scene:
     """24 wrists with the preset's stiffness, each with its moment; more damping than theirs brings them to rest sooner."""
-    units, calm = {}, {"proximal_damping": 0.2, "distal_damping": 0.2}
-    for i, (flexion, deviation) in enumerate(MOMENT * directions()):
-        torques = {"tau_flexion": float(flexion), "tau_deviation": float(deviation)}
-        units[_name(i)] = {"component": "Wrist", "preset": "cadaver", "effects": list(effects), "parameters": torques | calm}
-    signals = [f"{unit}.{n}" for unit in units for n in ("flexion", "deviation")]
-    data = {"title": "Wrists under moments in 24 directions", "stop_time": SETTLED, "units": units, "master": {"step": 0.05},
-            "record": {"signals": signals}}  # fmt: skip
-    return read_scene(data, "wrist-stiffness")
+    units = {}
+    for i, (flexion, deviation) in enumerate((MOMENT * directions()).tolist()):
+        parameters = {"tau_flexion": flexion, "tau_deviation": deviation, "proximal_damping": 0.2, "distal_damping": 0.2}
+        units[_name(i)] = unit("Wrist", preset="cadaver", effects=effects, **parameters)
+    title, signals = (
+        "Wrists under moments in 24 directions",
+        [f"{wrist}.{n}" for wrist in units for n in ("flexion", "deviation")],
+    )
+    return build_scene(units, stop_time=SETTLED, step=0.05, name="wrist-stiffness", title=title, record={"signals": signals})
 
 
 def displacements(result: Result) -> np.ndarray:
@@ -106,12 +102,11 @@ def _chart(ranges: dict[str, np.ndarray]) -> Chart:
     return Chart("Envelope of the passive wrist", "", (panel,), text, columns=2, height=380)
 
 
-CASE = function_case(
+CASE = Case(
     "wrist-stiffness",
     "Passive stiffness of the wrist against cadaver data",
     "Moments of 2 N.m in 24 directions, as six cadaver wrists were tested: orientation of the envelope, direction and size of "
     "the largest and the smallest stiffness. The stiffness is the preset's, made from the same publication; the range of motion, "
     "most of which is a neutral zone that a linear stiffness does not have, is not compared.",
-    "wrist",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -11,9 +11,9 @@ from ......components.wrist.kinematics import inverse
 from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachments, lengths
 from ......components.wrist.ligaments import LigamentBundle
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....run import run
+from .....harness.validation import Evidence, Question, Runs
+from .....results import Result
+from .....scene.scene import Scene
 from .... import load_scene
 from .postures import CALM, DEGREES, DEVIATIONS, FLEXIONS, STANDARD, axes, held_scene, wrist
 
@@ -23,11 +23,17 @@ SEED, SIZE = 17, 0.012  # of the control's ends; m
 MOMENT = 2.0  # N.m, of the range of motion
 PROXIMAL = (1, 3, 4, 5)  # ligaments of the proximal row, which are redundant
 PATTERN = (1, 3, 5)  # cut together: radius to lunate, scaphoid to lunate, radius to triquetrum
+CUTS: dict[str, tuple[int, ...]] = {"none": (), **{f"cut {j}": (j,) for j in PROXIMAL}, "several": PATTERN}
 DIRECTIONS = {"flexion": (1.0, 0.0), "extension": (-1.0, 0.0), "radial": (0.0, 1.0), "ulnar": (0.0, -1.0)}
 FUSED = math.radians(30.0)  # tilt of the distal axis after an intervention
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """Wrists with cut ligaments under moments in four directions, and the shipped scene of a person."""
+    return {"cuts": _cut_scene(), "person": load_scene("wrist-person")}
+
+
+def measure(runs: Runs) -> Evidence:
     """Strains over the postures with a control, the closed form of one pair, and both interventions."""
     named = _strains(attachments(np.full(COUNT, OFF_AXIS)))
     rng = np.random.default_rng(SEED)
@@ -41,7 +47,7 @@ def study(options: Options) -> Evidence:
         "closed": _closed_form(),
         "back": _back(),
     }
-    measured |= _interventions(options) | _person(options)
+    measured |= _interventions(runs["cuts"]) | _person(runs["person"])
     return Evidence(measured, (_chart(named, control), _ranges(measured)), claim="G6")
 
 
@@ -86,18 +92,23 @@ def _back() -> float:
     return float(np.abs(forth - np.array(seen[len(way) :])[::-1]).max())
 
 
-def _interventions(options: Options) -> dict[str, float]:
-    """Range of motion under 2 N.m in four directions with no, one, or several ligaments cut, and its changes, degrees."""
-    cuts: dict[str, tuple[int, ...]] = {"none": (), **{f"cut {j}": (j,) for j in PROXIMAL}, "several": PATTERN}
+def _cut_scene() -> Scene:
+    """A wrist for each cut and each direction of a moment of 2 N.m."""
     units: dict[str, Any] = {}
-    for k, cut in enumerate(cuts.values()):
+    for k, cut in enumerate(CUTS.values()):
         stiffness = [0.0 if j + 1 in cut else 5e4 for j in range(COUNT)]
         for way, (flexion, deviation) in DIRECTIONS.items():
             given = {**CALM, "flexion_stiffness": 3.0, "deviation_stiffness": 3.0, "constraint.stiffness": stiffness}
             units[f"c{k}_{way}"] = wrist((MOMENT * flexion, MOMENT * deviation), given, ("morphology", "constraint"))
-    result = run(held_scene(units, ("flexion", "deviation")), in_process=options.in_process)
-    ranges = {name: np.array([DEGREES * math.hypot(*(float(result[f"c{k}_{way}.{s}"][-1]) for s in ("flexion", "deviation")))
-                              for way in DIRECTIONS]) for k, name in enumerate(cuts)}  # fmt: skip
+    return held_scene(units, ("flexion", "deviation"))
+
+
+def _interventions(result: Result) -> dict[str, float]:
+    """Range of motion under 2 N.m in four directions with no, one, or several ligaments cut, and its changes, degrees."""
+    ranges = {}
+    for k, name in enumerate(CUTS):
+        ends = [[result[f"c{k}_{way}.{s}"][-1] for s in ("flexion", "deviation")] for way in DIRECTIONS]
+        ranges[name] = np.array([DEGREES * math.hypot(*end) for end in ends])
     measured = {f"rom.{name}.{way}": float(v) for name, row in ranges.items() for way, v in zip(DIRECTIONS, row, strict=True)}
     changes = {name: float(np.abs(row - ranges["none"]).max()) for name, row in ranges.items()}
     measured["cut.one"] = max(changes[f"cut {j}"] for j in PROXIMAL)
@@ -105,9 +116,8 @@ def _interventions(options: Options) -> dict[str, float]:
     return measured
 
 
-def _person(options: Options) -> dict[str, float]:
+def _person(result: Result) -> dict[str, float]:
     """Shares of a person's rows before and after a fusion that moves the distal axis, of the shipped scene."""
-    result = run(load_scene("wrist-person"), in_process=options.in_process)
     measured: dict[str, float] = {}
     for name in ("intact", "fused"):
         at = {s: float(result[f"{name}_flexion.{s}"][-1]) for s in ("proximal_flexion", "flexion")}
@@ -129,7 +139,7 @@ def _chart(named: np.ndarray, control: np.ndarray) -> Chart:
 
 
 def _ranges(measured: dict[str, float]) -> Chart:
-    names = ["none", *(f"cut {j}" for j in PROXIMAL), "several"]
+    names = list(CUTS)
     series = tuple(Series(way, names, [measured[f"rom.{n}.{way}"] for n in names], "points") for way in DIRECTIONS)
     return Chart(
         "Range of motion under 2 N.m after cuts",
@@ -137,3 +147,6 @@ def _ranges(measured: dict[str, float]) -> Chart:
         (Panel("degrees", series),),
         "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".",
     )
+
+
+QUESTION = Question(measure, scenes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,11 @@ import numpy as np
 from ......components.wrist.kinematics import small_angle_matrix
 from ......components.wrist.ligament_springs import COUNT
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....run import run
-from .... import read_scene
+from .....harness.validation import Evidence, Question, Runs
+from .....results import Result
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .... import build_scene
 from .postures import NAME, STANDARD, axes
 
 FIRST, SECOND = 0.015, 0.055  # m, heights of both rows; inferred
@@ -25,22 +27,27 @@ TENSE = {"constraint.off_axis": [3e-3] * COUNT, "constraint.prestrain": 0.02}
 TRIED = (0.98, 1.02, 1.05, 1.1, 1.2, 1.4, 1.7, 2.0)  # times the load without ligaments
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[tuple[str, float], Scene]:
+    """Columns of each hinge; the wrist by its load over the critical one, without and with ligaments under tension."""
+    critical = wrist_load(1.0)
+    return {
+        **{("column", hinge): _column_scene(hinge) for hinge in HINGES.values()},
+        **{("wrist", f): _wrist_scene(f * critical, {}, ("morphology", "load")) for f in SIDES},
+        **{("tense", f): _wrist_scene(f * critical, TENSE, ("morphology", "load", "constraint")) for f in TRIED},
+    }
+
+
+def measure(runs: Runs) -> Evidence:
     """A planar column of two hinges, the wrist with its passive stiffness, and the wrist with ligaments under tension."""
     measured: dict[str, float] = {}
     for name, hinge in HINGES.items():
-        free = column(hinge, hinge)
-        measured |= {f"free.{name}": free, f"held.{name}": 2.0 * hinge / FIRST}
-        below, above = _column_runs(hinge, [s * free for s in SIDES], options)
+        measured |= {f"free.{name}": column(hinge, hinge), f"held.{name}": 2.0 * hinge / FIRST}
+        below, above = (abs(runs["column", hinge][f"c{k}.first_angle"][-1] - math.pi) / PUSH for k in range(len(SIDES)))
         measured |= {f"column.below.{name}": below, f"column.above.{name}": above}
     critical = wrist_load(1.0)
     measured["wrist"] = critical
-    pushes = _wrist_runs([s * critical for s in SIDES], {}, ("morphology", "load"), options)
-    measured |= {"wrist.below": pushes[0], "wrist.above": pushes[1]}
-    effects = ("morphology", "load", "constraint")
-    tried = _wrist_runs([f * critical for f in TRIED], TENSE, effects, options)
-    borne = [f for f, x in zip(TRIED, tried, strict=True) if x < 1.0]
-    raised = max(borne, default=0.0)
+    measured |= {f"wrist.{side}": _growth(runs["wrist", f]) for side, f in zip(("below", "above"), SIDES, strict=True)}
+    raised = max((f for f in TRIED if _growth(runs["tense", f]) < 1.0), default=0.0)
     measured |= {"raised": raised, "grip": critical / LIGHT_GRIP, "grip.held": raised * critical / LIGHT_GRIP}
     note = (
         f"With a passive stiffness of 1 N.m/rad the free hand is stable up to {critical:.1f} N along the forearm, with five "
@@ -64,36 +71,51 @@ def wrist_load(stiffness: float) -> float:
     return float(values.real.min())
 
 
-def _column_runs(hinge: float, loads: list[float], options: Options) -> list[float]:
-    """Largest angle over the push at the end of runs of two upright links under a weight on top."""
-    units = {}
-    for k, load in enumerate(loads):
-        units[f"c{k}"] = {"component": "TwoLinkChain", "effects": ["gravity", "viscous", "springs"], "parameters": {
-            "first_mass": 0.0, "first_length": FIRST, "first_centre": 0.0, "first_inertia": 1e-4, "second_mass": load / 9.81,
-            "second_length": SECOND, "second_centre": SECOND, "second_inertia": 1e-4, "viscous.first": 0.05,
-            "viscous.second": 0.05, "springs.first_stiffness": hinge, "springs.first_rest": math.pi,
-            "springs.second_stiffness": hinge, "springs.second_rest": 0.0,
-            "start_first_angle": math.pi + PUSH, "start_second_angle": math.pi + PUSH}}  # fmt: skip
-    result = run(read_scene({"title": "Columns of two hinges", "stop_time": STOP, "units": units, "master": {"step": 0.01},
-                             "record": {"signals": [f"{u}.first_angle" for u in units], "interval": STOP}}, NAME),
-                 in_process=options.in_process)  # fmt: skip
-    return [abs(float(result[f"{u}.first_angle"][-1]) - math.pi) / PUSH for u in units]
+def _column_scene(hinge: float) -> Scene:
+    """Two upright links under a weight on top, a little less and a little more than the column bears."""
+    common: dict[str, Any] = {
+        "first_mass": 0.0,
+        "first_length": FIRST,
+        "first_centre": 0.0,
+        "first_inertia": 1e-4,
+        "second_length": SECOND,
+        "second_centre": SECOND,
+        "second_inertia": 1e-4,
+        "viscous": {"first": 0.05, "second": 0.05},
+        "springs": {"first_stiffness": hinge, "first_rest": math.pi, "second_stiffness": hinge, "second_rest": 0.0},
+        "start_first_angle": math.pi + PUSH,
+        "start_second_angle": math.pi + PUSH,
+    }
+    masses = [side * column(hinge, hinge) / 9.81 for side in SIDES]
+    effects = ["gravity", "viscous", "springs"]
+    units = {f"c{k}": unit("TwoLinkChain", effects=effects, second_mass=mass, **common) for k, mass in enumerate(masses)}
+    record = {"signals": [f"{name}.first_angle" for name in units], "interval": STOP}
+    return build_scene(units, stop_time=STOP, step=0.01, name=NAME, title="Columns of two hinges", record=record)
 
 
-def _wrist_runs(loads: list[float], more: dict[str, Any], effects: tuple[str, ...], options: Options) -> list[float]:
-    """Distance of the hand from rest at the end of runs over that of the push; 1e6 where the run ends because it gives way."""
-    ends = []
-    for load in loads:
-        parameters = {"morphology.row_offset": FIRST, "load.tool_distance": FIRST + SECOND, "load.tip_force_y": -load,
-                      "load.gravity_x": 0.0, "proximal_damping": 0.02, "distal_damping": 0.02, "hand_mass": 0.0,
-                      "start_proximal_angle": PUSH, "start_distal_angle": PUSH, **more}  # fmt: skip
-        result = run(read_scene({"title": f"Wrist under {load:.4g} N", "stop_time": STOP,
-                                 "units": {"wrist": {"component": "Wrist", "effects": list(effects), "parameters": parameters}},
-                                 "master": {"step": 0.01}, "record": {"signals": ["wrist.flexion", "wrist.deviation"]}}, NAME),
-                     in_process=options.in_process)  # fmt: skip
-        away = np.hypot(result["wrist.flexion"], result["wrist.deviation"])
-        ends.append(float(away[-1] / away[0]) if result.outcome == "done" else 1e6)
-    return ends
+def _wrist_scene(load: float, more: Mapping[str, Any], effects: tuple[str, ...]) -> Scene:
+    """A wrist pushed out of rest under a load along the forearm, N."""
+    parameters: dict[str, Any] = {
+        "morphology.row_offset": FIRST,
+        "load.tool_distance": FIRST + SECOND,
+        "load.tip_force_y": -load,
+        "load.gravity_x": 0.0,
+        "proximal_damping": 0.02,
+        "distal_damping": 0.02,
+        "hand_mass": 0.0,
+        "start_proximal_angle": PUSH,
+        "start_distal_angle": PUSH,
+        **more,
+    }
+    units = {"wrist": unit("Wrist", effects=effects, **parameters)}
+    record = {"signals": ["wrist.flexion", "wrist.deviation"]}
+    return build_scene(units, stop_time=STOP, step=0.01, name=NAME, title=f"Wrist under {load:.4g} N", record=record)
+
+
+def _growth(result: Result) -> float:
+    """Distance of the hand from rest at the end over that of the push; 1e6 where the run ends because the wrist gives way."""
+    away = np.hypot(result["wrist.flexion"], result["wrist.deviation"])
+    return float(away[-1] / away[0]) if result.outcome == "done" else 1e6
 
 
 def _chart(critical: float) -> Chart:
@@ -109,3 +131,6 @@ def _chart(critical: float) -> Chart:
         (Panel("load, N", lines, logarithmic=True),),
         "Rows of 15 and 55 mm; the load keeps its direction.",
     )
+
+
+QUESTION = Question(measure, scenes, may_fail=[(kind, f) for kind, tried in (("wrist", SIDES), ("tense", TRIED)) for f in tried])

@@ -10,11 +10,11 @@ import numpy as np
 
 from ......components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, inverse, jacobian, pose, row_rotation
 from .....harness.charts.chart import Chart, Grid, Panel, Picture, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....run import run
+from .....harness.validation import Evidence, Question, Runs
+from .....results import Result
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import read_scene
+from .... import build_scene
 
 NAME = "paper-wrist"
 DEGREES = 180.0 / math.pi
@@ -23,6 +23,7 @@ TILTS = {"15, 45": (15.0, 45.0), "15, 42": (15.0, 42.0), "25, 42": (25.0, 42.0)}
 STANDARD = "15, 45"
 HELD = {"flexion": (40.0, 0.0), "extension": (-40.0, 0.0), "radial": (0.0, 15.0), "ulnar": (0.0, -25.0),
         "far flexion": (60.0, 0.0), "far extension": (-60.0, 0.0), "far radial": (0.0, 20.0)}  # fmt: skip
+HELD_SIGNALS = ("flexion", "deviation", "roll", "proximal_angle", "proximal_flexion", "distal_flexion")
 SMALL = 1.0  # degrees, postures for shares and slopes
 PUSHED = ((60.0, 0.0), (-60.0, 0.0), (0.0, 20.0), (0.0, -25.0), (60.0, -25.0), (-60.0, 20.0))  # degrees, far out
 MIDDLE = ((20.0, 0.0), (-20.0, 0.0), (0.0, 8.0), (0.0, -8.0))  # degrees
@@ -32,10 +33,16 @@ SETTLED = 4.0  # s
 SIGNS = {"flexion": (1, 1), "extension": (-1, -1), "radial": (1, -1), "ulnar": (-1, 1)}
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """Wrists held in postures, each set of tilts near rest, and wrists with a torque about the long axis of the hand."""
+    small = {f"small, {name}": _small_scene(axes(name)) for name in TILTS}
+    return {"held": _held_scene(), **small, "rolling": _rolling_scene()}
+
+
+def measure(runs: Runs) -> Evidence:
     """Roll, its stiffness, the arcs of the proximal row, the distal axis, and what the rows do in four directions."""
     measured: dict[str, float] = {}
-    held = _held(options)
+    held = _held(runs["held"])
     for name in HELD:
         measured |= {f"roll.{name}": DEGREES * held[name]["roll"], f"proximal.{name}": DEGREES * held[name]["proximal_angle"]}
     for name, (first, second) in SIGNS.items():
@@ -51,8 +58,8 @@ def study(options: Options) -> Evidence:
         most = float(np.abs(rolls).max())
         largest = max(_rotation(f, d, float(rolls[i, k])) for i, f in enumerate(FLEXIONS) for k, d in enumerate(DEVIATIONS))
         measured |= {f"roll.most.{name}": DEGREES * most, f"roll.share.{name}": 100.0 * most / largest}
-        measured |= {f"{what}.{name}": v for what, v in zip(("s", "p", "slope"), _small(axes(name), options), strict=True)}
-    measured |= _arc() | _distal_axis() | _roll_stiffness(options)
+        measured |= {f"{what}.{name}": v for what, v in zip(("s", "p", "slope"), _small(runs[f"small, {name}"]), strict=True)}
+    measured |= _arc() | _distal_axis() | _roll_stiffness(runs["rolling"])
     return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)), claim="G2")
 
 
@@ -62,44 +69,32 @@ def axes(name: str) -> Axes:
     return Axes(RULES, math.radians(first), math.radians(second), 0.02)
 
 
-def wrist(torques: Sequence[float] | np.ndarray, parameters: Mapping[str, Any] = CALM,
-          effects: Sequence[str] = ("morphology",)) -> dict[str, Any]:  # fmt: skip
+def wrist(
+    torques: Sequence[float] | np.ndarray, parameters: Mapping[str, Any] = CALM, effects: Sequence[str] = ("morphology",)
+) -> dict[str, Any]:
     """A unit under torques in flexion and deviation, N.m."""
-    return {
-        "component": "Wrist",
-        "effects": list(effects),
-        "parameters": {"tau_flexion": float(torques[0]), "tau_deviation": float(torques[1]), **parameters},
-    }
+    return unit("Wrist", effects=effects, tau_flexion=float(torques[0]), tau_deviation=float(torques[1]), **parameters)
 
 
 def held_scene(units: Mapping[str, Any], signals: Sequence[str], stop: float = SETTLED) -> Scene:
     """Wrists side by side, until they rest."""
-    return read_scene(
-        {
-            "title": "Wrists held by torques",
-            "stop_time": stop,
-            "units": dict(units),
-            "master": {"step": 0.02},
-            "record": {"signals": [f"{u}.{s}" for u in units for s in signals], "interval": stop},
-        },
-        NAME,
-    )
+    record = {"signals": [f"{u}.{s}" for u in units for s in signals], "interval": stop}
+    return build_scene(units, stop_time=stop, step=0.02, name=NAME, title="Wrists held by torques", record=record)
 
 
-def tilted(name: str) -> dict[str, float]:
-    """Parameters of a wrist with a set of tilts."""
-    first, second = TILTS[name]
-    return {**CALM, "morphology.proximal_tilt": math.radians(first), "morphology.distal_tilt": math.radians(second)}
-
-
-def _held(options: Options) -> dict[str, dict[str, float]]:
-    """Angles at the end of runs; with 1 N.m/rad a torque is the angle it holds."""
+def _held_scene() -> Scene:
+    """With 1 N.m/rad a torque is the angle it holds."""
     units = {f"w{k}": wrist(np.radians(angles)) for k, angles in enumerate(HELD.values())}
     units["half"] = wrist(np.radians(HELD["radial"]), {**CALM, "coupling_model": "opensim_half"})
-    signals = ("flexion", "deviation", "roll", "proximal_angle", "proximal_flexion", "distal_flexion")
-    result = run(held_scene(units, signals), in_process=options.in_process)
-    names = dict(zip(units, (*HELD, "half radial"), strict=True))
-    return {name: {s: float(result[f"{u}.{s}"][-1]) for s in signals} for u, name in names.items()}
+    return held_scene(units, HELD_SIGNALS)
+
+
+def _held(result: Result) -> dict[str, dict[str, float]]:
+    """Angles at the end, rad, by posture and signal."""
+    return {
+        name: {s: float(result[f"{wrist}.{s}"][-1]) for s in HELD_SIGNALS}
+        for wrist, name in zip(result.scene.units, (*HELD, "half radial"), strict=True)
+    }
 
 
 def _rolls(at: Axes) -> np.ndarray:
@@ -114,16 +109,26 @@ def _rotation(flexion: float, deviation: float, roll: float) -> float:
     return math.acos(max(-1.0, min(1.0, 0.5 * (float(trace) - 1.0))))
 
 
-def _small(at: Axes, options: Options) -> tuple[float, float, float]:
-    """(proximal share in flexion, proximal flexion per radial deviation, slope of the path of no proximal motion)."""
+def _small_scene(at: Axes) -> Scene:
+    """A wrist in flexion, one in radial deviation, and one whose distal row moves alone."""
     small = math.radians(SMALL)
     given = {**CALM, "morphology.proximal_tilt": at.proximal_tilt, "morphology.distal_tilt": at.distal_tilt}
-    units = {"flexion": wrist((small, 0.0), given), "radial": wrist((0.0, small), given),
-             "ahead": wrist((0.0, 0.0), {**given, "distal_torque": small, "proximal_torque": small * math.cos(
-                 at.proximal_tilt + at.distal_tilt)})}  # fmt: skip
-    # for the last one: J^T e = (q2 component along both axes), so that q1 stays zero
-    result = run(held_scene(units, ("flexion", "deviation", "proximal_flexion", "proximal_angle")), in_process=options.in_process)
-    value = lambda unit, name: float(result[f"{unit}.{name}"][-1])  # noqa: E731
+    # of the last one: J^T e = (q2 component along both axes), so that q1 stays zero
+    alone = {"distal_torque": small, "proximal_torque": small * math.cos(at.proximal_tilt + at.distal_tilt)}
+    units = {
+        "flexion": wrist((small, 0.0), given),
+        "radial": wrist((0.0, small), given),
+        "ahead": wrist((0.0, 0.0), {**given, **alone}),
+    }
+    return held_scene(units, ("flexion", "deviation", "proximal_flexion", "proximal_angle"))
+
+
+def _small(result: Result) -> tuple[float, float, float]:
+    """(proximal share in flexion, proximal flexion per radial deviation, slope of the path of no proximal motion)."""
+
+    def value(wrist: str, name: str) -> float:
+        return float(result[f"{wrist}.{name}"][-1])
+
     return (
         value("flexion", "proximal_flexion") / value("flexion", "flexion"),
         value("radial", "proximal_flexion") / value("radial", "deviation"),
@@ -163,8 +168,8 @@ def _distal_axis() -> dict[str, float]:
     return {"distal.turn": DEGREES * max(turns), "distal.error": DEGREES * max(errors)}
 
 
-def _roll_stiffness(options: Options) -> dict[str, float]:
-    """Least torque about the long axis per roll over the passive stiffness, 1 N.m/rad, far out and in the middle."""
+def _rolling_scene() -> Scene:
+    """Two wrists in each posture, with a torque about the long axis of the hand either way."""
     at = axes(STANDARD)
     units = {}
     for k, angles in enumerate(np.radians(PUSHED + MIDDLE)):
@@ -175,7 +180,11 @@ def _roll_stiffness(options: Options) -> dict[str, float]:
             units[f"w{k}_{'less' if sign < 0.0 else 'more'}"] = wrist(
                 angles, {**CALM, **more, "start_proximal_angle": q1, "start_distal_angle": q2}
             )
-    result = run(held_scene(units, ("roll",)), in_process=options.in_process)
+    return held_scene(units, ("roll",))
+
+
+def _roll_stiffness(result: Result) -> dict[str, float]:
+    """Least torque about the long axis per roll over the passive stiffness, 1 N.m/rad, far out and in the middle."""
     rolls = [float(result[f"w{k}_more.roll"][-1] - result[f"w{k}_less.roll"][-1]) for k in range(len(PUSHED + MIDDLE))]
     stiffness = [2.0 * ROLLING / abs(r) for r in rolls]
     return {"roll.stiffness": min(stiffness[: len(PUSHED)]), "roll.stiffness.middle": min(stiffness[len(PUSHED) :])}
@@ -197,3 +206,6 @@ def _rows_grid(held: Mapping[str, Mapping[str, float]]) -> Grid:
         rows,
         "In runs, held by torques against 1 N.m/rad.",
     )
+
+
+QUESTION = Question(measure, scenes)
