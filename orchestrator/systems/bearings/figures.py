@@ -85,7 +85,7 @@ class Scales:
         return " Hz" if self.dimensional else ""
 
     def factor(self, signal: str) -> float:
-        """What a recorded signal is multiplied with to be in `unit`."""
+        """Factor from a recorded signal's unit to the one that `unit` names."""
         return SHOWN.get(self.record.measures.get(signal, ""), (1.0, ""))[0]
 
     def unit(self, signal: str) -> str:
@@ -308,7 +308,7 @@ def spectrum_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: 
 
 
 def _strongest(record: BearingRecord, begin: float, line_families: list[Family]) -> str:
-    """Where the lines of the first family were found, as a sentence."""
+    """The expected and the measured place of the first family's line, a sentence."""
     name = "acceleration_x" if "acceleration_x" in record.signals else "displacement_x"
     x = record.signals[name][since(record.time, begin)]
     f, a = amplitude_spectrum(x, record.rate)

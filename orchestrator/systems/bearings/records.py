@@ -1,4 +1,4 @@
-"""What of a run belongs to its bearings and rotors: their recorded motion, their frequencies, found by the scene's connections.
+"""Bearings of a run: recorded motion and forces, speed of rotation, frequencies of races, balls and cage.
 
 [analysis]
 system = "bearings"     # or "rotor": which figures the report has
@@ -35,7 +35,7 @@ class BearingRecord:
 
     signals: name as in the component -> (n,), those of `BEARING` that were recorded; an angle that after the transient stands
         or turns back, or was recorded less than four times a turn, is not among them.  measures: their units of measure.
-    rotation: speed of the inner ring after the transient, turns per unit of time; NaN if it changes or nothing recorded tells.
+    rotation: speed of the inner ring after the transient, turns per unit of time; NaN if it changes or was not recorded.
     frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.
     defects: the races and balls that have a defect.
     """
@@ -92,7 +92,7 @@ def _bearing(unit: RecordedUnit) -> BearingRecord:
 
 
 def _rotation(unit: RecordedUnit, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
-    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or nothing recorded tells."""
+    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or was not recorded."""
     kept = after_transient(unit.result)
     time = unit.time[kept]
     for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):

@@ -1,4 +1,4 @@
-"""How the bearings of a run vibrate: rms, extremes, impulsiveness, and where lines of defects belong."""
+"""Vibration of the bearings of a run: rms, extremes, kurtosis; the frequencies of defects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a run belongs to its rotors: their recorded motion and what their bearings gave, found by the scene's connections."""
+"""Rotors of a run: recorded motion, and forces and ball loads of the bearings that the scene connects with them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def rotors(result: Result) -> list[RotorRecord]:
 
 
 def _port(unit: RecordedUnit, port: str) -> dict[str, np.ndarray]:
-    # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
+    # The port may be driven by the force of a linearised bearing. The bearing's own force is another output of the same unit.
     bearing = unit.driven_by(f"{port}.force_x")
     carried = bearing.recorded(CARRIED) if bearing else {}
     return unit.recorded({n: f"{port}.displacement_{n}" for n in "xy"}) | carried

@@ -1,4 +1,4 @@
-"""How fast the rotors of a run turn, how far they swing, and what their bearings carry."""
+"""Speeds and displacements of the rotors of a run, forces and ball loads of their bearings."""
 
 from __future__ import annotations
 

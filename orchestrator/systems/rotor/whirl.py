@@ -1,6 +1,6 @@
 """Whirl frequencies and critical speeds of a run's rotor, from its own matrices and its bearings' recorded tangents.
 
-A bearing's tangent comes from snapshots of what drives the port, such as "left.linearisation.stiffness" in [record].
+A bearing's tangent comes from snapshots of the output that drives the port, such as "left.linearisation.stiffness" in [record].
 Read from [analysis]: critical_speeds = [rad/s ...], in place of the computed ones; campbell_speed = rad/s, end of the diagram.
 """
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 MODES = 8  # in the diagram
 SPEEDS = 61
 BEYOND = 1.25  # the diagram's end over the highest speed of the run
-PLANE = (0, 1, 3, 4)  # of x, y, z, tilt_x, tilt_y: what a rotor without axial motion has
+PLANE = (0, 1, 3, 4)  # of x, y, z, tilt_x, tilt_y: the coordinates of a rotor without axial motion
 
 
 @dataclass(frozen=True)
 class Whirl:
     """Campbell diagram: speed (k,) rad/s, frequency (k, m) rad/s, direction (k, m): 1 forward, -1 backward, 0 neither.
 
-    critical: synchronous critical speeds, rad/s.  bearings: what was taken for the bearings, a sentence.
+    critical: synchronous critical speeds, rad/s.  bearings: how the bearings enter, a sentence.
     """
 
     speed: np.ndarray

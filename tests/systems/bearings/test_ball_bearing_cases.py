@@ -44,6 +44,6 @@ def test_clearance_brings_lines_that_a_periodic_motion_has_not():
 
 def test_another_damping_has_another_sum():
     """The sum follows c, so that the row's -2c/m is no constant of the method."""
-    found = lyapunov_sum.exponents(0.0, 400.0)
-    assert found.sum == pytest.approx(-40.0, rel=1e-4)
-    assert np.all(np.diff(found.exponents) <= 0.0)
+    spectrum = lyapunov_sum.exponents(0.0, 400.0)
+    assert spectrum.sum == pytest.approx(-40.0, rel=1e-4)
+    assert np.all(np.diff(spectrum.exponents) <= 0.0)

@@ -22,12 +22,12 @@ IN_PROCESS = Options(in_process=True)
     ],
 )
 def test_all_rows_are_inside(name, expected, rows):
-    found = cases()[name].findings(IN_PROCESS)
-    assert [(r.reference.quantity, r.reference.condition) for r in found.rows if not r.inside] == []
-    assert outcome(found.rows) == expected
-    assert len(found.rows) == rows
-    assert found.charts
-    assert found.notes
+    findings = cases()[name].findings(IN_PROCESS)
+    assert [(r.reference.quantity, r.reference.condition) for r in findings.rows if not r.inside] == []
+    assert outcome(findings.rows) == expected
+    assert len(findings.rows) == rows
+    assert findings.charts
+    assert findings.notes
 
 
 def test_a_radial_clearance_for_a_diametral_one_fails_the_published_displacement():

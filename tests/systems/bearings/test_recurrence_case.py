@@ -45,7 +45,7 @@ def test_windows_have_their_period(r, period):
 
 
 def test_case_passes_and_can_be_written():
-    found = recurrence.CASE.findings(Options())
-    assert outcome(found.rows) == "passed", [r for r in found.rows if not r.inside]
-    assert len({r.reference.condition for r in found.rows}) == 6
-    assert '"recurrence"' in to_json([CaseResult(recurrence.CASE, found)])
+    findings = recurrence.CASE.findings(Options())
+    assert outcome(findings.rows) == "passed", [r for r in findings.rows if not r.inside]
+    assert len({r.reference.condition for r in findings.rows}) == 6
+    assert '"recurrence"' in to_json([CaseResult(recurrence.CASE, findings)])

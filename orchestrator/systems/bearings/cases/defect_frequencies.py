@@ -1,4 +1,4 @@
-"""Defects of a ball bearing, found where kinematics says they are: in the envelope of the simulated acceleration."""
+"""Lines of the defects of a ball bearing in the envelope of the simulated acceleration, beside those of kinematics."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def passages(clearance: float) -> np.ndarray:
 
 
 def places(clearance: float) -> int:
-    """Number of places in which the shaft is found at the passages."""
+    """Number of places of the shaft at the passages."""
     return distinct(passages(clearance), SAME)
 
 

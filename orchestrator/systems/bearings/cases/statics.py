@@ -31,7 +31,7 @@ CLEARANCES = np.linspace(-10e-6, 40e-6, 51)  # m, diametral
 
 
 def at_rest(model: DeepGrooveBearing, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
-    """`DeepGrooveBearing.equilibrium`; raises `StepFailed` unless it was found within the model's range."""
+    """`DeepGrooveBearing.equilibrium`; raises `StepFailed` where there is none within the model's range."""
     loads = model.equilibrium(forces, held)
     if loads.status != DONE:
         raise StepFailed(model.name, model.t, *REASONS[loads.status])

@@ -149,7 +149,7 @@ def _trap() -> Chart:
 
 
 def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
-    """Displacements found by SciPy on a fixed grid of times, (2, 400)."""
+    """Displacements by SciPy on a fixed grid of times, (2, 400)."""
     dx = np.empty(model.x.size)
 
     def right_hand_side(t: float, x: np.ndarray) -> np.ndarray:
