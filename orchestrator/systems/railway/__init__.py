@@ -2,7 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from ....components.core.errors import BadInput
 from ...harness.system import System
-from .keys import RailwayKeys
+from ...settings.analysis import AnalysisKeys, Endpoint, Span
+
+Counted = Annotated[int, Field(strict=True, ge=1)]
+
+
+class RailwayKeys(AnalysisKeys):
+    """Figures of pantographs under a catenary; spans and droppers are those of the run's catenary."""
+
+    spans: tuple[Counted, Counted] | None = Field(
+        default=None, description="[first, last] span for the statistics, counted from 1 at position 0"
+    )
+    window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
+
+    def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
+        """The wire's height at every contact point, on either wire, and the uplifts at supports."""
+        heights = [source for source, (_, name) in links if name.rpartition(".")[2] == "wire_height"]
+        return (*heights, *((unit, "support_uplift") for unit in dict.fromkeys(unit for unit, _ in heights)))
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> RailwayKeys:
+        if self.spans is not None and self.window is not None:
+            raise BadInput("window", "a value beside spans", "one of them", "Remove the other.")
+        if self.spans is not None and self.spans[0] > self.spans[1]:
+            raise BadInput("spans", f"[{self.spans[0]}, {self.spans[1]}]", "a last span not before the first")
+        return self
+
 
 SYSTEM = System("railway", "Pantograph and catenary", __name__, RailwayKeys)

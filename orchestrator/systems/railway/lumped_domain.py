@@ -25,8 +25,9 @@ from ...output import ensure_directory, write_table
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene, write_scene
+from ...units.component import make
 from .. import read_scene
-from .records import analysis_window, measured, parameters, passages, statistics
+from .records import analysis_window, measured, passages, statistics
 from .runs import WITHOUT_PICTURES, at_speed
 
 ERRORS = {  # column -> what it says
@@ -90,9 +91,8 @@ def lumped_domain(
     plain = scene.with_changes({k: v for k, v in WITHOUT_PICTURES.items() if scene.record.snapshots})
     distributed = {v: _done(at_speed(plain, v, unit=pantograph)) for v in order}
     mean = statistics(distributed[order[0]]).mean if force is None else force
-    given = scene.units[catenary]
-    line: Any = component_class(given.component)(given.effects, given.parameters, preset=given.preset, name=catenary)
-    line.set("contact_position", parameters(scene, pantograph)["start_position"])
+    line: Any = make(catenary, scene.units[catenary])
+    line.set("contact_position", make(pantograph, scene.units[pantograph]).parameters["start_position"])
     line.initialize(0.0)
     _equal_spans(line, catenary)
     fit = fit_span(line, mean, span)

@@ -8,17 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
 from ...harness.analysis.signals import Filter
+from . import RailwayKeys
 from .contact import ContactRecord, ContactStatistics
-from .keys import RailwayKeys
 
 if TYPE_CHECKING:
     from ...results import Result
-    from ...scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -34,12 +32,6 @@ class Passage:
     record: ContactRecord
     supports: tuple[float, ...]
     part: bool = False
-
-
-def parameters(scene: Scene, unit: str) -> dict[str, Any]:
-    """All resolved parameters of a unit that is a component of the catalogue."""
-    given = scene.units[unit]
-    return component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
 
 
 @dataclass(frozen=True)
@@ -89,12 +81,6 @@ def _track(values: Mapping[str, Any]) -> Track:
         return Track(float(np.median(np.diff(supports))), dropper_positions(sections), tuple(supports.tolist()))
     count = int(values.get("droppers", 0))
     return Track(float(values.get("span_length", 0.0)), tuple(float(values[f"dropper_position[{i + 1}]"]) for i in range(count)))
-
-
-def component_of(result: Result, unit: str) -> Any:
-    """A unit of a run as a component of its own with the scene's effects and parameters, not initialized."""
-    given = result.scene.units[unit]
-    return component_class(given.component)(given.effects, given.parameters, preset=given.preset)
 
 
 def analysis_window(result: Result) -> tuple[float, float]:

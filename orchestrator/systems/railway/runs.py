@@ -6,15 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ....components.catalogue import component_class
 from ...harness.analysis.signals import Filter
-from ...harness.validation.questions import Options
+from ...harness.validation import Options, done
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
 from ...shorter_steps import kept_runs
+from ...units.component import make
 from .. import load_scene
-from .records import measured, parameters, statistics
+from .records import measured, statistics
 
 KMH = 1.0 / 3.6  # m/s
 WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": (), "record.snapshot_interval": None}
@@ -23,8 +23,8 @@ FORCE_PER_MEAN = 1.09  # first guess of static force over mean force: the base s
 
 def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = None, unit: str = "pantograph") -> Scene:
     """The scene with its pantograph at another speed (km/h) over the same distance, with further changes."""
-    given = parameters(scene, unit)["speed"]
-    steps = scene.stop_time * given / (speed * KMH) / scene.master.step
+    pantograph: Any = make(unit, scene.units[unit])
+    steps = scene.stop_time * pantograph.parameters["speed"] / (speed * KMH) / scene.master.step
     stop = round(steps) * scene.master.step
     always = {f"units.{unit}.parameters.speed": speed * KMH, "stop_time": stop}
     return scene.with_changes({**always, **(changes or {})})
@@ -32,9 +32,9 @@ def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = Non
 
 def with_stable_substep(scene: Scene) -> Scene:
     """The scene with a shorter internal step of the catenary where its explicit method needs one."""
-    unit = scene.units["catenary"]
-    limit = component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset).stable_step()
-    if parameters(scene, "catenary")["substep"] <= limit:
+    catenary: Any = make("catenary", scene.units["catenary"])
+    limit = catenary.stable_step()
+    if catenary.parameters["substep"] <= limit:
         return scene
     return scene.with_changes(
         {"units.catenary.parameters.substep": scene.master.step / math.ceil(scene.master.step / (0.9 * limit))}
@@ -43,8 +43,9 @@ def with_stable_substep(scene: Scene) -> Scene:
 
 @kept_runs
 def reference_run(speed: float, options: Options) -> Result:
-    """EN 50318:2002 at a speed in km/h."""
-    return run(at_speed(load_scene("en50318-2002"), speed), in_process=options.in_process, progress=options.progress)
+    """EN 50318:2002 at a speed in km/h. Raises `RunFailed`."""
+    scene = at_speed(load_scene("en50318-2002"), speed)
+    return done(run(scene, in_process=options.in_process, progress=options.progress))
 
 
 def target_mean(speed: float, at_rest: float = 70.0) -> float:
@@ -63,17 +64,15 @@ def set_mean_run(name: str, speed: float, target: float, options: Options) -> tu
 
     The mean force, `target` in N, is a set quantity there. One trial in process with a guessed static force, which is then scaled
     by target over mean; the base spring's share of the lift hardly changes in between, so that one trial is enough.
+    Raises `RunFailed`.
     """
     scene = load_scene(name)
     force = "units.pantograph.parameters.static_force"
     guess = FORCE_PER_MEAN * target
-    trial = run(at_speed(scene, speed, {force: guess}), in_process=True)
-    if trial.outcome != "done":
-        return trial, guess, float("nan")
-    mean = statistics(trial).mean
+    mean = statistics(done(run(at_speed(scene, speed, {force: guess}), in_process=True))).mean
     static_force = guess * target / mean
     scaled = at_speed(scene, speed, {force: static_force})
-    return run(scaled, in_process=options.in_process, progress=options.progress), static_force, mean
+    return done(run(scaled, in_process=options.in_process, progress=options.progress)), static_force, mean
 
 
 def numbers(result: Result, low_pass: Filter | None = None) -> dict[str, float]:

@@ -57,7 +57,7 @@ def test_the_printed_shares_hold_a_head_under_both_wires():
 @pytest.mark.parametrize("name", PLACES)
 def test_forms_without_known_ranges_pass_nothing(name):
     """Statics as the network's, rules kept, and yet no pass: their ranges are recalled."""
-    findings = cases()[name].function(Options(in_process=True))
+    findings = cases()[name].findings(Options(in_process=True))
     assert [r.reference.quantity for r in findings.rows if not r.inside] == []
     assert outcome(findings.rows) == "recalled"
     assert findings.charts[0].title.startswith("The model's data")

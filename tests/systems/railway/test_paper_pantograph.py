@@ -51,7 +51,7 @@ def test_variants_are_the_ones_of_the_predictions():
 @pytest.mark.full
 def test_the_claims_have_the_verdicts_of_the_last_review():
     case = cases()["paper-pantograph"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     outside = {r.reference.measure for r in result.findings.rows if not r.inside}
     assert outside == {

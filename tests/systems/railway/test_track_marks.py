@@ -3,7 +3,7 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems import load_scene
-from cosimo.orchestrator.systems.railway.figures.track import track_marks
+from cosimo.orchestrator.systems.railway.figures.passage import track_marks
 from cosimo.orchestrator.systems.railway.records import analysis_window, track_of
 from cosimo.tests.systems.railway.made_up import made_up_run
 

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from .....components.catalogue import component_class
 from .....components.railway.contact import wire_height
 from .....components.railway.mesh import GRAVITY
 from .....components.railway.statics import elasticity, messenger_shape
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, Row, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import TableRow, load_table
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation.reference import Row, TableRow, compare, load_table
+from ....units.component import make
 from ... import load_scene
 
 RIGID = {"support_stiffness": 1e9}  # N/m, 10^4 times what the droppers and wires give
@@ -35,53 +34,46 @@ ELEMENT = 0.0625  # m; bending beside a point load is felt over sqrt(EI / T), 0.
 EXACT = 1e-3  # closed forms hold to rounding; the tolerance is that of the range's printing
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Elasticity of four models, then closed forms of strings on droppers."""
-    table = load_table("catenary-statics")
-    rows: list[Row] = []
+    measured: dict[str, dict[str, float]] = {}
     panels = []
     for condition, (scene, force, changes) in CONDITIONS.items():
         catenary = resting_catenary(scene, changes, bending=True)
         x, e = _along_the_span(catenary, force)
         k = 1.0 / e
-        measured = {
+        measured[condition] = {
             "e_support": 1e3 * e[0],
             "e_midspan": 1e3 * e[x.size // 2],
             "k_min": k.min(),
             "k_max": k.max(),
             "k_mean": k[:-1].mean(),
         }
-        rows += compare(table.under(condition), measured)
         droppers = tuple((float(d), "") for d in _within_span(catenary))
         panels.append(Panel("mm/N", (Series("elasticity", x, 1e3 * e),), x_marks=droppers, title=condition))
-    for name in ("en50318-2002", "en50318-2018-ac-simple"):
-        rows += _closed_forms(name)
+    closed = [row for name in ("en50318-2002", "en50318-2018-ac-simple") for row in _closed_forms(name)]
     chart = Chart(
         "Elasticity of the contact wire along a span",
         "position in the span, m",
         tuple(panels),
         "Static uplift under a point load over the load; a support at either end, thin lines: droppers. The stiffest point is "
-        "the first "
-        "dropper, not the support: a stiffness of one cosine a span misses that.",
+        "the first dropper, not the support: a stiffness of one cosine a span misses that.",
         columns=2,
     )
     notes = (
         "Elasticity: droppers unilateral, wires with bending stiffness, steady arms left out, as in the reference solver. "
-        "Closed forms: strings without "
-        "bending "
-        "stiffness, where they are exact.",
+        "Closed forms: strings without bending stiffness, where they are exact.",
     )
-    return Findings(tuple(rows), charts=(chart,), notes=notes)
+    rows = (*compare(load_table("catenary-statics").rows, measured), *closed)  # in this order
+    return Evidence(charts=(chart,), notes=notes, rows=rows)
 
 
 def resting_catenary(scene: str, changes: Mapping[str, Any], bending: bool) -> Any:
     """The scene's catenary at rest on a fine mesh, with or without bending stiffness of the wires whatever the scene says."""
-    unit = load_scene(scene).units["catenary"]
-    cls = component_class(unit.component)
-    given = cls(unit.effects, unit.parameters, preset=unit.preset)
+    given = make("catenary", load_scene(scene).units["catenary"])
     effects = [e for e in given.on if e not in (*LEFT_OUT, "bending_stiffness")] + ["bending_stiffness"] * bending
     kept = {n: v for n, v in given.parameters.items() if "." not in n or n.partition(".")[0] in effects}
-    catenary = cls(effects, {**kept, "element": ELEMENT, "method": "implicit", **changes})
+    catenary = type(given)(effects, {**kept, "element": ELEMENT, "method": "implicit", **changes})
     catenary.initialize(0.0)
     return catenary
 
@@ -154,12 +146,10 @@ def _row(scene: str, quantity: str, unit: str, expected: float, measured: float)
     return Row(reference, float(measured))
 
 
-CASE = function_case(
+CASE = Case(
     "catenary-statics",
     "Statics of the reference catenaries",
     "Holds the elasticity along the span against an independent solver, and dropper tensions and sags against closed forms. "
-    "It shows that "
-    "geometry, weights, tensions and unilateral droppers are right at rest; it says nothing of waves.",
-    "railway",
-    findings,
+    "It shows that geometry, weights, tensions and unilateral droppers are right at rest; it says nothing of waves.",
+    (Question(measure),),
 )

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from .....components.catalogue import component_class
 from .....components.railway.contact import contact_compliance, wire_height
 from .....components.railway.statics import Statics, elasticity
-from ....harness.validation.case import Findings, Row, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation.reference import compare, load_table
 from ....results import Result
+from ....units.component import make
 from ... import load_scene
 from ..records import statistics
 from ..runs import numbers, set_mean_run, target_mean
@@ -40,39 +39,31 @@ class Model:
     text: str
 
 
-def findings(model: Model, options: Options) -> Findings:
+def measure(model: Model, runs: Runs) -> Evidence:
     """Every speed with the mean force set by the static force; then statics, where the table has them."""
-    table = load_table(model.name)
-    runs: dict[str, Result] = {}
-    rows: list[Row] = []
+    results: dict[str, Result] = {}
+    measured: dict[str, dict[str, float]] = {}
     notes: list[str] = []
     for v in model.speeds:
         name, target = f"{v:g} km/h", target_mean(v, model.mean_at_rest)
-        runs[name], static_force, trial = set_mean_run(model.name, v, target, options)
-        if runs[name].outcome != "done":
-            return Findings((), runs, notes=(runs[name].message,), complete=False)
-        measured = numbers(runs[name])
-        rows += compare(table.under(name), {**measured, "std_over_mean": measured["std"] / measured["mean"]})
+        results[name], static_force, trial = set_mean_run(model.name, v, target, runs.options)
+        of_speed = numbers(results[name])
+        measured[name] = {**of_speed, "std_over_mean": of_speed["std"] / of_speed["mean"]}
         notes.append(
             f"At {name} the static force was set to {static_force:.1f} N, from one trial run whose mean was {trial:.1f} N, to "
             f"bring the mean to {target:.1f} N (0.00097 v² + {model.mean_at_rest:g}); the run's own mean is "
-            f"{measured['mean']:.1f} N. That row is set, not found."
+            f"{of_speed['mean']:.1f} N. That row is set, not found."
         )
     if model.statics is not None:
-        rows += compare(table.under(AT_REST), model.statics(resting_catenary(model.name, MESH, bending=False)))
+        measured[AT_REST] = dict(model.statics(resting_catenary(model.name, MESH, bending=False)))
+    rows = compare(load_table(model.name).rows, measured)
     outside = [
         f"{r.reference.quantity} at {r.reference.condition}" for r in rows if r.reference.standing == "recalled" and not r.inside
     ]
     notes.append("Outside the recalled ranges: " + ("; ".join(outside) if outside else "none") + ".")
-    unit = load_scene(model.name).units["catenary"]
-    given = component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset)
-    return Findings(
-        tuple(rows),
-        runs,
-        (data_grid(model.name, given),),
-        tuple(notes) + model.notes,
-        {n: statistics(r).settings for n, r in runs.items()},
-    )
+    charts = (data_grid(model.name, make("catenary", load_scene(model.name).units["catenary"])),)
+    settings = {name: statistics(result).settings for name, result in results.items()}
+    return Evidence(measured, charts, results, (*notes, *model.notes), settings=settings)
 
 
 def stitched_statics(catenary: Any) -> dict[str, float]:
@@ -174,4 +165,4 @@ MODELS = (
         "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here.",
     ),
 )
-AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (function_case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)
+AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (Case(m.name, m.title, m.text, (Question(partial(measure, m)),)) for m in MODELS)

@@ -9,9 +9,8 @@ import numpy as np
 from .....components.railway.contact import wire_height
 from ....harness.analysis.signals import Filter, uniform, window
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Findings, Row, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import TableRow
+from ....harness.validation import Case, Evidence, Question, Runs, done
+from ....harness.validation.reference import Row, TableRow
 from ....results import Result
 from ....run import run
 from ... import load_scene
@@ -26,26 +25,23 @@ MEAN_TOLERANCE = 0.02  # of the distributed mean: the base springs see heights t
 DISTRIBUTED, LUMPED, INERTER = "distributed", "lumped mass", "inerter"
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """Three models at two speeds and in the quasi-static limit."""
-    results = {name: {v: _run(name, v, options) for v in (*SPEEDS, SLOW)} for name in (DISTRIBUTED, LUMPED, INERTER)}
-    broken = [r for of_speed in results.values() for r in of_speed.values() if r.outcome != "done"]
-    if broken:
-        return Findings((), {"a run that failed": broken[0]}, notes=tuple(r.message for r in broken), complete=False)
+    results = {name: {v: _run(name, v, runs) for v in (*SPEEDS, SLOW)} for name in (DISTRIBUTED, LUMPED, INERTER)}
     statistics = {name: {v: numbers(r) for v, r in of_speed.items()} for name, of_speed in results.items()}
     rows = [_mean_row(statistics, v) for v in SPEEDS] + [_static_row(results[DISTRIBUTED][SLOW], results[LUMPED][SLOW])]
     charts: tuple[Chart | Grid, ...] = (*(_overlay(results, v) for v in SPEEDS), _grid(statistics))
-    return Findings(tuple(rows), charts=charts, notes=_notes(statistics))
+    return Evidence(charts=charts, notes=_notes(statistics), rows=tuple(rows))
 
 
-def _run(name: str, speed: float, options: Options) -> Result:
+def _run(name: str, speed: float, runs: Runs) -> Result:
     if name == DISTRIBUTED and speed in SPEEDS:
-        return reference_run(speed, options)
+        return reference_run(speed, runs.options)
     if name == DISTRIBUTED:
-        return run(at_speed(load_scene("en50318-2002"), speed, WITHOUT_PICTURES), in_process=True)
+        return done(run(at_speed(load_scene("en50318-2002"), speed, WITHOUT_PICTURES), in_process=True))
     scene = load_scene("lumped-catenary")
     effects = [e for e in scene.units["catenary"].effects if e != "inerter"] + ["inerter"] * (name == INERTER)
-    return run(at_speed(scene, speed, {"units.catenary.effects": effects}), in_process=True)
+    return done(run(at_speed(scene, speed, {"units.catenary.effects": effects}), in_process=True))
 
 
 def _mean_row(statistics: Mapping[str, Mapping[float, Mapping[str, float]]], speed: float) -> Row:
@@ -136,12 +132,11 @@ def _notes(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> tup
     )
 
 
-CASE = function_case(
+CASE = Case(
     "lumped-against-distributed",
     "Lumped against distributed catenary",
     "Runs the same pantograph under a mass on a spring that varies along the span, with and without an inerter, and under the "
-    "distributed "
-    "catenary. It shows for which questions the lumped model may be used: its rows hold only what such a model can get right.",
-    "railway",
-    findings,
+    "distributed catenary. It shows for which questions the lumped model may be used: its rows hold only what such a "
+    "model can get right.",
+    (Question(measure),),
 )

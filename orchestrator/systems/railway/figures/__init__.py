@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .....components.core.errors import BadInput
+from ....harness.analysis.records import RecordedUnit
 from ....harness.analysis.signals import Filter
 from ....harness.charts.blocks import Block, Cells, Figure, Sketch, Text
 from ....harness.charts.style import number
 from ....harness.report.windows import fault_windows, shaded
 from ..line import svg
-from ..records import Passage, analysis_window, component_of, passages, statistics
+from ..records import Passage, analysis_window, passages, statistics
 from ..summary import TEXTS, shown
 from .force import force_figure, spectrum_figure
 from .passage import passage_figure
@@ -52,8 +53,8 @@ def line_sketches(result: Result) -> list[Sketch]:
         except BadInput:
             low, high = float(passage.record.position.min()), float(passage.record.position.max())
         high = min(high, low + MOST_DRAWN)
-        form = component_of(result, name).form()
-        sketches.append(Sketch("The line", svg(form, f"{name} from {low:g} to {high:g} m", (low, high), SKETCH_WIDTH)))
+        line: Any = RecordedUnit(result, name).component
+        sketches.append(Sketch("The line", svg(line.form(), f"{name} from {low:g} to {high:g} m", (low, high), SKETCH_WIDTH)))
     return sketches
 
 

@@ -32,7 +32,7 @@ from ....harness.charts.style import (
     vertical,
 )
 from ..records import Passage, analysis_window, track_of
-from .track import track_marks
+from .passage import track_marks
 
 if TYPE_CHECKING:
     from ....harness.validation.case import Row

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .....components.railway.line.form import Form
+from ....harness.analysis.records import RecordedUnit
 from ....harness.analysis.signals import Filter, uniform
 from ....harness.charts.blocks import Figure
-from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axis, layout, line, tint
-from ..records import Passage, analysis_window, component_of, track_of
-from .track import track_marks
+from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axis, label, layout, line, tint, vertical
+from ..records import Passage, Track, analysis_window, track_of
 
 if TYPE_CHECKING:
     from ....results import Result
@@ -40,7 +41,7 @@ def passage_figure(result: Result, passage: Passage, low_pass: Filter) -> Figure
     if during.size < 2:
         return None
     chosen = during[np.linspace(0, during.size - 1, min(FRAMES, during.size)).round().astype(int)]
-    catenary = component_of(result, passage.catenary)
+    catenary: Any = RecordedUnit(result, passage.catenary).component
     form: Form = catenary.form()
     offset = 0.0 if "line_table" in catenary.on else SYSTEM_HEIGHT
     offsets = np.arange(contact.shape[1]) - contact.shape[1] // 2
@@ -182,3 +183,10 @@ def _controls(times: list[float]) -> dict[str, Any]:
         ],
     }
     return {"sliders": [slider], "updatemenus": [buttons]}
+
+
+def track_marks(track: Track, low: float, high: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """(lines at the supports, numbers of the spans) between two positions in m; empty without a span."""
+    supports = track.supports_between(low, high)
+    texts = [label(f"span {i + 1}", 0.5 * (a + b), 1.0, xref="x", yanchor="top") for (i, a), (_, b) in pairwise(supports)]
+    return [vertical(x) for _, x in supports], texts

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .lumped import SWING, last_force, lumped_run, relative_deviation
 
 SPEEDS = (160.0, 200.0, 250.0, 300.0, 350.0)  # km/h
@@ -14,7 +13,7 @@ SMALL, MIDDLE = 0.0125, 0.2  # swing of the stiffness: first order, and half-way
 LONG = 12.0  # s
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Runs with three swings of the stiffness at five speeds."""
     ratio = {(a, v): scatter(a, v) for a in (SMALL, MIDDLE, SWING) for v in SPEEDS}
     measured = {f"order.{v:g}": ratio[SMALL, v] / relative_deviation(v, whole=True) for v in SPEEDS}
@@ -46,3 +45,6 @@ def scatter(swing: float, speed: float) -> float:
     """Standard deviation of the contact force over swing and mean."""
     _, force = last_force(lumped_run(speed, swings=(swing,), stop=LONG))
     return float(force.std() / (swing * force.mean()))
+
+
+QUESTION = Question(measure)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from .....harness.charts.chart import Grid
-from .....harness.validation.case import compare
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....harness.validation.reference import load_table
+from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation.reference import compare, load_table
 from .lumped import MASSLESS, lumped_run
 from .table import SPEEDS, cells
 
@@ -20,7 +18,7 @@ VARIANTS = {  # name -> stiffness in N/m, swings, mass in kg and damping in N.s/
 }
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """The variants at both speeds."""
     results = {name: {v: cells(lumped_run(v, *variant)) for v in SPEEDS} for name, variant in VARIANTS.items()}
     names = list(VARIANTS)
@@ -44,3 +42,6 @@ def inside(of_speed: dict[float, dict[str, float]]) -> str:
     """How many cells of the table hold."""
     rows = [r for v in SPEEDS for r in compare(load_table("en50318-2002").under(f"{v:g} km/h"), of_speed[v])]
     return f"{sum(r.inside for r in rows)} of {len(rows)}"
+
+
+QUESTION = Question(measure)

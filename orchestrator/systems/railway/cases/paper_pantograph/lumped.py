@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .....harness.validation import done
 from .....results import Result
 from .....run import run
 from .....shorter_steps import kept_runs
@@ -40,8 +41,10 @@ def impedance(speed: float) -> complex:
 
 
 def relative_deviation(speed: float, whole: bool = False) -> float:
-    """Standard deviation of the force over swing times mean, first order; `whole`: with the contact spring and the rest of a "
-    "wire."""
+    """Standard deviation of the force over swing times mean, to first order.
+
+    whole: with the contact spring, and with the mass and damping that the wire of the runs has.
+    """
     z, wire, w = impedance(speed), complex(STIFFNESS), 2.0 * math.pi * speed * KMH / SPAN
     if whole:
         z /= 1.0 + z / CONTACT
@@ -69,7 +72,7 @@ def lumped_run(
             "master.step": STEP,
         },
     )
-    return run(scene if stop is None else scene.with_changes({"stop_time": stop}), in_process=True)
+    return done(run(scene if stop is None else scene.with_changes({"stop_time": stop}), in_process=True))
 
 
 def last_force(result: Result) -> tuple[np.ndarray, np.ndarray]:

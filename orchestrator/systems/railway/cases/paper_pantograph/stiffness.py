@@ -6,8 +6,7 @@ import numpy as np
 
 from ......components.railway.statics import elasticity, stiffness_series
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from ..catenary_statics import RIGID, resting_catenary
 from .lumped import SPAN, STIFFNESS, SWING
 
@@ -16,7 +15,7 @@ DROPPER = 9  # harmonic of the droppers' distance of 6.25 to 7 m
 HARMONICS = 10
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Nothing is simulated: elasticity of the reference wires as strings, under a small and a large force."""
     catenary = resting_catenary("en50318-2002", RIGID, bending=False)
     x = np.arange(0.0, SPAN, 0.25)
@@ -43,3 +42,6 @@ def study(options: Options) -> Evidence:
         "droppers a thirteenth.",
     )
     return Evidence(measured, (chart,))
+
+
+QUESTION = Question(measure)

@@ -6,10 +6,8 @@ import numpy as np
 
 from .....harness.analysis.signals import Filter, uniform, window
 from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
-from .....harness.validation.case import compare
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....harness.validation.reference import load_table
+from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation.reference import compare, load_table
 from .....results import Result
 from ...records import analysis_window, passages
 from ...runs import numbers, reference_run
@@ -20,24 +18,24 @@ STATIC_FORCE = 120.0  # N
 ROWS = ("mean", "std", "statistical_max", "statistical_min", "max", "min", "uplift_mm", "loss_raw")
 
 
-def study(options: Options) -> Evidence:
+def measure(runs: Runs) -> Evidence:
     """Both speeds, beside the distributed catenary."""
-    runs = {v: lumped_run(v) for v in SPEEDS}
-    of_speed = {v: cells(runs[v]) for v in SPEEDS}
+    results = {v: lumped_run(v) for v in SPEEDS}
+    of_speed = {v: cells(results[v]) for v in SPEEDS}
     measured = {f"{name}.{v:g}": of_speed[v][name] for v in SPEEDS for name in ROWS}
     for v, n in of_speed.items():
-        frame = float(np.mean(runs[v]["pantograph.frame_height"][in_window(runs[v])]))
+        frame = float(np.mean(results[v]["pantograph.frame_height"][in_window(results[v])]))
         measured |= {
             f"crest.{v:g}": (n["max"] - n["mean"]) / n["std"],
             f"fast.{v:g}": n["std_5_20"],
             f"lift.{v:g}": n["mean"] + FRAME_SPRING * frame,
-            f"peak.{v:g}": peak(runs[v]),
+            f"peak.{v:g}": peak(results[v]),
             f"lumped.uplift.{v:g}": n["uplift_mm"],
         }
     measured["growth"] = of_speed[300.0]["std"] / of_speed[250.0]["std"]
-    reference = {v: reference_run(v, Options(in_process=True)) for v in SPEEDS[:1]}
-    measured["peak.distributed"] = peak(reference[250.0])
-    return Evidence(measured, (_force_chart(runs[250.0], reference[250.0]), _grid(of_speed)))
+    distributed = reference_run(250.0, runs.options)
+    measured["peak.distributed"] = peak(distributed)
+    return Evidence(measured, (_force_chart(results[250.0], distributed), _grid(of_speed)))
 
 
 def cells(result: Result) -> dict[str, float]:
@@ -95,3 +93,6 @@ def _grid(of_speed: dict[float, dict[str, float]]) -> Grid:
         "The statistical limits are mean ± 3 σ and no rows of their own. The mean follows from the static force and the "
         "spring of the frame alone.",
     )
+
+
+QUESTION = Question(measure, in_process=True)
