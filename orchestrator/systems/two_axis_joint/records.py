@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import component_of
+from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.analysis.sections import crossings, section
 from ...harness.analysis.spectra import TURN
 
@@ -66,39 +66,35 @@ class JointRecord:
 def joints(result: Result) -> list[JointRecord]:
     """The joints of a run whose angles and rates were recorded, in the order of the scene."""
     records, links = [], []
-    for unit in result.scene.units:
-        own = {n.removeprefix(f"{unit}."): c for n, c in result.columns.items() if n.startswith(f"{unit}.")}
-        pair = next((p for p in PAIRS if all(f"{n}_{what}" in own for n in p for what in ("angle", "rate"))), None)
+    for u in recorded_units(result):
+        pair = next((p for p in PAIRS if all(u.has(f"{n}_angle", f"{n}_rate") for n in p)), None)
         if pair is not None:
-            what = "axis" if pair == PAIRS[0] else "link"
-            axes = tuple(Axis(f"{n} {what}", own[f"{n}_angle"], own[f"{n}_rate"]) for n in pair)
-            records.append(_joint(result, unit, axes, own))
-        elif {"angle", "rate", "tip_x", "tip_y"} <= own.keys():
-            links.append((unit, own))
+            kind = "axis" if pair == PAIRS[0] else "link"
+            axes = tuple(Axis(f"{n} {kind}", u[f"{n}_angle"], u[f"{n}_rate"]) for n in pair)
+            records.append(_joint(u, axes))
+        elif u.has("angle", "rate", "tip_x", "tip_y"):
+            links.append(u)
     if links:
-        axes = tuple(Axis(unit, own["angle"], own["rate"]) for unit, own in links)
-        last = links[-1][1]
-        stored = [own[ENERGY] for _, own in links if ENERGY in own]
-        kept = {"energy": np.sum(stored, axis=0)} if len(stored) == len(links) else {}
-        tip = np.array([last["tip_x"], last["tip_y"]])
+        axes = tuple(Axis(u.name, u["angle"], u["rate"]) for u in links)
+        kept = {"energy": np.sum([u[ENERGY] for u in links], axis=0)} if all(u.has(ENERGY) for u in links) else {}
+        tip = np.array([links[-1]["tip_x"], links[-1]["tip_y"]])
         records.append(JointRecord("links", result.time, axes, None, tip, 0.0, kept, frozenset()))
     return records
 
 
-def _joint(result: Result, unit: str, axes: tuple[Axis, ...], own: Mapping[str, np.ndarray]) -> JointRecord:
-    component = component_of(result.scene, unit)
+def _joint(u: RecordedUnit, axes: tuple[Axis, ...]) -> JointRecord:
+    component = u.component
     gimbal = axes[0].name.startswith("outer")
     pointing = None
     if gimbal and component is not None:
         pointing = axis_direction(axes[0].angle, axes[1].angle, component.get("axis_orientation"))
-    tip = np.array([own["tip_x"], own["tip_y"]]) if {"tip_x", "tip_y"} <= own.keys() else None
+    tip = np.array([u["tip_x"], u["tip_y"]]) if u.has("tip_x", "tip_y") else None
     reach = 0.0
     if tip is not None and component is not None:
         reach = component.get("first_length") + component.get("second_length")
-    kept = {"energy": own[ENERGY]} if ENERGY in own else {}
-    if momentum := next((n for n in MOMENTA if n in own), ""):
-        kept["momentum"] = own[momentum]
-    return JointRecord(unit, result.time, axes, pointing, tip, reach, kept, _constant(result, unit, component))
+    momentum = next((n for n in MOMENTA if u.has(n)), "")
+    kept = u.recorded({"energy": ENERGY, **({"momentum": momentum} if momentum else {})})
+    return JointRecord(u.name, u.time, axes, pointing, tip, reach, kept, _constant(u, component))
 
 
 def axis_direction(outer: np.ndarray, inner: np.ndarray, orientation: str) -> np.ndarray:
@@ -112,11 +108,11 @@ def axis_direction(outer: np.ndarray, inner: np.ndarray, orientation: str) -> np
     return np.array([sb, -sa * cb, ca * cb])
 
 
-def _constant(result: Result, unit: str, component: Component | None) -> frozenset[str]:
+def _constant(u: RecordedUnit, component: Component | None) -> frozenset[str]:
     """What the equations of a joint keep: nothing where motors, losses or partners change it, or nothing is known of it."""
     if component is None or (LOSSES | EXCHANGE) & set(component.on):
         return frozenset()
-    if any(link.target[0] == unit for link in result.scene.coupling.links) or any(component.u[0]):
+    if any(u.source(name) for name in component.inputs) or any(component.u[0]):
         return frozenset()
     about_vertical = "axis_orientation" in component.parameters and component.get("axis_orientation") == "vertical"
     return frozenset({"energy"} if "gravity" in component.on and not about_vertical else {"energy", "momentum"})

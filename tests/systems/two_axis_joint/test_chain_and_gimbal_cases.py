@@ -57,7 +57,7 @@ def test_the_gimbal_s_table_follows_from_the_formulas():
 
 
 def outside(name: str, module) -> set[str]:
-    found = module.findings(Options(in_process=True))
+    found = module.CASE.findings(Options(in_process=True))
     return {r.reference.measure for r in found.rows if not r.inside}
 
 

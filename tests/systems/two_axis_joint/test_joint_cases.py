@@ -57,7 +57,7 @@ def test_the_table_has_the_limit_of_held_forces():
 
 @pytest.fixture(scope="module")
 def found():
-    return cases()["link-split"].function(Options(in_process=True))
+    return cases()["link-split"].findings(Options(in_process=True))
 
 
 def test_the_case_passes(found):

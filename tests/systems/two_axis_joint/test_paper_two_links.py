@@ -85,6 +85,6 @@ def test_the_crushers_linkage_closes():
 @pytest.mark.full
 def test_every_claim_has_the_verdict_of_its_review():
     case = cases()["paper-two-links"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     assert all(r.inside for r in result.findings.rows), [r.reference.measure for r in result.findings.rows if not r.inside]

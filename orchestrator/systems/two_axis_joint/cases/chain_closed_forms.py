@@ -12,13 +12,11 @@ from .....components.two_axis_joint.chain import TwoLinkChain
 from .....components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 ANGLES = ("first_angle", "second_angle")
 MOTION = (*ANGLES, "first_rate", "second_rate")
@@ -29,8 +27,8 @@ SHAPES = {
     "equal point masses": ((1.0, math.sqrt(2.0)), (1.0, -math.sqrt(2.0))),
     "equal rods": ((1.0, (2.0 * ROOT - 1.0) / 3.0), (1.0, -(2.0 * ROOT + 1.0) / 3.0)),
 }
-FREE = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
-        "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}  # fmt: skip
+FREE: dict[str, Any] = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
+                        "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}  # fmt: skip
 AMPLITUDES = {"small": 0.1, "quarter": math.pi / 2.0, "high": 3.0}  # rad
 FRICTION, MOMENT = 0.8, 9.81  # N.m
 OVER = 0.25  # s, over which the propagator of small motion is taken: below half a turn of either mode
@@ -38,12 +36,8 @@ DAMPED = {"viscous.first": 0.1, "viscous.second": 0.05}
 LARGE = (0.1, -0.2, 0.3, 0.1)  # start of the damped motions that are shown, in units of SMALL
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """One run for each closed form; what needs no connection shares one."""
-    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
     measured: dict[str, float] = {}
     modes = runs["modes of small motion"]
     for k, (preset, mode) in enumerate((p, m) for p in SHAPES for m in (1, 2)):
@@ -66,34 +60,37 @@ def findings(options: Options) -> Findings:
         measured[f"period.{name}"] = math.sqrt(1.5 * 9.81) / frequency  # against small swings of a uniform rod of 1 m
     rubbed = runs["swings with dry friction"]
     turning_points, closed = turns(rubbed), friction_turning_points(1.0, FRICTION, MOMENT)
-    measured["turns"] = float(len(turning_points))
+    measured["turns"] = len(turning_points)
     same = min(len(turning_points), len(closed))
     measured["turn"] = float(np.abs(np.abs(turning_points[:same]) - np.abs(closed[:same])).max())
     measured |= {"rest": rubbed["chain.first_angle"][-1], "rest.rate": abs(rubbed["chain.first_rate"][-1])}
     shown = {name: runs[name] for name in ("free motion", "swings with dry friction")}
     charts = (_damped_chart(exact), _friction_chart(rubbed, closed))
-    return Findings(compare(load_table("chain-closed-forms").rows, measured), shown, charts)
+    return Evidence(measured, charts, shown)
 
 
 def scenes() -> dict[str, Scene]:
     """Every run by its name."""
     modes = {}
     for k, (preset, shape) in enumerate((p, s) for p, shapes in SHAPES.items() for s in shapes):
-        start = dict(zip(STARTS[:2], SMALL * np.array(shape), strict=True))
-        modes[f"mode{k + 1}"] = _chain([], start, preset)
+        first, second = shape
+        start: dict[str, Any] = {"start_first_angle": SMALL * first, "start_second_angle": SMALL * second}
+        modes[f"mode{k + 1}"] = unit("TwoLinkChain", preset=preset, **start)
     starts = {}
     for k, name in enumerate(STARTS):
-        starts[f"hanging{k + 1}"] = _chain(["gravity", "viscous"], {**DAMPED, name: SMALL, "substep": 2e-4})
-        starts[f"coasting{k + 1}"] = _chain(["viscous"], {**DAMPED, name: SMALL})
-    start = dict(zip(STARTS, SMALL * np.array(LARGE), strict=True))
-    exact = {name: _chain(effects, {**given, **start}) for name, (effects, given) in EXACT.items()}
-    free = _chain([], {**FREE, "start_first_angle": 0.3, "start_second_angle": 2.0, "start_first_rate": 5.0,
-                       "start_second_rate": -7.0, "substep": 1e-4})  # fmt: skip
-    swings = {n: {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": a}}
-              for n, a in AMPLITUDES.items()}  # fmt: skip
-    rubbed = _chain(["gravity", "stick_friction"], {
-        "second_mass": 0.0, "second_inertia": 1.0, "start_first_angle": 1.0, "stick_friction.first_level": FRICTION,
-        "stick_friction.second_level": 0.0})  # fmt: skip
+        given: dict[str, Any] = {**DAMPED, name: SMALL}
+        starts[f"hanging{k + 1}"] = unit("TwoLinkChain", effects=["gravity", "viscous"], substep=2e-4, **given)
+        starts[f"coasting{k + 1}"] = unit("TwoLinkChain", effects=["viscous"], **given)
+    large = {name: SMALL * value for name, value in zip(STARTS, LARGE, strict=True)}
+    exact = {}
+    for name, (effects, damping) in EXACT.items():
+        given = {**damping, **large}
+        exact[name] = unit("TwoLinkChain", effects=effects, **given)
+    moved: dict[str, Any] = dict(zip(STARTS, (0.3, 2.0, 5.0, -7.0), strict=True))
+    free = unit("TwoLinkChain", **FREE, **moved, substep=1e-4)
+    swings = {n: unit("PlanarLink", effects=["pinned", "gravity"], start_angle=a) for n, a in AMPLITUDES.items()}
+    rubbed = unit("TwoLinkChain", effects=["gravity", "stick_friction"], second_mass=0.0, second_inertia=1.0, start_first_angle=1.0,
+                  stick_friction={"first_level": FRICTION, "second_level": 0.0})  # fmt: skip
     return {
         "modes of small motion": _scene(modes, 40.0, 0.005, ["first_angle"]),
         "damped, one start each": _scene(starts, OVER, OVER, MOTION),
@@ -104,20 +101,9 @@ def scenes() -> dict[str, Scene]:
     }
 
 
-def _chain(effects: Sequence[str], parameters: Mapping[str, float], preset: str = "") -> dict[str, Any]:
-    unit = {"component": "TwoLinkChain", "effects": list(effects), "parameters": {k: float(v) for k, v in parameters.items()}}
-    return {**unit, "preset": preset} if preset else unit
-
-
 def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
-    data = {
-        "title": "Chain of two links",
-        "stop_time": stop,
-        "units": dict(units),
-        "master": {"step": step},
-        "record": {"signals": [f"{u}.{s}" for u in units for s in signals]},
-    }
-    return read_scene(data, "chain")
+    record = {"signals": [f"{u}.{s}" for u in units for s in signals]}
+    return build_scene(units, stop_time=stop, step=step, name="chain", title="Chain of two links", record=record)
 
 
 EXACT: dict[str, tuple[list[str], dict[str, float]]] = {
@@ -174,12 +160,11 @@ def _friction_chart(result: Result, closed: list[float]) -> Chart:
     return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)
 
 
-CASE = function_case(
+CASE = Case(
     "chain-closed-forms",
     "Chain of two links against closed forms",
     "Frequencies of small motion, eigenvalues and the exact solution of the damped chain, energy and angular momentum of a "
     "large free motion, the pendulum's period at large amplitudes, turning points and rest of a pendulum with dry friction. A "
     "check of equations, integration and events. The double pendulum's chaos has no closed form; of it only energy is kept.",
-    "two_axis_joint",
-    findings,
+    (Question(measure, scenes),),
 )

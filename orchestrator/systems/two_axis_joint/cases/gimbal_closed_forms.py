@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 
 from .....components.two_axis_joint.closed_forms import governor
+from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
-from ....run import run
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
-from .chain_closed_forms import swing_frequency
+from ... import build_scene
 
 BODY = {"frame_inertia": 0.02, "inner_inertia": 0.05, "cross_inertia": 0.03, "axial_inertia": 0.06}  # kg.m2
 MOMENTUM = 0.4  # N.m.s
@@ -32,12 +30,8 @@ INCLINATIONS = {"level": 0.0, "inclined": 1.2}  # rad
 SIGNALS = ("inner_angle", "outer_rate", "inner_rate")
 
 
-def findings(options: Options) -> Findings:
+def measure(runs: Runs) -> Evidence:
     """One run for each subject, with a unit for each case of it."""
-    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
-    for name, result in runs.items():
-        if result.outcome != "done":
-            return Findings((), {name: result}, notes=(result.message,), complete=False)
     free, held, rested, swung, spun = runs.values()
     measured: dict[str, float] = {}
     for name in AMPLITUDES:
@@ -59,7 +53,7 @@ def findings(options: Options) -> Findings:
     for name in INCLINATIONS:
         measured[f"precession.{name}"] = float(np.mean(spun[f"{name}.outer_rate"]))
     shown = {"motion without torques": free, "governor, damped": rested}
-    return Findings(compare(load_table("gimbal-closed-forms").rows, measured), shown, (_chart(measured),))
+    return Evidence(measured, (_chart(measured),), shown)
 
 
 def scenes() -> dict[str, Scene]:
@@ -99,18 +93,12 @@ def _held(effects: Sequence[str], speed: float, start: float, more: Mapping[str,
 
 
 def _gimbal(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, Any]:
-    return {"component": "GimbalBody", "effects": list(effects), "parameters": dict(parameters)}
+    return unit("GimbalBody", effects=effects, **parameters)
 
 
 def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
-    data = {
-        "title": "Body on two axes",
-        "stop_time": stop,
-        "units": dict(units),
-        "master": {"step": step},
-        "record": {"signals": [f"{u}.{s}" for u in units for s in signals]},
-    }
-    return read_scene(data, "gimbal")
+    record = {"signals": [f"{u}.{s}" for u in units for s in signals]}
+    return build_scene(units, stop_time=stop, step=step, name="gimbal", title="Body on two axes", record=record)
 
 
 def _chart(measured: Mapping[str, float]) -> Chart:
@@ -124,12 +112,11 @@ def _chart(measured: Mapping[str, float]) -> Chart:
     return Chart("Governor", "imposed speed, rad/s", tuple(panels), "Above 8.58 rad/s the hanging body swings out.")
 
 
-CASE = function_case(
+CASE = Case(
     "gimbal-closed-forms",
     "Body on two axes against closed forms",
     "Motion without torques (period of the inner axis, momentum and energy), the governor's critical speed, its angles and "
     "frequencies above it, small motion about a horizontal axis, nutation of a rotor, and its precession under a torque. A check "
     "of equations and integration; friction, stops and motors are not in it.",
-    "two_axis_joint",
-    findings,
+    (Question(measure, scenes),),
 )

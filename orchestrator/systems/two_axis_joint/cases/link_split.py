@@ -10,10 +10,7 @@ import numpy as np
 
 from .....components.two_axis_joint.chain import TwoLinkChain
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
-from ....run import run
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....scene.scene import Scene
 from ... import load_scene
 
@@ -32,22 +29,30 @@ LOST = 0.1  # rad, an error beyond which a run has not followed the motion
 HALVINGS, TRIAL = 10, 1000  # macro steps of a trial
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """The scene itself."""
+    return {"the scene": load_scene("link-split").with_changes({"stop_time": 2.0})}
+
+
+def shown(runs: Runs) -> Evidence:
+    """The run of the scene, which is shown."""
+    return Evidence(shown=runs)
+
+
+def measure(runs: Runs) -> Evidence:
     """Eigenvalues of the small motion, difference from the chain over the stiffness, error over the macro step, its limit."""
-    scene = load_scene("link-split").with_changes({"stop_time": 2.0})
-    shown = run(scene, in_process=options.in_process, progress=options.progress)
-    if shown.outcome != "done":
-        return Findings((), {"scene": shown}, notes=(shown.message,), complete=False)
-    measured = {f"{what}.{k}": v for what, values in small_motion().items() for k, v in enumerate(values, 1)}
-    differences = [_difference(k) for k in COMPLIANT]
+    measured: dict[str, float] = {
+        f"{what}.{k}": v for what, values in small_motion(runs).items() for k, v in enumerate(values, 1)
+    }
+    differences = [_difference(runs, k) for k in COMPLIANT]
     measured["compliance.order"] = _slope(COMPLIANT, differences)
-    exact = _angles(_scene("jacobi, quadratic", 5e-5))
-    errors = {kind: [_error(kind, step, exact) for step in STEPS] for kind in KINDS}
+    exact = _angles(runs, _scene("jacobi, quadratic", 5e-5))
+    errors = {kind: [_error(runs, kind, step, exact) for step in STEPS] for kind in KINDS}
     for kind in ORDERS:
         measured[f"order.{kind}"] = _slope(STEPS[FOLLOWED], errors[kind][FOLLOWED])
     measured["survivors"] = sum(errors[kind][-1] < LOST for kind in PLAIN)
     measured["order.iterative, held"] = _slope(STEPS, errors["iterative, held"])
-    measured["limit"] = 1e3 * longest_step()
+    measured["limit"] = 1e3 * longest_step(runs)
     tear = errors["gauss-seidel, linear"][1] / errors["jacobi, linear"][1]
     notes = (
         "Plain coupling with held forces is stable up to 2 c / k, that is 2 ms here, as long as the joint's damping is light; "
@@ -57,8 +62,7 @@ def findings(options: Options) -> Findings:
         f"end moved and the other not. At {1e3 * STEPS[1]:g} ms its error is {tear:.0f} times that of jacobi, which moves both.",
         "All runs of the study are in process; the scene itself ran as the options say.",
     )
-    rows = compare(load_table("link-split").rows, measured)
-    return Findings(rows, {"the scene": shown}, (_step_chart(errors), _step_table(errors), _compliance_chart(differences)), notes)
+    return Evidence(measured, (_step_chart(errors), _step_table(errors), _compliance_chart(differences)), notes=notes)
 
 
 def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -78,16 +82,16 @@ def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mappin
     return load_scene("link-split").with_changes(given | dict(changes or {}))
 
 
-def _angles(scene: Scene) -> np.ndarray:
+def _angles(runs: Runs, scene: Scene) -> np.ndarray:
     """Both angles at all samples, (2, n); NaN where the run failed."""
-    result = run(scene, in_process=True)
+    result = runs.run(scene, may_fail=True)
     angles = np.array([result["first.angle"], result["second.angle"]])
     return angles if result.outcome == "done" else np.full_like(angles, math.nan)
 
 
-def _error(kind: str, step: float, exact: np.ndarray) -> float:
+def _error(runs: Runs, kind: str, step: float, exact: np.ndarray) -> float:
     """Largest difference of an angle, rad; NaN of a run that failed."""
-    angles = _angles(_scene(kind, step))
+    angles = _angles(runs, _scene(kind, step))
     return float(np.abs(angles - exact).max()) if angles.shape == exact.shape else math.nan
 
 
@@ -96,7 +100,7 @@ def _slope(x: Any, y: Any) -> float:
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-def small_motion() -> dict[str, list[float]]:
+def small_motion(runs: Runs) -> dict[str, list[float]]:
     """Frequencies, rad/s, and rates of decay, 1/s, of the two modes of the split chain, the slower one first.
 
     Samples of the motion follow one another by a matrix, z_k+1 = A z_k with z = (angles, rates): of a linear motion exactly.
@@ -110,7 +114,7 @@ def small_motion() -> dict[str, list[float]]:
                                     "substep": 1e-4},
         "record": {"signals": ["first.angle", "second.angle", "first.rate", "second.rate"], "interval": SAMPLED},
     })  # fmt: skip
-    result = run(scene, in_process=True)
+    result = runs.run(scene)
     z = np.array([result[n] for n in ("first.angle", "second.angle", "first.rate", "second.rate")])
     z = z[:, result.time > SETTLED]
     following = np.linalg.lstsq(z[:, :-1].T, z[:, 1:].T, rcond=None)[0]
@@ -119,10 +123,10 @@ def small_motion() -> dict[str, list[float]]:
     return {"frequency": [float(v.imag) for v in values], "decay": [float(-v.real) for v in values]}
 
 
-def _difference(stiffness: float) -> float:
+def _difference(runs: Runs, stiffness: float) -> float:
     """Largest difference of an angle between the split chain and the one in one unit, rad."""
     step = min(1e-3, 50.0 / stiffness)
-    split = _angles(_scene("jacobi, linear", step, stiffness))
+    split = _angles(runs, _scene("jacobi, linear", step, stiffness))
     given = {"start_first_angle": 0.8, "start_second_angle": 1.2, "viscous.first": 0.0, "viscous.second": 0.02, "substep": 1e-4}
     chain = TwoLinkChain(["viscous"], given, preset="equal rods")
     chain.initialize(0.0)
@@ -133,24 +137,25 @@ def _difference(stiffness: float) -> float:
     return float(np.abs(split - np.array(whole).T).max())
 
 
-def longest_step() -> float:
+def longest_step(runs: Runs) -> float:
     """Macro step above which the plain coupling with held forces grows, s; found by bisection of runs about the rest."""
     low, high = 1.5e-3, 2.5e-3
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if _grows(middle) else (middle, high)
+        low, high = (low, middle) if _grows(runs, middle) else (middle, high)
     return 0.5 * (low + high)
 
 
-def _grows(step: float) -> bool:
+def _grows(runs: Runs, step: float) -> bool:
     """Whether the joint's vibration grows: the part of its opening that changes sign from step to step."""
-    result = run(_scene("jacobi, held", step, changes={
+    scene = _scene("jacobi, held", step, changes={
         "stop_time": TRIAL * step,
         "units.first.parameters.start_angle": SMALL,
         "units.second.parameters": {"start_angle": -SMALL, "start_x": math.sin(SMALL), "start_y": -math.cos(SMALL),
                                     "substep": 1e-3},
         "record": {"signals": ["joint.first_force_x"]},
-    }), in_process=True)  # fmt: skip
+    })  # fmt: skip
+    result = runs.run(scene, may_fail=True)
     if result.outcome != "done":
         return True
     vibration = np.abs(np.diff(result["joint.first_force_x"], 4))
@@ -179,13 +184,12 @@ def _compliance_chart(differences: list[float]) -> Chart:
     return Chart("What the compliance costs", "stiffness of the joint", (panel,), text)
 
 
-CASE = function_case(
+CASE = Case(
     "link-split",
     "Two links in two units",
     "A double pendulum cut at its second joint, the links in units of their own with a stiff spring and damper between them: the "
     "small motion against the eigenvalues of the chain with that joint, the large one against the chain in one unit, and what "
     "macro step and algorithm cost. It shows when forces between two inertias may be exchanged plainly and when they must be "
     "iterated; it says nothing of contacts.",
-    "two_axis_joint",
-    findings,
+    (Question(shown, scenes), Question(measure, in_process=True)),
 )

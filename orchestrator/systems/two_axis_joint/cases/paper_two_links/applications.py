@@ -9,12 +9,11 @@ import numpy as np
 from scipy.integrate import quad, solve_ivp
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import load_scene, read_scene
+from .... import build_scene, load_scene
 from .special_case import NAME
 
 OPEN = 0.5 * math.pi  # rad, way of the panel to its stop
@@ -76,14 +75,13 @@ PANELS = {
 }  # fmt: skip
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """Panels on fixed hubs, and the three scenes by their names."""
+    return {"panels": _panels(), **{n: load_scene(n) for n in ("satellite-panel", "two-link-manipulator", "jaw-crusher")}}
+
+
+def measure(runs: Runs) -> Evidence:
     """Deployments of fixed and free hubs, tracking of the arm, and kinematics of the crusher."""
-    scenes = {"panels": _panels(), **{n: load_scene(n) for n in ("satellite-panel", "two-link-manipulator", "jaw-crusher")}}
-    runs: dict[str, Result] = {}
-    for name, scene in scenes.items():
-        runs[name] = run(scene, in_process=options.in_process)
-        if runs[name].outcome != "done":
-            return Evidence({}, runs=runs, notes=(runs[name].message,))
     measured: dict[str, float] = {}
     for k, (name, panel) in enumerate(PANELS.items()):
         time, rate = _reached(runs["panels"], f"p{k}", OPEN, 1.0)
@@ -103,26 +101,20 @@ def study(options: Options) -> Evidence:
 def _panels() -> Scene:
     """Panels side by side on hubs that nothing moves."""
     units = {
-        f"p{k}": {
-            "component": "TwoLinkChain",
-            "effects": ["springs", "viscous", "stick_friction"],
-            "parameters": {
-                "first_inertia": 1e12,
-                "second_centre": 0.0,
-                "second_inertia": p.inertia,
-                "viscous.first": 0.0,
-                "viscous.second": p.damping,
-                "springs.second_stiffness": p.stiffness,
-                "springs.second_rest": math.pi,
-                "stick_friction.first_level": 0.0,
-                "stick_friction.second_level": p.friction,
-            },
-        }
+        f"p{k}": unit(
+            "TwoLinkChain",
+            effects=["springs", "viscous", "stick_friction"],
+            first_inertia=1e12,
+            second_centre=0.0,
+            second_inertia=p.inertia,
+            viscous={"first": 0.0, "second": p.damping},
+            springs={"second_stiffness": p.stiffness, "second_rest": math.pi},
+            stick_friction={"first_level": 0.0, "second_level": p.friction},
+        )
         for k, p in enumerate(PANELS.values())
     }
-    signals = [f"{unit}.{s}" for unit in units for s in ("relative_angle", "relative_rate")]
-    return read_scene({"title": "Panels on fixed hubs", "stop_time": 14.0, "units": units, "master": {"step": 2e-3},
-                       "record": {"signals": signals}}, NAME)  # fmt: skip
+    record = {"signals": [f"{panel}.{s}" for panel in units for s in ("relative_angle", "relative_rate")]}
+    return build_scene(units, stop_time=14.0, step=2e-3, name=NAME, title="Panels on fixed hubs", record=record)
 
 
 def _reached(result: Result, unit: str, angle: float, sign: float) -> tuple[float, float]:
@@ -138,11 +130,11 @@ def _reached(result: Result, unit: str, angle: float, sign: float) -> tuple[floa
 def _free(result: Result) -> dict[str, float]:
     """Turn of a free hub while its panel goes from 180° to 90°, by the run and by the integral of the momentum."""
     measured = {}
-    for unit in ("damped", "undamped"):
-        time, _ = _reached(result, unit, OPEN, -1.0)
-        measured[f"hub.{unit}"] = math.degrees(float(np.interp(time, result.time, result[f"{unit}.first_angle"])))
-        momentum = np.abs(result[f"{unit}.angular_momentum"]).max()
-        measured[f"momentum.{unit}"] = float(momentum / (10.0 * np.abs(result[f"{unit}.first_rate"]).max()))
+    for hub in ("damped", "undamped"):
+        time, _ = _reached(result, hub, OPEN, -1.0)
+        measured[f"hub.{hub}"] = math.degrees(float(np.interp(time, result.time, result[f"{hub}.first_angle"])))
+        momentum = np.abs(result[f"{hub}.angular_momentum"]).max()
+        measured[f"momentum.{hub}"] = float(momentum / (10.0 * np.abs(result[f"{hub}.first_rate"]).max()))
     measured["hub.closed"] = math.degrees(turned_hub(5.0, 0.8, 100.0, 10.0, 0.5))
     return measured
 
@@ -222,3 +214,6 @@ def _jaw(result: Result) -> Chart:
                                               Series("along y", result.time, 1e-3 * result["foot.second_force_y"])),
                   x_label="time, s")  # fmt: skip
     return Chart("Jaw crusher, idling", "", (foot, force), "The lower end of the jaw goes round a flat loop.", columns=2)
+
+
+QUESTION = Question(measure, scenes)

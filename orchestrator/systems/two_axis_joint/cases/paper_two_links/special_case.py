@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import read_scene
+from .... import build_scene
 
 NAME = "paper-two-links"
 GRAVITY, SECOND = 9.81, 0.1  # m/s²; N.m.s/rad, damper of the second joint
@@ -31,27 +31,35 @@ SPAN, STEP = 6.0, 0.01  # s
 COAST, SLOWEST = 700.0, 1e-4  # s; rad/s for one of the starts that friction alone ends
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """Every chain in its first mode, with each damper; the large swings; coasting without gravity."""
+    mixed = {}
+    for name in CHAINS:
+        shape = modes(name)[1][:, 0]
+        start = SMALL * shape / np.abs(shape).max()
+        mixed[name] = scene(name, {n: (damper, start) for n, damper in _dampers(name).items()})
+    shape = modes("point masses")[1][:, 0]
+    swing = shape / np.abs(shape).max()
+    large = {f"{a:g} rad": scene("point masses", {"d0": (SECOND, a * swing)}, 2.0) for a in LARGE}
+    starts = {f"s{k}": (0.1, SLOWEST * np.eye(2)[k]) for k in range(2)}
+    return {**mixed, **large, "coasting": scene("equal rods", starts, COAST, gravity=False)}
+
+
+def measure(runs: Runs) -> Evidence:
     """Decoupled motion against its closed form, mixing at other dampers, the nonlinear model, coasting without gravity."""
     measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
     mixed: dict[str, list[float]] = {}
     for name in CHAINS:
-        ratio = decoupling(*matrices(name))
-        measured[f"ratio.{name}"] = ratio
-        dampers = {f"d{k}": r * ratio * SECOND for k, r in enumerate((1.0, *OTHER))}
-        shapes = modes(name)[1]
-        result = runs[name] = _run(
-            name, {n: (d, SMALL * shapes[:, 0] / np.abs(shapes[:, 0]).max()) for n, d in dampers.items()}, options
-        )
+        measured[f"ratio.{name}"] = decoupling(*matrices(name))
+        dampers, result = _dampers(name), runs[name]
         closed = modal(name, dampers["d0"], SMALL, result.time)
         measured[f"error.{name}"] = float(np.abs(_angles(result, "d0") - closed).max()) / SMALL
         shares = [_leaked(name, result, n) for n in dampers]
         mixed[name] = shares
         measured |= {f"mixed.{name}.exact": shares[0], f"mixed.{name}.other": min(shares[1:])}
-    amplitudes = [_nonlinear(a, options) for a in LARGE]
-    measured["order"] = float(np.polyfit(np.log(LARGE), np.log(amplitudes), 1)[0])
-    measured |= _eigenvalues() | _coasting(options)
+    errors = [_nonlinear(runs[f"{a:g} rad"], a) for a in LARGE]
+    measured["order"] = float(np.polyfit(np.log(LARGE), np.log(errors), 1)[0])
+    measured |= _eigenvalues() | _coasting(runs["coasting"])
     note = (
         "The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
         "stiffness alone is out of reach of joint dampers."
@@ -82,6 +90,12 @@ def modes(name: str) -> tuple[np.ndarray, np.ndarray]:
     return np.sqrt(squares), root.T @ vectors
 
 
+def _dampers(name: str) -> dict[str, float]:
+    """Dampers of the first joint, N.m.s/rad, by unit: that at which the modes decouple, then the others."""
+    ratio = decoupling(*matrices(name))
+    return {f"d{k}": r * ratio * SECOND for k, r in enumerate((1.0, *OTHER))}
+
+
 def modal(name: str, first: float, amplitude: float, time: np.ndarray) -> np.ndarray:
     """Angles (n, 2) after a start at rest in the first mode: exp(-s t) (cos w_d t + s / w_d sin w_d t) of it."""
     frequencies, shapes = modes(name)
@@ -98,25 +112,14 @@ def scene(name: str, starts: Mapping[str, tuple[float, np.ndarray]], span: float
     values = dict(zip(("first_mass", "second_mass", "first_length", "second_length", "first_centre", "second_centre",
                        "first_inertia", "second_inertia"), CHAINS[name], strict=True))  # fmt: skip
     what = "angle" if gravity else "rate"
-    units = {unit: {"component": "TwoLinkChain", "effects": [*(["gravity"] if gravity else []), "viscous"],
-                    "parameters": {**values, "viscous.first": first, "viscous.second": SECOND if gravity else 0.05,
-                                   f"start_first_{what}": float(x[0]), f"start_second_{what}": float(x[1])}}
-             for unit, (first, x) in starts.items()}  # fmt: skip
-    signals = [f"{unit}.{s}" for unit in units for s in ("first_angle", "second_angle", "first_rate", "second_rate")]
-    return read_scene(
-        {
-            "title": f"Small motion: {name}",
-            "stop_time": span,
-            "units": units,
-            "master": {"step": STEP},
-            "record": {"signals": signals, "interval": None if gravity else 10.0},
-        },
-        NAME,
-    )
-
-
-def _run(name: str, starts: Mapping[str, tuple[float, np.ndarray]], options: Options) -> Result:
-    return run(scene(name, starts), in_process=options.in_process)
+    units = {}
+    for chain, (first, x) in starts.items():
+        given: dict[str, Any] = {**values, "viscous.first": first, "viscous.second": SECOND if gravity else 0.05}
+        given |= {f"start_{link}_{what}": float(value) for link, value in zip(("first", "second"), x, strict=True)}
+        units[chain] = unit("TwoLinkChain", effects=["gravity", "viscous"] if gravity else ["viscous"], **given)
+    signals = [f"{chain}.{s}" for chain in units for s in ("first_angle", "second_angle", "first_rate", "second_rate")]
+    record = {"signals": signals, "interval": None if gravity else 10.0}
+    return build_scene(units, stop_time=span, step=STEP, name=NAME, title=f"Small motion: {name}", record=record)
 
 
 def _angles(result: Result, unit: str) -> np.ndarray:
@@ -133,11 +136,8 @@ def _leaked(name: str, result: Result, unit: str) -> float:
     return float(energies[:, 1].max() / energies[0, 0])
 
 
-def _nonlinear(amplitude: float, options: Options) -> float:
+def _nonlinear(result: Result, amplitude: float) -> float:
     """Largest difference of a swing of the point masses from the linear model's, over its amplitude, in the first two seconds."""
-    shapes = modes("point masses")[1]
-    shape = shapes[:, 0] / np.abs(shapes[:, 0]).max()
-    result = run(scene("point masses", {"d0": (SECOND, amplitude * shape)}, 2.0), in_process=options.in_process)
     return float(np.abs(_angles(result, "d0") - modal("point masses", SECOND, amplitude, result.time)).max()) / amplitude
 
 
@@ -150,10 +150,8 @@ def _eigenvalues() -> dict[str, float]:
     return measured | {f"frequency.{k}": float(x.imag) for k, x in enumerate(upper, 1)}
 
 
-def _coasting(options: Options) -> dict[str, float]:
+def _coasting(result: Result) -> dict[str, float]:
     """Angles at which rods without gravity come to rest, over the rate of the start, s."""
-    starts = {f"s{k}": (0.1, SLOWEST * np.eye(2)[k]) for k in range(2)}
-    result = run(scene("equal rods", starts, COAST, gravity=False), in_process=options.in_process)
     return {f"coast.{k}.{which}": float(result[f"s{k}.{which}_angle"][-1]) / SLOWEST
             for k in range(2) for which in ("first", "second")}  # fmt: skip
 
@@ -178,3 +176,6 @@ def _decay(result: Result) -> Chart:
     errors = (Series("first link", result.time, (_angles(result, "d0") - closed)[:, 0] / SMALL),)
     panels = (Panel("angle over amplitude, 1", series), Panel("run less closed form, 1", errors))
     return Chart("Equal point masses with equal dampers: one mode decays alone", "time, s", panels)
+
+
+QUESTION = Question(measure, scenes)
