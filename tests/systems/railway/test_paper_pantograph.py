@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import CaseResult, Options
 from cosimo.orchestrator.systems import cases
-from cosimo.orchestrator.systems.railway.cases.paper_pantograph import closed_form, fits
+from cosimo.orchestrator.systems.railway.cases.paper_pantograph import lumped, table
 from cosimo.orchestrator.systems.railway.cases.paper_pantograph.lumped import SPAN, STIFFNESS, impedance, relative_deviation
 
 pytestmark = pytest.mark.interpreted
@@ -44,8 +44,8 @@ def test_the_closed_form_solves_the_equations_of_motion():
 
 
 def test_variants_are_the_ones_of_the_predictions():
-    assert fits.VARIANTS["softer, dropper term 0.15"][1][fits.DROPPER - 1] == 0.15
-    assert closed_form.SPEEDS == (160.0, 200.0, 250.0, 300.0, 350.0)
+    assert table.VARIANTS["softer, dropper term 0.15"][1][table.DROPPER - 1] == 0.15
+    assert lumped.SPEEDS == (160.0, 200.0, 250.0, 300.0, 350.0)
 
 
 @pytest.mark.full
