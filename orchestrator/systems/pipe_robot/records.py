@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import component_of, recorded
+from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.analysis.signals import accumulated
-from .keys import PipeRobotKeys
+from . import PipeRobotKeys
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -60,32 +60,26 @@ class RobotRecord:
 
 def robots(result: Result) -> list[RobotRecord]:
     """The robots of a run whose position and velocity were recorded, in the order of the scene."""
-    records = []
-    for unit in result.scene.units:
-        if {f"{unit}.position", f"{unit}.velocity"} <= result.columns.keys():
-            records.append(_robot(result, unit))
-    return records
+    return [_robot(u) for u in recorded_units(result, "position", "velocity")]
 
 
-def _robot(result: Result, unit: str) -> RobotRecord:
-    component = component_of(result.scene, unit)
-    known = {n: result.columns[c] for n in SIGNALS if (c := recorded(result, unit, n))}
+def _robot(u: RecordedUnit) -> RobotRecord:
+    component, time = u.component, u.time
     frequency = None
     for name in FREQUENCIES:
-        column = recorded(result, unit, name)
-        if column:
-            frequency = np.abs(result.columns[column])
+        if u.column(name):
+            frequency = np.abs(u[name])
         elif component is not None and (name in component.parameters or name in component.inputs):
-            frequency = np.full(result.time.size, float(component.get(name)))
-    longest = SLOWEST * float(result.time[-1] - result.time[0])
-    period = np.full(result.time.size, result.scene.analysis_as(PipeRobotKeys).average)
+            frequency = np.full(time.size, float(component.get(name)))
+    longest = SLOWEST * float(time[-1] - time[0])
+    period = np.full(time.size, u.result.scene.analysis_as(PipeRobotKeys).average)
     if frequency is not None and not period.any():
         period = np.minimum(TURN / np.maximum(frequency, TURN / longest), longest)
     resonances = {}
     if component is not None and "inner_mass" in component.parameters:
         k, m1, m2 = (component.get(n) for n in ("stiffness", "body_mass", "inner_mass"))
         resonances = {"free": float(np.sqrt(k * (1.0 / m1 + 1.0 / m2))), "stuck": float(np.sqrt(k / m2))}
-    return RobotRecord(unit, result.time, known, frequency, period, resonances)
+    return RobotRecord(u.name, time, u.recorded(SIGNALS), frequency, period, resonances)
 
 
 def _ends(record: RobotRecord) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

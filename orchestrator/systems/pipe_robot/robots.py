@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...results import Result
+from ...scene.build import unit
 from ...scene.scene import Scene
-from .. import read_scene
+from .. import build_scene
 
 TURN = 2.0 * math.pi
 GRAVITY = 9.81  # m/s², of the components
@@ -26,14 +27,12 @@ def side_by_side(case: str, title: str, robots: Mapping[str, Mapping[str, Any]],
                  interval: float | None = None) -> Scene:  # fmt: skip
     """Robots that know nothing of each other. robots: unit -> parameters.  effects: of all, or a unit.  signals: of each."""
     units = {
-        name: {"component": "PipeRobot", "effects": list(effects[name] if isinstance(effects, Mapping) else effects),
-               "parameters": dict(given)}
+        name: unit("PipeRobot", effects=effects[name] if isinstance(effects, Mapping) else effects, **given)
         for name, given in robots.items()
-    }  # fmt: skip
-    data = {"title": title, "stop_time": steps * step, "units": units, "master": {"step": step},
-            "record": {"signals": [f"{unit}.{s}" for unit in units for s in signals], "interval": interval},
-            "analysis": {"system": "pipe_robot"}}  # fmt: skip
-    return read_scene(data, case)
+    }
+    record = {"signals": [f"{name}.{s}" for name in units for s in signals], "interval": interval}
+    return build_scene(units, stop_time=steps * step, step=step, name=case, title=title, record=record,
+                       analysis={"system": "pipe_robot"})  # fmt: skip
 
 
 def shaken(amplitude: float = 20.0, frequency: float = 60.0, **more: float) -> dict[str, float]:

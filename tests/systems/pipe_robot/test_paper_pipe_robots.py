@@ -57,7 +57,7 @@ def test_breakaway_is_least_at_the_resonance_of_the_standing_body():
 @pytest.mark.full
 def test_every_claim_has_the_verdict_of_its_review():
     case = cases()["paper-pipe-robots"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     outside = {r.reference.measure for r in result.findings.rows if not r.inside}
     assert outside == {"map.inside", "rolling.share"}  # strongly unequal friction: higher harmonics

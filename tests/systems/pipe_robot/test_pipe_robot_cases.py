@@ -71,7 +71,7 @@ def test_a_run_that_fails_fails_the_case(module, broken, monkeypatch):
     """An excitation that turns by over a radian within a substep ends the run."""
     for name, value in broken.items():
         monkeypatch.setattr(module, name, value)
-    found = module.findings(Options(in_process=True))
+    found = module.CASE.findings(Options(in_process=True))
     assert not found.complete
     assert "radian" in found.notes[0]
 
@@ -79,4 +79,4 @@ def test_a_run_that_fails_fails_the_case(module, broken, monkeypatch):
 def test_a_negative_amplitude_is_no_run_at_all(monkeypatch):
     monkeypatch.setattr(mean_speed, "AMPLITUDE", -0.02)
     with pytest.raises(BadInput, match="amplitude"):
-        mean_speed.findings(Options(in_process=True))
+        mean_speed.CASE.findings(Options(in_process=True))

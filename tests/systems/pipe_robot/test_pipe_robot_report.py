@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
-from cosimo.orchestrator.systems.pipe_robot.figures.places import ways
+from cosimo.orchestrator.systems.pipe_robot.figures import ways
 from cosimo.orchestrator.systems.pipe_robot.records import (
     amplitude,
     mean_over,

@@ -8,11 +8,9 @@ import numpy as np
 
 from ....harness.analysis.signals import accumulated
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.scene import Scene
 from ..robots import BACKWARD, DAMPING, FORWARD, INNER, STUCK, TURN, last_speed, shaken, side_by_side
 
 NAME = "pipe-robot-balance"
@@ -30,25 +28,24 @@ SIGNALS = ("position", "velocity", "inner_position", "inner_velocity", "friction
            "route.weight_power", "mode")  # fmt: skip
 
 
-def findings(options: Options) -> Findings:
-    """Balances of a period, ways below and above the threshold, and what creeps on a slope in a minute."""
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
     period = TURN / FREQUENCY
     robots = {n: shaken(frequency=FREQUENCY, route__slope=slope, tow__force=pull) for n, (slope, pull) in CASES.items()}
     quiet = {"below": shaken(BELOW * THRESHOLD), "above": shaken(ABOVE * THRESHOLD),
              "alike": shaken(20.0, forward_friction=5.0, backward_friction=5.0)}  # fmt: skip
     steep = dict.fromkeys(LAWS, shaken(MILD, route__slope=STEEP))
     laws = {n: ("harmonic_force", "route", *law) for n, law in LAWS.items()}
-    scenes = {
+    return {
         "a period": side_by_side(NAME, "Balances over a period", robots, period / SEEN, BALANCED * SEEN, signals=SIGNALS),
         "threshold": side_by_side(NAME, "Below and above the threshold, and friction alike", quiet, period, SETTLED),
         "rest on a slope": side_by_side(NAME, "A minute on a slope of 0.3 rad, shaken below the threshold", steep, 0.01,
                                         round(REST / 0.01), effects=laws, signals=("position", "velocity", "friction_force")),
     }  # fmt: skip
-    runs: dict[str, Result] = {}
-    for label, scene in scenes.items():
-        runs[label] = result = run(scene, in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {label: result}, notes=(result.message,), complete=False)
+
+
+def measure(runs: Runs) -> Evidence:
+    """Balances of a period, ways below and above the threshold, and what creeps on a slope in a minute."""
     measured: dict[str, float] = {}
     for name in CASES:
         measured |= _balances(runs["a period"], name)
@@ -61,8 +58,7 @@ def findings(options: Options) -> Findings:
     note = (f"In {REST:g} s on the slope the smoothed law creeps down by {-1e3 * measured['creep.smoothed']:.1f} mm and LuGre's "
             f"bristles by {-1e3 * measured['creep.lugre']:.1f} mm, both as their equations say; with exact friction not even the "
             "last bit of the position changes.")  # fmt: skip
-    rows = compare(load_table(NAME).rows, measured)
-    return Findings(rows, {"rest on a slope": creep}, (_phase_chart(runs["a period"]),), (note,))
+    return Evidence(measured, (_phase_chart(runs["a period"]),), {"rest on a slope": creep}, (note,))
 
 
 def _balances(result: Result, name: str) -> dict[str, float]:
@@ -109,7 +105,7 @@ def _phase_chart(result: Result) -> Chart:
     )
 
 
-CASE = function_case(
+CASE = Case(
     NAME,
     "Balances and thresholds of a pipe robot",
     "Over a period of the steady motion the mean friction is weight and load, and what the exciter gives is what friction, "
@@ -117,6 +113,5 @@ CASE = function_case(
     "solution says, and with friction alike in both directions it gets nowhere. On a slope, shaken below the threshold "
     "for a minute, the body with exact friction stays exactly at rest, while those with smoothed and with LuGre friction creep "
     "as far as independent integrations of their equations do.",
-    "pipe_robot",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -9,11 +9,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
 from ....scene.scene import Scene
 from ..robots import BACKWARD, BODY, FORWARD, GRAVITY, INNER, TURN, last_speed, shaken, side_by_side
 
@@ -30,10 +27,10 @@ PRESCRIBED = ("prescribed_motion", "route")
 SEEN = 200  # samples a period
 
 
-def findings(options: Options) -> Findings:
-    """Mean speeds over whole periods of robots side by side, and how they approach their limits."""
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
     shown = ("position", "velocity", "inner_position", "inner_velocity", "friction_force", "mode", "exciter_power", "dissipation")
-    scenes = {
+    return {
         "weak friction": side_by_side(NAME, "Prescribed motion, weak friction", {_name(s): _weak(s) for s in SCALES},
                                       TURN / FREQUENCY, 1000, effects=PRESCRIBED),
         "slope": side_by_side(NAME, "Prescribed motion on slopes", {_name(s): _weak(1.0, s) for s in SINES},
@@ -43,15 +40,13 @@ def findings(options: Options) -> Findings:
         "two robots": side_by_side(NAME, "Pipe robots with a force of 20 N and of 1.5 N", {
             "strong": shaken(20.0), "weak": shaken(1.5)}, TURN / 60.0 / SEEN, 30 * SEEN, signals=shown),
     }  # fmt: skip
-    runs: dict[str, Result] = {}
-    for label, scene in scenes.items():
-        runs[label] = result = run(scene, in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {label: result}, notes=(result.message,), complete=False)
+
+
+def measure(runs: Runs) -> Evidence:
+    """Mean speeds over whole periods of robots side by side, and how they approach their limits."""
     measured = _prescribed(runs) | _by_force(runs)
     distances = _distances(runs["from rest"])
     measured["averaging order"] = _slope(FROM_REST, distances)
-    rows = compare(load_table(NAME).rows, measured)
     notes = (
         "Averaging predicts the mean speed to the first order in the friction; in the periodic motion itself the error is of "
         "second order, as the exact solution has it: V = -b cos(pi p) sqrt(1 - d²), d = (F+ + G) pi p / (M b w sin(pi p)). The "
@@ -60,7 +55,7 @@ def findings(options: Options) -> Findings:
         "are then the same in both directions.",
     )
     charts = (_limit_chart(measured, distances), _slope_chart(measured))
-    return Findings(rows, {"two robots": runs["two robots"]}, charts, notes)
+    return Evidence(measured, charts, {"two robots": runs["two robots"]}, notes)
 
 
 def exact_speed(forward: float, backward: float, weight: float = 0.0) -> float:
@@ -193,7 +188,7 @@ def _slope_chart(measured: Mapping[str, float]) -> Chart:
     return Chart("Mean speed on a slope", "", panels, "The robot turns back where the line passes zero.", columns=2)
 
 
-CASE = function_case(
+CASE = Case(
     NAME,
     "Mean speed of a pipe robot",
     "Robots whose friction is weaker forwards than backwards, with a prescribed motion of the inner mass and with a harmonic "
@@ -201,6 +196,5 @@ CASE = function_case(
     "independent solution of the piecewise linear equations, on slopes up to the one at which the robot turns back, and the "
     "share of true standstill. It says nothing of the robot that Matuliauskas and Spruogis built, whose equations and numbers "
     "are not known to us.",
-    "pipe_robot",
-    findings,
+    (Question(measure, scenes),),
 )

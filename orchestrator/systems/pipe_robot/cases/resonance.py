@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import load_scene, read_scene
+from ... import build_scene, load_scene
 from ..robots import BODY, DAMPING, FREE, INNER, STIFFNESS, STUCK, TURN, component_at, last_speed, shaken, side_by_side
 
 NAME = "pipe-robot-resonance"
@@ -23,7 +22,7 @@ NEAR = (74.0, 76.0, 78.0)  # rad/s, for the largest amplitude of the free robot
 REDUCED = BODY * INNER / (BODY + INNER)  # kg
 QUIET = 0.3  # N: below the threshold of motion at every frequency
 PERIODS, SEEN = 120, 8
-FRICTIONLESS = {"forward_friction": 0.0, "backward_friction": 0.0}
+FRICTIONLESS: dict[str, Any] = {"forward_friction": 0.0, "backward_friction": 0.0}
 # motor-driven unbalance: kg m, kg m², and the motor's Ohm, N.m/A; V
 UNBALANCE, INERTIA, BEARING, RESISTANCE, CONSTANT = 0.1 * 0.02, 1e-3 + 0.1 * 0.02**2, 1e-5, 8.0, 0.1
 VOLTAGES = (12.0, 14.4, 15.0, 16.0)
@@ -31,15 +30,14 @@ SETTLED, MEAN = 40.0, 10.0  # s, of a start; of the mean of a speed at its end
 STEP = 2e-3  # s
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
+    steady = {f"{w:g} rad/s": _at(w) for w in (*FREQUENCIES, *NEAR, STUCK)}
+    return {**steady, "motors": _motors(), "motor start": load_scene("pipe-robot-motor-start")}
+
+
+def measure(runs: Runs) -> Evidence:
     """Amplitudes at steady frequencies, mean speeds, and where motors of several voltages end up."""
-    runs: dict[str, Result] = {}
-    scenes = {f"{w:g} rad/s": _at(w) for w in (*FREQUENCIES, *NEAR, STUCK)}
-    scenes |= {"motors": _motors(), "motor start": load_scene("pipe-robot-motor-start")}
-    for label, scene in scenes.items():
-        runs[label] = result = run(scene, in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {label: result}, notes=(result.message,), complete=False)
     measured: dict[str, float] = {}
     for w in (*FREQUENCIES, *NEAR, STUCK):
         measured |= _response(runs[f"{w:g} rad/s"], w)
@@ -52,14 +50,13 @@ def findings(options: Options) -> Findings:
     start = runs["motor start"]
     late = start.time >= 0.5 * start.time[-1]
     measured |= {f"start.{n}": float(start[f"{n}.unbalance.rate"][late].mean()) for n in ("caught", "passing")}
-    rows = compare(load_table(NAME).rows, measured)
     speeds = {n: float(np.ptp(start[f"{n}.position"][late]) / np.ptp(start.time[late])) for n in ("caught", "passing")}
     note = (f"The motor of {VOLTAGES[1]:g} V is caught at {measured['motor.14.4']:.1f} rad/s, below the resonance; with "
             f"{VOLTAGES[2]:g} V it passes and reaches {measured['motor.15']:.1f} rad/s: the resonance takes "
             f"{_voltage(np.linspace(70.0, 85.0, 3001)).max():.2f} V. With friction the caught robot is the faster one: "
             f"{speeds['caught']:.3f} m/s against {speeds['passing']:.3f} m/s.")  # fmt: skip
     charts = (_response_chart(measured), _speed_chart(measured), _motor_chart(measured))
-    return Findings(rows, {"motor start": start}, charts, (note,))
+    return Evidence(measured, charts, {"motor start": start}, (note,))
 
 
 def _name(value: float) -> str:
@@ -89,14 +86,12 @@ def _motors() -> Scene:
     units, connections = {}, []
     for v in VOLTAGES:
         robot, motor = f"robot_{_name(v)}", f"motor_{_name(v)}"
-        units[robot] = {"component": "PipeRobot", "effects": ["unbalance"],
-                        "parameters": {"unbalance.inertia": 1e-3, **FRICTIONLESS}}  # fmt: skip
-        units[motor] = {"component": "TorqueMotor", "parameters": {"resistance": RESISTANCE, "constant": CONSTANT, "voltage": v}}
+        units[robot] = unit("PipeRobot", effects=["unbalance"], unbalance={"inertia": 1e-3}, **FRICTIONLESS)
+        units[motor] = unit("TorqueMotor", resistance=RESISTANCE, constant=CONSTANT, voltage=v)
         connections += [f"{robot}.unbalance.rate -> {motor}.rate", f"{motor}.torque -> {robot}.unbalance.torque"]
-    data = {"title": "Motors of several voltages", "stop_time": SETTLED, "units": units, "connections": connections,
-            "master": {"step": STEP}, "record": {"interval": 0.1, "signals": [
-                f"robot_{_name(v)}.unbalance.{n}" for v in VOLTAGES for n in ("rate", "angle")]}}  # fmt: skip
-    return read_scene(data, NAME)
+    record = {"interval": 0.1, "signals": [f"robot_{_name(v)}.unbalance.{n}" for v in VOLTAGES for n in ("rate", "angle")]}
+    title = "Motors of several voltages"
+    return build_scene(units, connections, stop_time=SETTLED, step=STEP, name=NAME, title=title, record=record)
 
 
 def _mean_rate(result: Result, unit: str) -> float:
@@ -148,13 +143,12 @@ def _motor_chart(measured: Mapping[str, float]) -> Chart:
     )
 
 
-CASE = function_case(
+CASE = Case(
     NAME,
     "Resonance of a pipe robot and capture of its motor",
     "The inner mass resonates against the free body and against one that sticks: amplitudes against closed forms, mean speeds "
     "with friction against an independent solution. A motor of limited power that drives an unbalance is caught below the "
     "resonance or passes it (Sommerfeld effect): steady speeds against an independent integration and against the balance of "
     "powers in the mean.",
-    "pipe_robot",
-    findings,
+    (Question(measure, scenes),),
 )

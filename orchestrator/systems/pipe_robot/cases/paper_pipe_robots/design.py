@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from ......components.core.errors import StepFailed
 from ......components.pipe_robot.rolling import RING
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....run import run
-from .... import read_scene
+from .....harness.validation import Evidence, Question, Runs
+from .....results import Result
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .... import build_scene
 from ...robots import TURN, last_speed, side_by_side
 from .balance import Design, balance, breakaway
 
@@ -32,26 +33,38 @@ STIFFNESSES = (500.0, 1000.0, 1500.0, 2000.0, 3000.0, 4000.0)  # N/m
 SCALES = (1.0, 0.5, 0.25, 0.125)  # of the friction, for the order of the balance
 GOOD = 0.6  # largest epsilon for which the balance is meant
 SETTLED = 8.0  # s at least
-Key = tuple[float, float]
+Key = tuple[float, float]  # place in a map
+FIRST = {(r, q): STANDARD.at(ratio=r, backward=q * STANDARD.forward) for r in FREQUENCIES for q in RATIOS}
+SECOND = {(s, k): STANDARD.at(sine=s, stiffness=k) for s in SINES for k in STIFFNESSES}
+WEAKER = [STANDARD.at(forward=s * STANDARD.forward, backward=s * STANDARD.backward) for s in SCALES]
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[Any, Scene]:
+    """Robots of one frequency side by side: a frequency of the first map, the second map, each example, weaker friction; rings."""
+    return {
+        **{r: _side_by_side([d for key, d in FIRST.items() if key[0] == r]) for r in FREQUENCIES},
+        "slopes": _side_by_side(SECOND.values()),
+        **{name: _side_by_side([design]) for name, design in EXAMPLES.items()},
+        "weaker friction": _side_by_side(WEAKER, 60.0),
+        "rolling": _rings(),
+    }
+
+
+def measure(runs: Runs) -> Evidence:
     """Two maps, ten designs, the order of the closed form, and the robot on rolling rings."""
-    first = {(r, q): STANDARD.at(ratio=r, backward=q * STANDARD.forward) for r in FREQUENCIES for q in RATIOS}
-    second = {(s, k): STANDARD.at(sine=s, stiffness=k) for s in SINES for k in STIFFNESSES}
     speeds: dict[Key, float] = {}
     for r in FREQUENCIES:
-        speeds |= _speeds({key: d for key, d in first.items() if key[0] == r}, options)
-    speeds_second = _speeds(second, options)
-    measured = _judged("map", first, speeds) | _judged("slopes", second, speeds_second)
+        speeds |= _speeds(runs[r], [key for key in FIRST if key[0] == r])
+    speeds_second = _speeds(runs["slopes"], SECOND)
+    measured = _judged("map", FIRST, speeds) | _judged("slopes", SECOND, speeds_second)
     for name, design in EXAMPLES.items():
-        measured[f"speed.{name}"] = _speeds({(0.0, 0.0): design}, options)[0.0, 0.0]
+        measured[f"speed.{name}"] = last_speed(runs[name], "r0", 10)
         measured[f"chart.{name}"] = balance(design).speed
         measured[f"share.{name}"] = abs(measured[f"speed.{name}"] - measured[f"chart.{name}"]) / balance(design).error
-    even = [abs(speeds[r, 1.0]) / b for r in FREQUENCIES for b in [balance(first[r, 1.0]).amplitude] if math.isfinite(b)]
+    even = [abs(speeds[r, 1.0]) / b for r in FREQUENCIES for b in [balance(FIRST[r, 1.0]).amplitude] if math.isfinite(b)]
     measured |= {"even": max(even), "stands": max(abs(speeds[FREQUENCIES[0], q]) for q in RATIOS)}
-    measured |= _order(options) | _rolling(options)
-    bad = sum(not balance(d).epsilon < GOOD for d in (*first.values(), *second.values()))
+    measured |= _order(runs["weaker friction"]) | _rolling(runs["rolling"])
+    bad = sum(not balance(d).epsilon < GOOD for d in (*FIRST.values(), *SECOND.values()))
     note = (
         f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
         "is no solution, and the body sticks for a part of the period."
@@ -59,17 +72,17 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,), claim="F3")
 
 
-def _speeds(designs: Mapping[Key, Design], options: Options, least: float = SETTLED) -> dict[Key, float]:
-    """Mean speeds over the last ten periods of robots side by side; all have one frequency."""
-    names = {f"r{k}": key for k, key in enumerate(designs)}
-    frequency = next(iter(designs.values())).frequency
+def _side_by_side(designs: Iterable[Design], least: float = SETTLED) -> Scene:
+    """Robots r0, r1 ... of one frequency, for `least` s and twenty periods."""
+    robots = {f"r{k}": design.parameters() for k, design in enumerate(designs)}
+    frequency = robots["r0"]["harmonic_force.frequency"]
     periods = math.ceil(least * frequency / TURN) + 20
-    scene = side_by_side(NAME, f"Designs at {frequency:.4g} rad/s", {n: designs[key].parameters() for n, key in names.items()},
-                         TURN / frequency, periods)  # fmt: skip
-    result = run(scene, in_process=options.in_process)
-    if result.outcome != "done":
-        raise StepFailed(result.scene.name, 0.0, result.message)
-    return {key: last_speed(result, n, 10) for n, key in names.items()}
+    return side_by_side(NAME, f"Designs at {frequency:.4g} rad/s", robots, TURN / frequency, periods)
+
+
+def _speeds(result: Result, keys: Iterable[Key]) -> dict[Key, float]:
+    """Mean speeds over the last ten periods, m/s, of the robots by their places in a map."""
+    return {key: last_speed(result, f"r{k}", 10) for k, key in enumerate(keys)}
 
 
 def _judged(name: str, designs: Mapping[Key, Design], speeds: Mapping[Key, float]) -> dict[str, float]:
@@ -80,25 +93,26 @@ def _judged(name: str, designs: Mapping[Key, Design], speeds: Mapping[Key, float
     return {f"{name}.runs": len(shares), f"{name}.inside": inside, f"{name}.worst": max(shares)}
 
 
-def _order(options: Options) -> dict[str, float]:
+def _order(result: Result) -> dict[str, float]:
     """Slope of the relative difference over epsilon, as the friction gets weaker."""
-    designs = {(s, 0.0): STANDARD.at(forward=s * STANDARD.forward, backward=s * STANDARD.backward) for s in SCALES}
-    speeds = _speeds(designs, options, 60.0)
-    answers = [balance(d) for d in designs.values()]
-    errors = [abs(v / a.speed - 1.0) for v, a in zip(speeds.values(), answers, strict=True)]
+    answers = [balance(d) for d in WEAKER]
+    errors = [abs(last_speed(result, f"r{k}", 10) / a.speed - 1.0) for k, a in enumerate(answers)]
     return {"order": float(np.polyfit(np.log([a.epsilon for a in answers]), np.log(errors), 1)[0])}
 
 
-def _rolling(options: Options) -> dict[str, float]:
-    """The robot on rings whose rollers turn one way: nearly all of a period forwards, so nearly b."""
-    frequency = 60.0
-    result = run(read_scene({
-        "title": "Robot on elastic rings", "stop_time": 90 * TURN / frequency,
-        "units": {"robot": {"component": "RollingPipeRobot", "preset": "two steel rings",
-                            "parameters": {"roller_inertia": 1e-9}}},
-        "master": {"step": TURN / frequency},
-        "record": {"signals": ["robot.position", "robot.pressing_force"]}}, NAME),
-        in_process=options.in_process)  # fmt: skip
+def _rings() -> Scene:
+    """A robot on rings whose rollers turn one way."""
+    frequency = 60.0  # rad/s
+    robot = unit("RollingPipeRobot", preset="two steel rings", roller_inertia=1e-9)
+    record = {"signals": ["robot.position", "robot.pressing_force"]}
+    title = "Robot on elastic rings"
+    return build_scene(
+        {"robot": robot}, stop_time=90 * TURN / frequency, step=TURN / frequency, name=NAME, title=title, record=record
+    )
+
+
+def _rolling(result: Result) -> dict[str, float]:
+    """The robot on rings: nearly all of a period forwards, so nearly b."""
     normal = 4.0 * float(result["robot.pressing_force"][-1])
     design = STANDARD.at(forward=0.03 * normal, backward=0.4 * normal)
     answer, speed = balance(design), last_speed(result, "robot", 10)
@@ -160,3 +174,6 @@ def _lines(speeds: Mapping[Key, float]) -> Chart:
         points = Series("runs", FREQUENCIES, [speeds[r, q] for r in FREQUENCIES], "points")
         panels.append(Panel("mean speed, m/s", (Series("balance", x, closed), points), title=f"friction 1 : {q:g}"))
     return Chart("Mean speed over the frequency", "exciter over resonance, 1", tuple(panels), "Two lines of it.", columns=2)
+
+
+QUESTION = Question(measure, scenes)

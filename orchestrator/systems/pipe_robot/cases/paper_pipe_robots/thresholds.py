@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.scene import Scene
 from ...robots import TURN, last_speed, side_by_side
 from .balance import Design, breakaway
 from .design import NAME, STANDARD
@@ -21,38 +21,45 @@ BELOW, ABOVE = 0.98, 1.02  # times the force at which the body breaks loose
 MEAN, SEEN = 20, 40  # periods over which a motion is judged; samples a period
 SETTLED = 5.0  # s: 25 time constants of the inner mass
 HOLDING = (0.99, 1.01)  # times the sine of the steepest slope that holds
+WEIGHT = STANDARD.at(sine=1.0).load  # N
+TURNING = (STANDARD.backward - STANDARD.forward) / 2.0  # N, down the pipe, at which a robot turns back
+STEEPEST = STANDARD.backward / WEIGHT  # sine of the steepest slope that holds
+TURNS = {
+    "slope": [STANDARD.at(sine=f * TURNING / WEIGHT) for f in (0.95, 1.05)],
+    "tow": [STANDARD.at(tow=-f * TURNING) for f in (0.95, 1.05)],
+    "slope.strong": [STANDARD.at(sine=f * TURNING / WEIGHT, force=40.0) for f in (0.95, 1.05)],
+}
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[Any, Scene]:
     """Pairs of robots just below and just above each threshold."""
+    pairs: dict[Any, list[Design]] = {}
+    for w in FREQUENCIES:
+        design = STANDARD.at(frequency=w)
+        pairs[w] = [design.at(force=f * breakaway(design)) for f in (BELOW, ABOVE)]
+    still = [STANDARD.at(sine=f * STEEPEST, force=0.0) for f in HOLDING]
+    return {name: _scene(designs) for name, designs in {**pairs, **TURNS, "holds": still}.items()}
+
+
+def measure(runs: Runs) -> Evidence:
+    """Ways, mean speeds and standstill on both sides of every threshold."""
     measured: dict[str, float] = {}
     for w in FREQUENCIES:
-        measured |= _pair(w, options)
-    weight = STANDARD.at(sine=1.0).load
-    turning = (STANDARD.backward - STANDARD.forward) / 2.0
-    for name, designs in {
-        "slope": [STANDARD.at(sine=f * turning / weight) for f in (0.95, 1.05)],
-        "tow": [STANDARD.at(tow=-f * turning) for f in (0.95, 1.05)],
-        "slope.strong": [STANDARD.at(sine=f * turning / weight, force=40.0) for f in (0.95, 1.05)],
-    }.items():
-        up, down = _speeds(designs, options)
+        measured |= _pair(runs[w], w)
+    for name in TURNS:
+        up, down = (last_speed(runs[name], f"r{k}", MEAN * SEEN) for k in range(2))
         at = 0.95 + 0.1 * up / (up - down)
-        measured[f"turns.{name}"] = turning * at
+        measured[f"turns.{name}"] = TURNING * at
         if name == "slope":
-            measured["turns.angle"] = math.degrees(math.asin(turning * at / weight))
-    steepest = STANDARD.backward / weight
-    still = [STANDARD.at(sine=f * steepest, force=0.0) for f in HOLDING]
-    result = _run(still, options, 20)
-    measured |= {f"holds.{name}": float(np.ptp(result[f"r{k}.position"])) for k, name in enumerate(("below", "above"))}
-    measured["holds.angle"] = math.degrees(math.asin(steepest))
+            measured["turns.angle"] = math.degrees(math.asin(TURNING * at / WEIGHT))
+    holds = runs["holds"]
+    measured |= {f"holds.{name}": float(np.ptp(holds[f"r{k}.position"])) for k, name in enumerate(("below", "above"))}
+    measured["holds.angle"] = math.degrees(math.asin(STEEPEST))
     return Evidence(measured, (_chart(),), claim="F3")
 
 
-def _pair(frequency: float, options: Options) -> dict[str, float]:
+def _pair(result: Result, frequency: float) -> dict[str, float]:
     """Way of a body in the last periods just below and just above the force at which it breaks loose, m; its slips backwards."""
-    design = STANDARD.at(frequency=frequency)
-    forces = [f * breakaway(design) for f in (BELOW, ABOVE)]
-    result = _run([design.at(force=f) for f in forces], options, MEAN)
     below, above = (result[f"r{k}.position"][-MEAN * SEEN :] for k in range(2))
     return {
         f"below.{frequency:g}": float(np.ptp(below)),
@@ -61,21 +68,12 @@ def _pair(frequency: float, options: Options) -> dict[str, float]:
     }
 
 
-def _run(designs: list[Design], options: Options, periods: int) -> Result:
+def _scene(designs: Sequence[Design]) -> Scene:
     """Robots side by side over the time that settles them and some periods."""
     frequency = designs[0].frequency
-    periods += math.ceil(SETTLED * frequency / TURN)
+    periods = MEAN + math.ceil(SETTLED * frequency / TURN)
     robots = {f"r{k}": d.parameters() for k, d in enumerate(designs)}
-    scene = side_by_side(NAME, f"Thresholds at {frequency:g} rad/s", robots, TURN / frequency / SEEN, periods * SEEN)
-    result = run(scene, in_process=options.in_process)
-    if result.outcome != "done":
-        raise StepFailed(result.scene.name, 0.0, result.message)
-    return result
-
-
-def _speeds(designs: list[Design], options: Options) -> list[float]:
-    result = _run(designs, options, MEAN)
-    return [last_speed(result, f"r{k}", MEAN * SEEN) for k in range(len(designs))]
+    return side_by_side(NAME, f"Thresholds at {frequency:g} rad/s", robots, TURN / frequency / SEEN, periods * SEEN)
 
 
 def _chart() -> Chart:
@@ -94,3 +92,6 @@ def _chart() -> Chart:
         "Between both lines of a spring a body steps forwards only. It takes least where the inner mass resonates "
         "against the body at rest.",
     )
+
+
+QUESTION = Question(measure, scenes)
