@@ -16,7 +16,7 @@ pytestmark = pytest.mark.full
 
 @pytest.fixture(scope="module")
 def found():
-    return cases()["inertial-converter"].function(Options(in_process=True))
+    return cases()["inertial-converter"].findings(Options(in_process=True))
 
 
 def test_the_case_passes(found):
@@ -52,12 +52,12 @@ def test_another_lever_fails(parameter, value):
 def test_a_run_that_fails_fails_the_case(monkeypatch):
     """A macro step at which the input shaft is unstable, or too coarse an internal one: no verdict from what is left."""
     monkeypatch.setattr(case, "EXAMPLE", {**case.EXAMPLE, "substep": 0.02})
-    failed = case.findings(Options(in_process=True))
+    failed = case.CASE.findings(Options(in_process=True))
     assert not failed.complete
     assert "range" in failed.notes[0]
     monkeypatch.setattr(case, "EXAMPLE", {**case.EXAMPLE, "lever_mass": -1.0})
     with pytest.raises(BadInput):
-        case.findings(Options(in_process=True))
+        case.CASE.findings(Options(in_process=True))
 
 
 def test_the_return_is_read_off_a_known_motion():

@@ -82,7 +82,7 @@ def test_torsion_of_a_shaft():
 @pytest.mark.full
 def test_every_claim_has_the_verdict_of_its_review():
     case = cases()["paper-wind-pump"]
-    result = CaseResult(case, case.function(Options(in_process=True)))
+    result = CaseResult(case, case.findings(Options(in_process=True)))
     assert result.outcome == "passed", result.verdict
     outside = {r.reference.measure for r in result.findings.rows if not r.inside}
     assert outside == {"gust.lever"}  # the lever of the scene is too thin for gusts of 12 m/s

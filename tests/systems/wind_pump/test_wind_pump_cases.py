@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems.wind_pump.cases import closed_forms as wind_pump_closed_forms
 from cosimo.orchestrator.systems.wind_pump.cases import equilibrium as wind_pump_equilibrium
 from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start
@@ -18,7 +19,7 @@ def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     heavier = {"units.converter.parameters.lever_mass": 20.2}
     monkeypatch.setattr(wind_pump_equilibrium, "scene", lambda wind: given(wind).with_changes(heavier))
     monkeypatch.setattr(wind_pump_equilibrium, "WINDS", (2.0, 2.5, 6.0))
-    rows = wind_pump_equilibrium.findings(Options(in_process=True)).rows
+    rows = wind_pump_equilibrium.CASE.findings(Options(in_process=True)).rows
     inside = {r.reference.measure: r.inside for r in rows}
     assert not any(inside[f"{n}.{v}"] for n in ("turbine_speed", "pump_speed", "ratio") for v in ("2", "2.5", "6"))
     assert all(inside[f"power_ratio.{v}"] for v in ("2", "2.5", "6"))
@@ -33,7 +34,7 @@ def test_a_double_acting_pump_starts_at_the_same_wind_and_stops_later(monkeypatc
     monkeypatch.setitem(wind_pump_start.STOPPING, "fixed", (first, last, 1e-3))
     changed = {"units.transmission.parameters.load_torque": 2.0 * wind_pump_start.MEAN_TORQUE}
     monkeypatch.setattr(wind_pump_start, "scene", lambda kind, what: given(kind, what).with_changes(changed))
-    result = wind_pump_start.run(wind_pump_start.scene("fixed", "stop"), in_process=True)
+    result = run(wind_pump_start.scene("fixed", "stop"), in_process=True)
     # 2 i T / (rho A R C_Q0) with twice the mean torque
     assert wind_pump_start.turning_point(result, "stop") == pytest.approx(2.0195356 * 2.0**0.5, rel=5e-3)
 

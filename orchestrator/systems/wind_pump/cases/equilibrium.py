@@ -5,13 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
-from ....results import Result
-from ....run import run
+from ....harness.validation import Case, Evidence, Question, Runs
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 WINDS = (2.0, 2.5, 3.0, 6.0)  # m/s
 MEAN_TORQUE = 13.2435  # N.m, of a piston pump of 60 mm and 150 mm stroke at 20 m
@@ -20,15 +17,15 @@ SIGNALS = ("wind.speed", "turbine.speed", "turbine.power", "turbine.power_coeffi
            "converter.turbine_torque", "converter.driving_torque")  # fmt: skip
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """A run for each wind."""
+    return {f"{wind:g} m/s": scene(wind) for wind in WINDS}
+
+
+def measure(runs: Runs) -> Evidence:
     """Speeds, ratio, power coefficient and power balance at the end of a run a wind."""
     measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
-    for wind in WINDS:
-        label = f"{wind:g} m/s"
-        runs[label] = result = run(scene(wind), in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {label: result}, notes=(result.message,), complete=False)
+    for wind, result in zip(WINDS, runs.values(), strict=True):
         turbine, pump = (float(result[f"{unit}.speed"][-1]) for unit in ("turbine", "converter"))
         measured |= {
             f"turbine_speed.{wind:g}": turbine,
@@ -37,34 +34,29 @@ def findings(options: Options) -> Findings:
             f"cp.{wind:g}": float(result["turbine.power_coefficient"][-1]),
             f"power_ratio.{wind:g}": MEAN_TORQUE * pump / float(result["turbine.power"][-1]),
         }
-    rows = compare(load_table("wind-pump-equilibrium").rows, measured)
     span, least = measured["ratio.2"] / measured["ratio.6"], min(measured[f"cp.{v:g}"] for v in WINDS[1:])
     note = (
         f"From 2 to 6 m/s the ratio of the speeds changes by a factor of {span:.1f}, by itself, while from 2.5 m/s on the "
         f"power coefficient is {least:.3f} or more; the largest of this rotor is 0.3."
     )
-    return Findings(rows, runs, (_chart(measured),), (note,))
+    return Evidence(measured, (_chart(measured),), runs, (note,))
 
 
 def scene(wind: float) -> Scene:
     """Turbine and converter of the defaults from standstill in a steady wind, under a load that does not pulsate."""
-    data = {
-        "title": f"Wind pump with an averaged inertial converter at {wind:g} m/s",
-        "stop_time": SETTLED,
-        "connections": [
-            "wind.speed -> turbine.wind",
-            "turbine.speed -> converter.turbine_speed",
-            "converter.turbine_torque -> turbine.torque",
-        ],
-        "units": {
-            "wind": {"component": "Wind", "parameters": {"mean_speed": wind}},
-            "turbine": {"component": "WindTurbine", "preset": "farm windmill"},
-            "converter": {"component": "AveragedConverter", "parameters": {"load_torque": MEAN_TORQUE}},
+    return build_scene(
+        {
+            "wind": unit("Wind", mean_speed=wind),
+            "turbine": unit("WindTurbine", preset="farm windmill"),
+            "converter": unit("AveragedConverter", load_torque=MEAN_TORQUE),
         },
-        "master": {"step": 0.05},
-        "record": {"signals": SIGNALS, "interval": 0.5},
-    }
-    return read_scene(data, "wind-pump-equilibrium")
+        {"wind.speed": "turbine.wind", "turbine.speed": "converter.turbine_speed", "converter.turbine_torque": "turbine.torque"},
+        stop_time=SETTLED,
+        step=0.05,
+        name="wind-pump-equilibrium",
+        title=f"Wind pump with an averaged inertial converter at {wind:g} m/s",
+        record={"signals": SIGNALS, "interval": 0.5},
+    )
 
 
 def _chart(measured: dict[str, float]) -> Chart:
@@ -89,13 +81,12 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Operating points", "wind, m/s", tuple(panels), "The ratio follows the wind without any control.", columns=2)
 
 
-CASE = function_case(
+CASE = Case(
     "wind-pump-equilibrium",
     "Operating points of a wind pump whose ratio adjusts itself",
     "A farm windmill and the cycle-averaged inertial converter under the mean torque of a piston pump, coupled units that start "
     "at rest: speeds, ratio, power coefficient and power balance in a steady wind of 2 to 6 m/s against the root of the two "
     "equilibrium equations, found outside of this project. It checks causality, signs and powers of the coupling; that the "
     "averaged converter is the mean of the full one is for another case.",
-    "wind_pump",
-    findings,
+    (Question(measure, scenes),),
 )

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from ....harness.analysis.operating_point import SceneRates, operating_line, operating_point
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import read_scene
+from ... import build_scene
 
 TURN = 2.0 * math.pi
 # the example of the held speeds and of the loads
-EXAMPLE = {"gear_ratio": 1.0, "lever_mass": 4.0, "slider_mass": 0.05, "lever_ratio": 1.0, "crank_radius": 0.03,
-           "clutch_arm": 0.05, "substep": 1e-3}  # fmt: skip
+EXAMPLE: dict[str, Any] = {"gear_ratio": 1.0, "lever_mass": 4.0, "slider_mass": 0.05, "lever_ratio": 1.0, "crank_radius": 0.03,
+                           "clutch_arm": 0.05, "substep": 1e-3}  # fmt: skip
 STALL = 2.0 / math.pi * 0.05 * 4.0 * 2.0 * 0.03  # k1, kg m²
 LARGEST = 4.0 * 2.0 * 0.03 / (4.05 * 0.05)  # w2 / w1
 CRANKS, SHARES = (10.0, 20.0), (0.01, 0.25, 0.5, 0.75, 0.95)
@@ -34,19 +33,21 @@ SETTLED = 8.0  # s
 GEAR, ARM, CRANK_INERTIA = 6.0, 0.05, 1.0 + 0.5 * 20.0 * 0.1**2  # of the defaults; m; J1 + m a² r² / 2, kg m²
 
 
-def findings(options: Options) -> Findings:
-    """Torques at held speeds, speeds under load and in the wind, and the swing back to the operating point."""
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
     points = dict(zip(WINDS, operating_line(rates, WINDS, START).states, strict=True))
-    scenes = {f"crank held at {w:g} rad/s": held(w, {_name(s): s * LARGEST * w for s in SHARES}, EXAMPLE) for w in CRANKS}
-    scenes |= {f"held, {v:g} m/s": held(x[0], {"point": x[1]}, {}) for v, x in points.items()}
-    scenes |= {f"{T:g} N.m": loaded(T) for T in LOADS}
-    scenes |= {f"{v:g} m/s": in_wind(v, *x) for v, x in points.items()}
-    scenes["swing"] = in_wind(SWING, *(points[SWING] * (PUSH, 1.0)))
-    runs: dict[str, Result] = {}
-    for label, scene in scenes.items():
-        runs[label] = result = run(scene, in_process=options.in_process)
-        if result.outcome != "done":
-            return Findings((), {label: result}, notes=(result.message,), complete=False)
+    cranks = {f"crank held at {w:g} rad/s": held(w, {_name(s): s * LARGEST * w for s in SHARES}, EXAMPLE) for w in CRANKS}
+    return {
+        **cranks,
+        **{f"held, {v:g} m/s": held(x[0], {"point": x[1]}, {}) for v, x in points.items()},
+        **{f"{T:g} N.m": loaded(T) for T in LOADS},
+        **{f"{v:g} m/s": in_wind(v, *x) for v, x in points.items()},
+        "swing": in_wind(SWING, *(points[SWING] * (PUSH, 1.0))),
+    }
+
+
+def measure(runs: Runs) -> Evidence:
+    """Torques at held speeds, speeds under load and in the wind, and the swing back to the operating point."""
     measured: dict[str, float] = {}
     for w in CRANKS:
         measured |= _at_held_speeds(runs[f"crank held at {w:g} rad/s"], w)
@@ -67,8 +68,8 @@ def findings(options: Options) -> Findings:
         f"with {_pair(expected)} 1/s in {SWING:g} m/s; the full one was seen to return with {_pair(back)} 1/s.",
     )
     shown = {label: runs[label] for label in (f"{SWING:g} m/s", "swing")}
-    rows = compare(load_table("inertial-converter").rows, measured)
-    return Findings(rows, shown, (_revolutions(runs[f"{SWING:g} m/s"]), _torques(measured), _points(measured)), notes)
+    charts = (_revolutions(runs[f"{SWING:g} m/s"]), _torques(measured), _points(measured))
+    return Evidence(measured, charts, shown, notes)
 
 
 def _at_held_speeds(result: Result, crank: float) -> dict[str, float]:
@@ -94,43 +95,47 @@ def held(turbine: float, speeds: Mapping[str, float], parameters: Mapping[str, f
     Beside them one is stalled by its load.
     """
     period = TURN / (turbine * parameters.get("gear_ratio", GEAR))
-    always = {**parameters, "crank_inertia": FLYWHEEL, "driven_inertia": FLYWHEEL, "shaft_stiffness": 1e-3,
-              "shaft_damping": 0.0, "turbine_speed": turbine}  # fmt: skip
-    ways = {**{n: {"start_speed": w} for n, w in speeds.items()}, "stalled": {"load_torque": 1e3}}
-    units = {n: {"component": "InertialConverter", "parameters": {**always, **way}} for n, way in ways.items()}
-    signals = [f"{unit}.{signal}" for unit in units for signal in ("speed", "crank_speed", "driving_torque")]
-    data = {
-        "title": f"Converters held by flywheels, turbine at {turbine:g} rad/s",
-        "stop_time": REVOLUTIONS * period,
-        "units": units,
-        "master": {"step": period / SEEN},
-        "record": {"signals": signals},
-    }
-    return read_scene(data, "inertial-converter")
+    given: dict[str, Any] = {**parameters, "crank_inertia": FLYWHEEL, "driven_inertia": FLYWHEEL, "shaft_stiffness": 1e-3,
+                             "shaft_damping": 0.0, "turbine_speed": turbine}  # fmt: skip
+    units = {name: unit("InertialConverter", **given, start_speed=speed) for name, speed in speeds.items()}
+    units["stalled"] = unit("InertialConverter", **given, load_torque=1e3)
+    return build_scene(
+        units,
+        stop_time=REVOLUTIONS * period,
+        step=period / SEEN,
+        name="inertial-converter",
+        title=f"Converters held by flywheels, turbine at {turbine:g} rad/s",
+        record={"signals": [f"{name}.{signal}" for name in units for signal in ("speed", "crank_speed", "driving_torque")]},
+    )
 
 
 def loaded(torque: float) -> Scene:
     """The example behind a turbine of constant speed, under a load, near the speed of its equilibrium."""
     speed = 20.0 * LARGEST * (1.0 - torque / (STALL * 400.0))
-    parameters = {**EXAMPLE, "turbine_speed": 20.0, "load_torque": torque, "start_speed": speed}
-    return read_scene({"title": f"Converter under {torque:g} N.m", "stop_time": 160.0 * TURN / 20.0,
-                       "units": {"converter": {"component": "InertialConverter", "parameters": parameters}},
-                       "master": {"step": TURN / 20.0 / 20.0}, "record": {"signals": ["converter.speed"]}},
-                      "inertial-converter")  # fmt: skip
+    return build_scene(
+        {"converter": unit("InertialConverter", **EXAMPLE, turbine_speed=20.0, load_torque=torque, start_speed=speed)},
+        stop_time=160.0 * TURN / 20.0,
+        step=TURN / 20.0 / 20.0,
+        name="inertial-converter",
+        title=f"Converter under {torque:g} N.m",
+        record={"signals": ["converter.speed"]},
+    )
 
 
 def in_wind(wind: float, turbine: float, pump: float, converter: str = "InertialConverter", inertia: float = 15.0) -> Scene:
     """Farm windmill and converter of the defaults in a steady wind from given speeds, under a load that does not pulsate."""
-    return read_scene({
-        "title": f"Inertial converter in a wind of {wind:g} m/s", "stop_time": 24.0,
-        "connections": ["turbine.speed -> converter.turbine_speed", "converter.turbine_torque -> turbine.torque"],
-        "units": {
-            "turbine": {"component": "WindTurbine", "preset": "farm windmill",
-                        "parameters": {"wind": wind, "start_speed": turbine, "inertia": inertia}},
-            "converter": {"component": converter, "parameters": {"load_torque": LOAD, "start_speed": pump}},
+    return build_scene(
+        {
+            "turbine": unit("WindTurbine", preset="farm windmill", wind=wind, start_speed=turbine, inertia=inertia),
+            "converter": unit(converter, load_torque=LOAD, start_speed=pump),
         },
-        "master": {"step": STEP, "extrapolation": 1, "bonds": ["turbine.speed * converter.turbine_torque"]},
-    }, "inertial-converter")  # fmt: skip
+        {"turbine.speed": "converter.turbine_speed", "converter.turbine_torque": "turbine.torque"},
+        stop_time=24.0,
+        step=STEP,
+        name="inertial-converter",
+        master={"extrapolation": 1, "bonds": ["turbine.speed * converter.turbine_torque"]},
+        title=f"Inertial converter in a wind of {wind:g} m/s",
+    )
 
 
 def rates(wind: float, inertia: float = 15.0) -> SceneRates:
@@ -221,13 +226,12 @@ def _points(measured: Mapping[str, float]) -> Chart:
     )
 
 
-CASE = function_case(
+CASE = Case(
     "inertial-converter",
     "The inertial converter in full and in the mean",
     "Crank, floating lever and rigid one-way clutches, integrated through up to four engagements a revolution, against the mean "
     "over a revolution: torque and power at held speeds from near stall to near the largest speed, speeds under a load, "
     "operating points behind a farm windmill, and the swing back to one of them. Each model validates the other, and the "
     "differences show what the averaged one leaves out. It says nothing of a converter that was built.",
-    "wind_pump",
-    findings,
+    (Question(measure, scenes),),
 )

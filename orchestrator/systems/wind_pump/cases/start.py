@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation.case import Findings, compare, function_case
-from ....harness.validation.questions import Options
-from ....harness.validation.reference import load_table
+from ....harness.validation import Case, Evidence, Question, Runs
 from ....results import Result
-from ....run import run
+from ....scene.build import unit
 from ....scene.scene import Scene
-from ... import load_scene, read_scene
+from ... import build_scene, load_scene
 from ..records import chains, runnings
 
 MEAN_TORQUE = 13.2435  # N.m, of the piston pump at 20 m; its peak is pi times that
@@ -23,64 +20,62 @@ STARTING: dict[str, tuple[float, float, float]] = {"fixed": (0.0, 3.75, 0.03), "
 STOPPING: dict[str, tuple[float, float, float]] = {"fixed": (2.2, 1.95, 1e-3), "converter": (1.65, 1.45, 1e-3)}
 
 
-def findings(options: Options) -> Findings:
+def scenes() -> dict[str, Scene]:
+    """Start and stop of both transmissions in a slow wind, and a whole rise and fall."""
+    slow = {f"{kind}, {what}": scene(kind, what) for kind in KINDS for what in ("start", "stop")}
+    return {**slow, "rise and fall": load_scene("wind-pump-start")}
+
+
+def measure(runs: Runs) -> Evidence:
     """Winds at which the pump's shaft begins to turn and comes to rest, for both transmissions, and those of the scene."""
     measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
     for kind in KINDS:
         for what in ("start", "stop"):
-            runs[f"{kind}, {what}"] = result = run(scene(kind, what), in_process=options.in_process)
-            if result.outcome != "done":
-                return Findings((), {kind: result}, notes=(result.message,), complete=False)
-            measured[f"{what}.{kind}"] = turning_point(result, what)
+            measured[f"{what}.{kind}"] = turning_point(runs[f"{kind}, {what}"], what)
         measured[f"hysteresis.{kind}"] = measured[f"start.{kind}"] / measured[f"stop.{kind}"]
     free = runs["converter, start"]
     middle = free.time.size // 2  # the turbine has settled, and the pump has not started
     measured["free"] = float(free["turbine.speed"][middle] / (FREE * free["wind.speed"][middle]))
-    loop = run(load_scene("wind-pump-start"), in_process=options.in_process, progress=options.progress)
-    if loop.outcome != "done":
-        return Findings((), {"rise and fall": loop}, notes=(loop.message,), complete=False)
-    for chain in chains(loop):
+    for chain in chains(runs["rise and fall"]):
         pump_runs = runnings(chain)
         if pump_runs:
             measured[f"loop.start.{chain.name}"] = pump_runs[0].begin_wind or math.nan
             measured[f"loop.stop.{chain.name}"] = pump_runs[-1].end_wind or math.nan
         measured[f"loop.litres.{chain.name}"] = 1e3 * float(chain.signals["delivered"][-1])
-    runs["rise and fall"] = loop
     notes = (
         "A wind that changes at a finite rate is ahead of the turbine: by the rate times the turbine's time constant, inertia "
         "over the slope of its torque, some 3 to 5 s here. The closed forms know no lag.",
         "The turbine of the converter turns in any wind, for a converter that stalls takes no torque: before its pump starts it "
         f"has {measured['free']:.4f} of its runaway speed.",
     )
-    return Findings(compare(load_table("wind-pump-start").rows, measured), runs, (_chart(measured),), notes)
+    return Evidence(measured, (_chart(measured),), runs, notes)
 
 
 def scene(kind: str, what: str) -> Scene:
     """A turbine, a transmission and, for the start, a pump that stands at its peak; for the stop, the pump's mean torque."""
     first, last, rate = (STARTING if what == "start" else STOPPING)[kind]
     ramp = {"end_speed": last, "rate": rate}
-    transmission: dict[str, Any] = {"component": KINDS[kind]}
-    turbine: dict[str, Any] = {"component": "WindTurbine", "preset": "farm windmill", "parameters": {"start_speed": 0.0}}
-    wind = {"component": "Wind", "effects": ["ramp"], "parameters": {"mean_speed": first, "ramp": ramp}}
-    units: dict[str, Any] = {"wind": wind, "turbine": turbine, "transmission": transmission}
-    connections = ["wind.speed -> turbine.wind", "turbine.speed -> transmission.turbine_speed",
-                   "transmission.turbine_torque -> turbine.torque"]  # fmt: skip
-    if what == "start":
-        units["pump"] = {"component": "PistonPump", "parameters": {"start_angle": 0.5 * math.pi}}
-        connections += ["transmission.speed -> pump.speed", "pump.torque -> transmission.load_torque"]
-    else:
-        transmission["parameters"] = {"load_torque": MEAN_TORQUE, "start_speed": 0.5}
-        turbine["parameters"]["start_speed"] = 0.5 if kind == "fixed" else FREE * first
-    data = {
-        "title": f"{kind} transmission, {what} in a slow wind",
-        "stop_time": abs(last - first) / rate,
-        "connections": connections,
-        "units": units,
-        "master": {"step": 0.01 if kind == "fixed" else 0.05},
-        "record": {"signals": ["wind.speed", "turbine.speed", "transmission.speed"], "interval": 0.05},
+    turning = what == "stop"
+    speed = (0.5 if kind == "fixed" else FREE * first) if turning else 0.0
+    units = {
+        "wind": unit("Wind", effects=["ramp"], mean_speed=first, ramp=ramp),
+        "turbine": unit("WindTurbine", preset="farm windmill", start_speed=speed),
+        "transmission": unit(KINDS[kind], load_torque=MEAN_TORQUE, start_speed=0.5) if turning else unit(KINDS[kind]),
     }
-    return read_scene(data, "wind-pump-start")
+    connections = {"wind.speed": "turbine.wind", "turbine.speed": "transmission.turbine_speed",
+                   "transmission.turbine_torque": "turbine.torque"}  # fmt: skip
+    if not turning:
+        units["pump"] = unit("PistonPump", start_angle=0.5 * math.pi)
+        connections |= {"transmission.speed": "pump.speed", "pump.torque": "transmission.load_torque"}
+    return build_scene(
+        units,
+        connections,
+        stop_time=abs(last - first) / rate,
+        step=0.01 if kind == "fixed" else 0.05,
+        name="wind-pump-start",
+        title=f"{kind} transmission, {what} in a slow wind",
+        record={"signals": ["wind.speed", "turbine.speed", "transmission.speed"], "interval": 0.05},
+    )
 
 
 def turning_point(result: Result, what: str) -> float:
@@ -100,13 +95,12 @@ def _chart(measured: dict[str, float]) -> Chart:
     return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
 
 
-CASE = function_case(
+CASE = Case(
     "wind-pump-start",
     "Start and stop wind of a piston pump, fixed ratio against inertial converter",
     "A single-acting piston takes pi times its mean torque at the peak of its stroke, so that a pump that stands needs sqrt(pi) "
     "times the wind that keeps it running. Start and stop winds of both transmissions in a slow wind against closed forms, and a "
     "whole rise and fall of the wind, where piston and flywheel decide, against an integration of the same equations by SciPy "
     "outside of this project. Turbine, pump and flywheel are the same for both; the numbers are no statement about real pumps.",
-    "wind_pump",
-    findings,
+    (Question(measure, scenes),),
 )

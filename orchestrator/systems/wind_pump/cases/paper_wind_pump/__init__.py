@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from .....harness.validation.papers import paper
+from .....harness.validation import Case
 from . import stability, stresses, water
 
-CASE = paper(
+CASE = Case(
     "paper-wind-pump",
     "Wind pump with a transmission that adapts its ratio (Scutaru and Mitrica 2016)",
     "Stability of turbine and converter over wind and load, by eigenvalues and by pushes; torsion, cycles and damage behind a "
     "fixed ratio and behind the clutches; water of a year by a wind distribution, against the fixed ratio best for the site. "
     "The abstract is what is known of the paper: mechanism, sizes and thresholds are of this project.",
-    "wind_pump",
-    (stability.study, stresses.study, water.study),
+    tuple(topic.QUESTION for topic in (stability, stresses, water)),
 )

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from ......components.core.errors import StepFailed
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....results import Result
-from .....run import run
+from .....harness.validation import Evidence, Question, Runs
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import read_scene
+from .... import build_scene
 from .plant import RADIUS, Plant, farm, heier
 
 PUSH, LINE = 1.02, 0.02  # times the speed of the turbine; share of the load within which a point counts as on the line
@@ -52,13 +50,22 @@ class Point:
         return self.returned == (self.growth < 0.0)
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[Any, Scene]:
+    """Pushed sets of each turbine in each wind, by both; the pushed turbine behind a fixed ratio on both branches."""
+    runs: dict[Any, Scene] = {}
+    for name, plant in PLANTS.items():
+        for wind in WINDS[name].tolist():
+            starts = [(load, at and (PUSH * at[0], at[1])) for load, at in _cells(name, wind)]
+            runs[name, wind] = scene(plant, wind, starts, STEPS[name], STOPS[name])
+    return runs | {branch: _fixed(branch, speed) for branch, speed in _branches().items()}
+
+
+def measure(runs: Runs) -> Evidence:
     """Maps of both turbines, eigenvalues measured on the components, and the same turbine behind a fixed ratio."""
     measured: dict[str, float] = {}
-    runs: dict[str, Result] = {}
     points: dict[str, list[Point]] = {}
     for name in PLANTS:
-        points[name], none = _map(name, options)
+        points[name], none = _map(name, runs)
         sure = [p for p in points[name] if not p.near]
         measured |= {
             f"map.{name}": 100.0 * sum(p.right for p in sure) / len(sure),
@@ -71,24 +78,29 @@ def study(options: Options) -> Evidence:
     measured["rising.stable"] = 100.0 * sum(p.growth < 0.0 and p.right for p in rising) / len(rising)
     for wind in GIVEN:
         measured |= _eigenvalues(wind)
-    measured |= _fixed(options)
-    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), runs, claim="H1")
+    for branch, speed in _branches().items():
+        measured[f"fixed.{branch}"] = abs(runs[branch]["turbine.speed"][-1] / speed - 1.0) / (PUSH - 1.0)
+    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), claim="H1")
 
 
-def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
+@cache
+def _cells(name: str, wind: float) -> list[tuple[float, Speeds | None]]:
+    """(load, an equilibrium under it) of a turbine in a wind; None for a load without one."""
+    plant = PLANTS[name]
+    cells: list[tuple[float, Speeds | None]] = []
+    for load in LOADS[name].tolist():
+        cells += [(load, at) for at in plant.equilibria(wind, load)] or [(load, None)]
+    return cells
+
+
+def _map(name: str, runs: Runs) -> tuple[list[Point], list[bool]]:
     """All points of a turbine, and for winds and loads without an equilibrium whether the pump came to stand."""
     plant = PLANTS[name]
     points: list[Point] = []
     standing: list[bool] = []
     for wind in WINDS[name].tolist():
-        cells: list[tuple[float, Speeds | None]] = []
-        for load in LOADS[name].tolist():
-            cells += [(load, at) for at in plant.equilibria(wind, load)] or [(load, None)]
-        starts = [(load, at and (PUSH * at[0], at[1])) for load, at in cells]
-        result = run(scene(plant, wind, starts, STEPS[name], STOPS[name]), in_process=True)  # thousands of starts in all
-        if result.outcome != "done":
-            raise StepFailed(result.scene.name, 0.0, result.message)
-        for k, (load, at) in enumerate(cells):
+        result = runs[name, wind]
+        for k, (load, at) in enumerate(_cells(name, wind)):
             turbine, pump = result[f"turbine_{k}.speed"], result[f"converter_{k}.speed"]
             if at is None:
                 standing.append(bool(pump[-1] < RESTING))
@@ -115,24 +127,32 @@ def _nearest(points: list[Speeds], at: Speeds) -> Speeds | None:
 def scene(plant: Plant, wind: float, starts: Sequence[tuple[float, Speeds | None]], step: float, stop: float) -> Scene:
     """Sets of turbine and averaged converter side by side, each under its load and from its speeds; None: a slow pump."""
     units: dict[str, Any] = {}
-    connections = []
-    curve = {"curve": "farm" if plant.coefficient is farm else "heier", "inertia": plant.inertias[0], "wind": wind}
-    gear = {"gear_ratio": plant.gear, "driven_inertia": plant.inertias[1]}
+    connections: dict[str, str] = {}
+    curve: dict[str, Any] = {
+        "curve": "farm" if plant.coefficient is farm else "heier",
+        "inertia": plant.inertias[0],
+        "wind": wind,
+    }
+    gear: dict[str, Any] = {"gear_ratio": plant.gear, "driven_inertia": plant.inertias[1]}
     for k, (load, at) in enumerate(starts):
         turbine, pump = at or (0.9 * plant.largest_ratio * wind / RADIUS, 1.0)
-        units[f"turbine_{k}"] = {"component": "WindTurbine", "parameters": {**curve, "start_speed": turbine, "substep": step}}
-        units[f"converter_{k}"] = {
-            "component": "AveragedConverter",
-            "parameters": {**gear, "load_torque": load, "start_speed": pump, "largest_turbine_speed": 120.0},
-        }
-        connections += [
-            f"turbine_{k}.speed -> converter_{k}.turbine_speed",
-            f"converter_{k}.turbine_torque -> turbine_{k}.torque",
-        ]
+        units[f"turbine_{k}"] = unit("WindTurbine", **curve, start_speed=turbine, substep=step)
+        units[f"converter_{k}"] = unit(
+            "AveragedConverter", **gear, load_torque=load, start_speed=pump, largest_turbine_speed=120.0
+        )
+        connections[f"turbine_{k}.speed"] = f"converter_{k}.turbine_speed"
+        connections[f"converter_{k}.turbine_torque"] = f"turbine_{k}.torque"
     signals = [f"{kind}_{k}.speed" for kind, k in product(("turbine", "converter"), range(len(starts)))]
-    return read_scene({"title": f"Pushed sets in {wind:g} m/s", "stop_time": stop, "units": units, "connections": connections,
-                       "master": {"step": step, "extrapolation": 1}, "record": {"signals": signals, "interval": stop}},
-                      "paper-wind-pump")  # fmt: skip
+    return build_scene(
+        units,
+        connections,
+        stop_time=stop,
+        step=step,
+        name="paper-wind-pump",
+        master={"extrapolation": 1},
+        title=f"Pushed sets in {wind:g} m/s",
+        record={"signals": signals, "interval": stop},
+    )
 
 
 def _eigenvalues(wind: float) -> dict[str, float]:
@@ -150,26 +170,26 @@ def _eigenvalues(wind: float) -> dict[str, float]:
     }
 
 
-def _fixed(options: Options) -> dict[str, float]:
-    """The turbine with Heier's curve behind a gear of ratio 1, at both speeds that balance a constant load, pushed."""
-    plant = PLANTS["heier"]
-    rising, falling = plant.balanced(FIXED_WIND, FIXED_LOAD)
-    measured = {}
-    for name, speed in (("rising", rising), ("falling", falling)):
-        start = PUSH * speed
-        result = run(read_scene({
-            "title": f"Fixed ratio, {name} branch, pushed", "stop_time": 60.0,
-            "connections": ["turbine.speed -> gear.turbine_speed", "gear.turbine_torque -> turbine.torque"],
-            "units": {
-                "turbine": {"component": "WindTurbine",
-                            "parameters": {"curve": "heier", "wind": FIXED_WIND, "start_speed": start, "inertia": 15.0}},
-                "gear": {"component": "FixedTransmission",
-                         "parameters": {"load_torque": FIXED_LOAD, "start_speed": start}},
-            },
-            "master": {"step": 0.02}, "record": {"signals": ["turbine.speed"], "interval": 1.0}}, "paper-wind-pump"),
-            in_process=options.in_process)  # fmt: skip
-        measured[f"fixed.{name}"] = abs(float(result["turbine.speed"][-1]) / speed - 1.0) / (PUSH - 1.0)
-    return measured
+def _branches() -> dict[str, float]:
+    """Speeds, rad/s, at which Heier's turbine balances a constant load: on the rising and on the falling branch of its torque."""
+    return dict(zip(("rising", "falling"), PLANTS["heier"].balanced(FIXED_WIND, FIXED_LOAD), strict=True))
+
+
+def _fixed(branch: str, speed: float) -> Scene:
+    """The turbine with Heier's curve behind a gear of ratio 1, pushed from a speed, rad/s, that balances a constant load."""
+    start = PUSH * speed
+    return build_scene(
+        {
+            "turbine": unit("WindTurbine", curve="heier", wind=FIXED_WIND, start_speed=start, inertia=15.0),
+            "gear": unit("FixedTransmission", load_torque=FIXED_LOAD, start_speed=start),
+        },
+        {"turbine.speed": "gear.turbine_speed", "gear.turbine_torque": "turbine.torque"},
+        stop_time=60.0,
+        step=0.02,
+        name="paper-wind-pump",
+        title=f"Fixed ratio, {branch} branch, pushed",
+        record={"signals": ["turbine.speed"], "interval": 1.0},
+    )
 
 
 def _chart(points: list[Point]) -> Chart:
@@ -232,3 +252,6 @@ def _worst(points: list[Point]) -> list[Point]:
         if key not in cells or p.growth > cells[key].growth:
             cells[key] = p
     return list(cells.values())
+
+
+QUESTION = Question(measure, scenes, in_process=True)  # thousands of starts in all

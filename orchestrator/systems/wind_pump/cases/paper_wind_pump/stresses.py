@@ -9,12 +9,11 @@ import numpy as np
 
 from .....harness.analysis.fatigue import Endurance, rainflow
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
+from .....harness.validation import Evidence, Question, Runs
 from .....results import Result
-from .....run import run
+from .....scene.build import unit
 from .....scene.scene import Scene
-from .... import load_scene, read_scene
+from .... import build_scene, load_scene
 
 TURN = 2.0 * math.pi
 DIAMETERS = (20.0, 25.0, 30.0)  # mm, of the pump's shaft
@@ -28,17 +27,17 @@ STRESS = "stresses.driven_shaft_stress"
 THREE_YEARS = 3.0 * 365.25 * 86400.0  # s, of a run of three years
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[str, Scene]:
+    """A piston pump behind a fixed ratio, a converter at held speeds, and one in gusts."""
+    return {
+        "piston behind a fixed ratio": piston(),
+        "converter at held speeds": converter(),
+        "gusts": load_scene("wind-pump-gusts"),
+    }
+
+
+def measure(runs: Runs) -> Evidence:
     """Torsion of the shaft behind a fixed ratio, of the shaft behind the clutches, and of the lever in gusts."""
-    runs: dict[str, Result] = {}
-    for label, scene in (
-        ("piston behind a fixed ratio", piston()),
-        ("converter at held speeds", converter()),
-        ("gusts", load_scene("wind-pump-gusts")),
-    ):
-        runs[label] = run(scene, in_process=options.in_process, progress=options.progress)
-        if runs[label].outcome != "done":
-            return Evidence({}, runs=runs, notes=(runs[label].message,))
     fixed, held, gusts = runs.values()
     measured = _fixed(fixed) | _clutches(held)
     bending = rainflow(gusts["converter.stresses.lever_stress"])
@@ -54,37 +53,37 @@ def study(options: Options) -> Evidence:
 
 def piston() -> Scene:
     """A piston pump behind the shaft of a fixed ratio, the turbine's speed given; the inertia behind the shaft is small."""
-    return read_scene({
-        "title": "Piston pump behind a fixed ratio", "stop_time": (TURNS + 1) * TURN / SPEED,
-        "connections": ["gear.speed -> pump.speed", "pump.torque -> gear.load_torque"],
-        "units": {"gear": {"component": "FixedTransmission",
-                           "parameters": {"turbine_speed": SPEED, "start_speed": SPEED, "driven_inertia": 0.05}},
-                  "pump": {"component": "PistonPump", "preset": "60 x 150 mm"}},
-        "master": {"step": TURN / SPEED / 1000.0, "extrapolation": 1},
-        "record": {"signals": ["gear.driving_torque", "pump.torque", "pump.angle"], "interval": TURN / SPEED / SEEN},
-    }, "paper-wind-pump")  # fmt: skip
+    return build_scene(
+        {
+            "gear": unit("FixedTransmission", turbine_speed=SPEED, start_speed=SPEED, driven_inertia=0.05),
+            "pump": unit("PistonPump", preset="60 x 150 mm"),
+        },
+        {"gear.speed": "pump.speed", "pump.torque": "gear.load_torque"},
+        stop_time=(TURNS + 1) * TURN / SPEED,
+        step=TURN / SPEED / 1000.0,
+        name="paper-wind-pump",
+        master={"extrapolation": 1},
+        title="Piston pump behind a fixed ratio",
+        record={"signals": ["gear.driving_torque", "pump.torque", "pump.angle"], "interval": TURN / SPEED / SEEN},
+    )
 
 
 def converter() -> Scene:
     """Converters whose flywheels hold the crank and the driven shaft: stalled, and at the speeds of the operating point."""
     period = TURN / (TURBINE * GEAR)
-    always = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "shaft_damping": 0.0,
-              "turbine_speed": TURBINE}  # fmt: skip
-    ways: dict[str, dict[str, float]] = {"stalled": {"load_torque": 1e4}, "driving": {"start_speed": PUMP}}
-    units: dict[str, Any] = {
-        name: {"component": "InertialConverter", "effects": ["stresses"], "parameters": {**always, **way}}
-        for name, way in ways.items()
+    held: dict[str, Any] = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "shaft_damping": 0.0,
+                            "turbine_speed": TURBINE}  # fmt: skip
+    units = {
+        "stalled": unit("InertialConverter", effects=["stresses"], **held, load_torque=1e4),
+        "driving": unit("InertialConverter", effects=["stresses"], **held, start_speed=PUMP),
     }
-    signals = [f"{name}.{signal}" for name in units for signal in ("driving_torque", STRESS)]
-    return read_scene(
-        {
-            "title": "Stresses of converters at held speeds",
-            "stop_time": (RECORDED + 1) * period,
-            "units": units,
-            "master": {"step": period / SEEN},
-            "record": {"signals": signals},
-        },
-        "paper-wind-pump",
+    return build_scene(
+        units,
+        stop_time=(RECORDED + 1) * period,
+        step=period / SEEN,
+        name="paper-wind-pump",
+        title="Stresses of converters at held speeds",
+        record={"signals": [f"{name}.{signal}" for name in units for signal in ("driving_torque", STRESS)]},
     )
 
 
@@ -166,3 +165,6 @@ def _damage(fixed: Result, held: Result) -> Chart:
                  (Panel("Miner's sum, 1", tuple(lines), logarithmic=True),),
                  "Elementary rule of Palmgren and Miner, rainflow cycles of the nominal stress; the endurance is recalled, and "
                  "notches are not in it.")  # fmt: skip
+
+
+QUESTION = Question(measure, scenes)

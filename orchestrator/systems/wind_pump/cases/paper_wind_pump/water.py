@@ -7,7 +7,7 @@ wind. Energies are shares of the ideal: the turbine's largest power coefficient 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,12 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
-from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation.papers import Evidence
-from .....harness.validation.questions import Options
-from .....run import run
-from .... import read_scene
+from .....harness.validation import Evidence, Question, Runs
+from .....results import Result
+from .....scene.build import unit
+from .....scene.scene import Scene
+from .... import build_scene
 from ..start import FREE, scene, turning_point
 from .plant import AREA, DENSITY, RADIUS
 
@@ -32,21 +32,28 @@ RATIOS = (0.7, 1.0, 1.4)  # of the fixed gear, pump over turbine
 SITES = (3.0, 4.0, 5.0)  # m/s, mean wind
 SHAPES = (1.5, 2.0, 2.5, 3.0)  # of the Weibull distribution; 2 is Rayleigh's
 CAP = 2.0  # times the mean wind, above which the power stays what it is there
+CONVERTER_WINDS = np.concatenate((np.linspace(1.52, 3.0, 16), np.linspace(3.2, 10.0, 18)))  # m/s
+OVER = np.geomspace(1.003, 5.5, 24)  # wind over the wind that balances the mean torque
 Share = Callable[[np.ndarray], np.ndarray]
 
 
-def study(options: Options) -> Evidence:
+def scenes() -> dict[Any, Scene]:
+    """Sets side by side in many winds, of the converter and of each fixed ratio; stop and start of a fixed ratio."""
+    adapting = _side_by_side(CONVERTER_WINDS, "AveragedConverter", {}, FREE)
+    fixed = {
+        ratio: _side_by_side(OVER * _balanced(ratio), "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE) for ratio in RATIOS
+    }
+    return {"converter": adapting, **fixed, "stop": scene("fixed", "stop"), "start": scene("fixed", "start")}
+
+
+def measure(runs: Runs) -> Evidence:
     """Power coefficients over the wind by runs of both transmissions, and the water of a year at several sites."""
-    winds = np.concatenate((np.linspace(1.52, 3.0, 16), np.linspace(3.2, 10.0, 18)))
-    converter = _equilibria(winds, "AveragedConverter", {}, FREE)
-    over = np.geomspace(1.003, 5.5, 24)  # wind over the wind that balances the mean torque
-    fixed = {}
-    for ratio in RATIOS:
-        balanced = math.sqrt(ratio * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5))
-        fixed[ratio] = _equilibria(over * balanced, "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE)
+    winds, over = CONVERTER_WINDS, OVER
+    converter = _coefficients(runs["converter"], winds.size)
+    fixed = {ratio: _coefficients(runs[ratio], over.size) for ratio in RATIOS}
     u = over**-2.0
     measured = {"curve": max(float(np.abs(c / BEST - 4.0 * u * (1.0 - u)).max()) for c in fixed.values())}
-    stop, start = (turning_point(run(scene("fixed", what), in_process=options.in_process), what) for what in ("stop", "start"))
+    stop, start = (turning_point(runs[what], what) for what in ("stop", "start"))
     measured["start"] = start / stop
     running = PchipInterpolator(np.concatenate(([1.0], over)), np.concatenate(([0.0], fixed[1.0])), extrapolate=False)
 
@@ -90,38 +97,36 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,), claim="H2")
 
 
-def _equilibria(winds: np.ndarray, component: str, parameters: dict[str, float], speed: float) -> np.ndarray:
-    """Power coefficients at the end of runs side by side, one a wind, under the mean torque. speed: start over wind, 1/m."""
-    units: dict[str, Any] = {}
-    connections = []
+def _balanced(ratio: float) -> float:
+    """Wind, m/s, that balances the mean torque behind a fixed ratio at standstill."""
+    return math.sqrt(ratio * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5))
+
+
+def _side_by_side(winds: np.ndarray, component: str, parameters: Mapping[str, Any], speed: float) -> Scene:
+    """Turbines and transmissions, one set a wind, under the mean torque. speed: of the turbine at the start over wind, 1/m."""
+    units, connections = {}, {}
     fixed = component == "FixedTransmission"
     for k, wind in enumerate(winds.tolist()):
-        begin = {"start_speed": parameters.get("gear_ratio", 1.0) * speed * wind if fixed else 1.0, "load_torque": LOAD}
-        units[f"turbine_{k}"] = {
-            "component": "WindTurbine",
-            "preset": "farm windmill",
-            "parameters": {"wind": wind, "start_speed": speed * wind},
-        }
-        units[f"drive_{k}"] = {"component": component, "parameters": {**parameters, **begin}}
-        connections += [f"turbine_{k}.speed -> drive_{k}.turbine_speed", f"drive_{k}.turbine_torque -> turbine_{k}.torque"]
-    step = 0.02 if fixed else 0.05
-    result = run(
-        read_scene(
-            {
-                "title": f"{component} in steady winds",
-                "stop_time": 60.0,
-                "units": units,
-                "connections": connections,
-                "master": {"step": step, "extrapolation": 1},
-                "record": {"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0},
-            },
-            "paper-wind-pump",
-        ),
-        in_process=True,
-    )  # a hundred units
-    if result.outcome != "done":
-        raise StepFailed(result.scene.name, 0.0, result.message)
-    return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds.size)])
+        begin = parameters.get("gear_ratio", 1.0) * speed * wind if fixed else 1.0
+        units[f"turbine_{k}"] = unit("WindTurbine", preset="farm windmill", wind=wind, start_speed=speed * wind)
+        units[f"drive_{k}"] = unit(component, **parameters, start_speed=begin, load_torque=LOAD)
+        connections[f"turbine_{k}.speed"] = f"drive_{k}.turbine_speed"
+        connections[f"drive_{k}.turbine_torque"] = f"turbine_{k}.torque"
+    return build_scene(
+        units,
+        connections,
+        stop_time=60.0,
+        step=0.02 if fixed else 0.05,
+        name="paper-wind-pump",
+        master={"extrapolation": 1},
+        title=f"{component} in steady winds",
+        record={"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0},
+    )
+
+
+def _coefficients(result: Result, winds: int) -> np.ndarray:
+    """Power coefficients of the turbines at the end of a run, (winds,)."""
+    return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds)])
 
 
 def energy(coefficient: Share, mean: float, shape: float, cap: float | None) -> float:
@@ -146,7 +151,7 @@ def _best(of_fixed: Callable[[float], Share], mean: float, shape: float, cap: fl
 
 
 def _curves(winds: np.ndarray, converter: np.ndarray, over: np.ndarray, fixed: dict[float, np.ndarray]) -> Chart:
-    balanced = {r: math.sqrt(r * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5)) for r in RATIOS}
+    balanced = {r: _balanced(r) for r in RATIOS}
     series = [Series("converter", winds, converter, "line+points")]
     series += [Series(f"fixed ratio {r:g}", over * balanced[r], c, "points") for r, c in fixed.items()]
     series += [
@@ -185,3 +190,6 @@ def _sites(measured: dict[str, float]) -> Chart:
         (Panel("m³", water),),
         "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.",
     )
+
+
+QUESTION = Question(measure, scenes, in_process=True)  # a hundred units
