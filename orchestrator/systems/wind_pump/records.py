@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....components.catalogue import component_class
-from ...harness.analysis.records import recorded
+from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.analysis.signals import accumulated
 
 if TYPE_CHECKING:
@@ -28,6 +27,7 @@ STANDSTILL, PAUSE = 0.1, 10.0  # rad/s; s
 TURNING_POINTS = 6  # of the mean wind; with more of them there are no branches, rising and falling
 NOTICED = 0.05  # of its range, below which a change of the wind is no turning point
 STAGES = ("aerodynamic", "turbine_shaft", "pump_shaft", "hydraulic")  # powers along the chain, from the wind to the water
+OF_TRANSMISSION = {"turbine_speed": "turbine_speed", "pump_speed": "speed"}
 OF_TURBINE = ("power_coefficient", "tip_speed_ratio")
 OF_PIPE = {"delivered": "delivered", "head": "head", "level": "tank.level"}
 
@@ -64,36 +64,26 @@ class Running:
 
 def chains(result: Result) -> list[Chain]:
     """The wind pumps of a run whose pump speed was recorded, in the order of the scene."""
-    sources = {link.target: link.source for link in result.scene.coupling.links}
-    records = []
-    for unit in result.scene.units:
-        turbine = sources.get((unit, "turbine_speed"), ("", ""))[0]
-        if turbine and f"{unit}.speed" in result.columns:
-            load = sources.get((unit, "load_torque"), ("", ""))[0]
-            pipe = next((target[0] for target, source in sources.items() if source == (load, "flow")), "")
-            records.append(_chain(result, unit, turbine, load, pipe))
-    return records
+    driven = [(unit, unit.driven_by("turbine_speed")) for unit in recorded_units(result, "speed")]
+    return [_chain(unit, turbine) for unit, turbine in driven if turbine is not None]
 
 
-def _chain(result: Result, unit: str, turbine: str, load: str, pipe: str) -> Chain:
-    def column(owner: str, name: str) -> np.ndarray | None:
-        place = recorded(result, owner, name) if owner else ""
-        return np.asarray(result.columns[place], dtype=float) if place else None
-
-    def product(first: np.ndarray | None, second: np.ndarray | None) -> np.ndarray | None:
-        return first * second if first is not None and second is not None else None
-
-    turbine_speed, pump_speed = column(unit, "turbine_speed"), column(unit, "speed")
-    signals = {"turbine_speed": turbine_speed, "pump_speed": pump_speed, "flow": column(load, "flow")}
-    signals |= {n: column(turbine, n) for n in OF_TURBINE} | {n: column(pipe, its) for n, its in OF_PIPE.items()}
-    powers = {
-        "aerodynamic": column(turbine, "power"),
-        "turbine_shaft": product(column(unit, "turbine_torque"), turbine_speed),
-        "pump_shaft": product(column(unit, "load_torque"), pump_speed),
-        "hydraulic": column(load, "hydraulic_power"),
-    }
-    known, flowing = ({n: v for n, v in group.items() if v is not None} for group in (signals, powers))
-    return Chain(unit, turbine, result.time, column(turbine, "wind"), known, flowing)
+def _chain(transmission: RecordedUnit, turbine: RecordedUnit) -> Chain:
+    pump = transmission.driven_by("load_torque")
+    pipe = pump.driving("flow", "flow") if pump is not None else None
+    signals = transmission.recorded(OF_TRANSMISSION) | turbine.recorded(OF_TURBINE)
+    torques = transmission.recorded(("turbine_torque", "load_torque"))
+    powers = turbine.recorded({"aerodynamic": "power"})
+    if "turbine_torque" in torques and "turbine_speed" in signals:
+        powers["turbine_shaft"] = torques["turbine_torque"] * signals["turbine_speed"]
+    if "load_torque" in torques:
+        powers["pump_shaft"] = torques["load_torque"] * signals["pump_speed"]
+    if pump is not None:
+        signals |= pump.recorded(("flow",))
+        powers |= pump.recorded({"hydraulic": "hydraulic_power"})
+    if pipe is not None:
+        signals |= pipe.recorded(OF_PIPE)
+    return Chain(transmission.name, turbine.name, transmission.time, turbine.optional("wind"), signals, powers)
 
 
 def moving_mean(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
@@ -175,11 +165,10 @@ def efficiencies(chain: Chain, start: int = 0) -> list[tuple[str, float, float |
 
 def wind_energy(result: Result, chain: Chain, start: int = 0) -> float | None:
     """Energy of the air that would have passed the rotor's area, J; None where density or radius are not known."""
-    given = result.scene.units[chain.turbine]
-    if chain.wind is None or not given.component:
+    component = RecordedUnit(result, chain.turbine).component
+    if chain.wind is None or component is None:
         return None
-    known = component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
-    density, radius = known.get("density"), known.get("radius")
+    density, radius = (component.parameters.get(name) for name in ("density", "radius"))
     if not (isinstance(density, float) and isinstance(radius, float)):
         return None
     power = 0.5 * density * np.pi * radius**2 * chain.wind**3

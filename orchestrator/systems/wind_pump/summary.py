@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...harness.analysis.records import after_transient
 from ...harness.analysis.signals import accumulated
 from ...harness.summary import Summary, rows
-from .keys import WindPumpKeys
+from . import WindPumpKeys
 from .records import Chain, chains, efficiencies, runnings, wind_energy
 
 if TYPE_CHECKING:
