@@ -1,6 +1,6 @@
 """Figures of pipe robots: way and mean speed, friction in detail, resonance, the pipe along the way, standstill and creep.
 
-Read from [analysis]: transient, average, detail; see `analysis.pipe_robot`.
+Read from [analysis]: transient, average, detail; see `PipeRobotKeys`.
 """
 
 from __future__ import annotations

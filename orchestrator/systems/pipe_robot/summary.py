@@ -1,4 +1,4 @@
-"""How far and how fast the pipe robots of a run came, and what a metre costs."""
+"""Way, mean speed, modes of the friction and energy per metre of the pipe robots of a run."""
 
 from __future__ import annotations
 

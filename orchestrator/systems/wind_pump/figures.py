@@ -1,6 +1,6 @@
 """Figures of the wind pumps of a run: speeds, ratio, Cp and power over time and against the wind, starts and stops, water.
 
-Read from [analysis]: average, standstill, pause, transient; see `analysis.wind_pump`.
+Read from [analysis]: average, standstill, pause, transient; see `WindPumpKeys`.
 """
 
 from __future__ import annotations

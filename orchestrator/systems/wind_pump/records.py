@@ -1,4 +1,4 @@
-"""Wind pumps of a run, found by their connections: speeds, powers along the chain, starts and stops, water.
+"""Wind pumps of a run, by their connections: speeds, powers along the chain, starts and stops, water.
 
 [analysis]
 system = "wind_pump"

@@ -14,13 +14,13 @@ GIVEN = {"start_frequency": 40.0, "end_frequency": 100.0, "start_amplitude": 5.0
 def test_there_and_back_along_straight_lines():
     program = ExciterProgram(parameters=GIVEN)
     program.initialize(0.0)
-    found = [program.y.copy()]
+    outputs = [program.y.copy()]
     for k in range(24):
         program.step(0.5 * k, 0.5)
-        found.append(program.y.copy())
+        outputs.append(program.y.copy())
     t = np.linspace(0.0, 12.0, 25)
     share = np.interp(t, [1.0, 5.0, 6.0, 10.0], [0.0, 1.0, 1.0, 0.0])
-    np.testing.assert_allclose(found, np.stack([40.0 + 60.0 * share, 5.0 + 0.0 * t, 20.0 - 20.0 * share], axis=1), rtol=1e-14)
+    np.testing.assert_allclose(outputs, np.stack([40.0 + 60.0 * share, 5.0 + 0.0 * t, 20.0 - 20.0 * share], axis=1), rtol=1e-14)
 
 
 def test_it_does_not_go_back_before_it_has_arrived():

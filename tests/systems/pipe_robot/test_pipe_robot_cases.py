@@ -71,9 +71,9 @@ def test_a_run_that_fails_fails_the_case(module, broken, monkeypatch):
     """An excitation that turns by over a radian within a substep ends the run."""
     for name, value in broken.items():
         monkeypatch.setattr(module, name, value)
-    found = module.CASE.findings(Options(in_process=True))
-    assert not found.complete
-    assert "radian" in found.notes[0]
+    findings = module.CASE.findings(Options(in_process=True))
+    assert not findings.complete
+    assert "radian" in findings.notes[0]
 
 
 def test_a_negative_amplitude_is_no_run_at_all(monkeypatch):

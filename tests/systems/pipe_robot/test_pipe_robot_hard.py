@@ -20,14 +20,14 @@ WEIGHT = 1.5 * G * math.sin(0.3)  # N, down a slope of 0.3 rad; friction holds 8
 def started(*effects: str, **parameters) -> PipeRobot:
     """With the effects of most tests, so that few kernels are compiled; the cubic share of the spring is zero."""
     values = {"cubic_spring.stiffness": 0.0} | {k.replace("__", "."): v for k, v in parameters.items()}
-    made = PipeRobot((*effects, "cubic_spring", "tow", "route"), values)
-    made.initialize(0.0)
-    return made
+    unit = PipeRobot((*effects, "cubic_spring", "tow", "route"), values)
+    unit.initialize(0.0)
+    return unit
 
 
 def shaken_on_a_slope(duration: float, *friction: str, **parameters) -> PipeRobot:
     """Under 10 N at 20 rad/s: of the 8 N that friction bears, the weight takes 4.3 N, and 1.1 N come and go."""
-    made = started(
+    unit = started(
         "harmonic_force",
         *friction,
         route__slope=0.3,
@@ -35,16 +35,16 @@ def shaken_on_a_slope(duration: float, *friction: str, **parameters) -> PipeRobo
         harmonic_force__frequency=20.0,
         **parameters,
     )
-    made.step(0.0, duration)
-    return made
+    unit.step(0.0, duration)
+    return unit
 
 
 # -- standing ----------------------------------------------------------------------------------------------------------
 def test_exact_friction_holds_a_shaken_robot_on_a_slope():
-    made = shaken_on_a_slope(60.0, substep=4e-3)
-    assert made["position"] == 0.0
-    assert made.work["events"] == 0
-    assert made["inner_velocity"] != 0.0
+    unit = shaken_on_a_slope(60.0, substep=4e-3)
+    assert unit["position"] == 0.0
+    assert unit.work["events"] == 0
+    assert unit["inner_velocity"] != 0.0
 
 
 def test_smoothed_friction_creeps_down_with_the_rate_at_which_it_bears_the_weight():
@@ -72,13 +72,13 @@ def test_the_threshold_of_motion_is_sharp(share):
     """A force that grows gently to `share` of what lifts the force on the body, with that of the spring, to the 2 N it bears."""
     w = 20.0
     on_body = abs(1.0 + (2000.0 + 5j * w) * -1.0 / (2000.0 - 0.5 * w * w + 5j * w))  # of the amplitude; the mass moves against it
-    made = started("harmonic_force", harmonic_force__amplitude=0.0, harmonic_force__frequency=w, substep=2e-3)
+    unit = started("harmonic_force", harmonic_force__amplitude=0.0, harmonic_force__frequency=w, substep=2e-3)
     full = share * 2.0 / on_body
-    made.u[1:, 0] = full * 0.5, -full / 16.0  # full (1 - (1 - t / 4 s)²)
-    made.step(0.0, 4.0)
-    made.step(4.0, 2.0)
-    assert (made["position"] > 0.0) == (share > 1.0)
-    assert (made.work["events"] > 0) == (share > 1.0)
+    unit.u[1:, 0] = full * 0.5, -full / 16.0  # full (1 - (1 - t / 4 s)²)
+    unit.step(0.0, 4.0)
+    unit.step(4.0, 2.0)
+    assert (unit["position"] > 0.0) == (share > 1.0)
+    assert (unit.work["events"] > 0) == (share > 1.0)
 
 
 # -- switching ---------------------------------------------------------------------------------------------------------
@@ -86,10 +86,10 @@ def test_switching_in_every_half_cycle_keeps_the_order_of_the_method():
     """Events are found to the last digits, so the error is that of RK4 between them: fourth order over 59 events."""
     ends = {}
     for substep in (4e-3, 2e-3, 1e-3, 2.5e-4):
-        made = started("harmonic_force", substep=substep)
-        made.step(0.0, 3.0)
-        assert 55 <= made.work["events"] <= 60  # 19 a second at 60 rad/s
-        ends[substep] = made["position"]
+        unit = started("harmonic_force", substep=substep)
+        unit.step(0.0, 3.0)
+        assert 55 <= unit.work["events"] <= 60  # 19 a second at 60 rad/s
+        ends[substep] = unit["position"]
     errors = np.array([abs(ends[s] - ends[2.5e-4]) for s in (4e-3, 2e-3, 1e-3)])
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(4.0, abs=0.15)
 
@@ -97,9 +97,9 @@ def test_switching_in_every_half_cycle_keeps_the_order_of_the_method():
 def test_the_work_of_stick_and_slip():
     """19 switches a second, each found in 15 steps or less, whatever the substep."""
     for substep in (4e-3, 1e-3):
-        made = started("harmonic_force", substep=substep)
-        made.step(0.0, 10.0)
-        work = made.work
+        unit = started("harmonic_force", substep=substep)
+        unit.step(0.0, 10.0)
+        work = unit.work
         assert 185 <= work["events"] <= 200
         assert work["derivative_calls"] <= 4 * (work["steps"] + 15 * work["events"])
 
@@ -109,24 +109,24 @@ def test_sliding_that_grazes_rest():
     w, b = 60.0, 0.02 * 60.0 * 0.5 / 1.5
     duration = 50 * 2.0 * math.pi / w
     for more in (-1e-6, 0.0, 1e-6):
-        made = started("prescribed_motion", tow__force=2.0 + more, substep=2e-3)
-        made.step(0.0, duration)
-        assert made.work["events"] <= 2 * 50
+        unit = started("prescribed_motion", tow__force=2.0 + more, substep=2e-3)
+        unit.step(0.0, duration)
+        assert unit.work["events"] <= 2 * 50
         # more pull: M x grows by more t² / 2; less: it rests in every period for a moment
-        assert made["position"] == pytest.approx(b * duration, abs=1e-5)
+        assert unit["position"] == pytest.approx(b * duration, abs=1e-5)
 
 
 def test_ice_lets_go_and_its_end_holds_again():
     """No friction: the common centre stays; friction that comes back brings the body to rest."""
-    made = started("harmonic_force", route__friction_factor=0.0)
-    made.step(0.0, 3.0)
-    assert made["friction_force"] == 0.0
-    assert made["position"] + 0.5 * made["inner_position"] == pytest.approx(0.0, abs=1e-12)
-    made.set("harmonic_force.amplitude", 0.0)
-    made.u[1, made.input_positions(["route.friction_factor"])] = 1.0
-    made.step(3.0, 1.0)
-    assert made["mode"] == 0.0
-    assert abs(made["friction_force"]) <= 8.0
+    unit = started("harmonic_force", route__friction_factor=0.0)
+    unit.step(0.0, 3.0)
+    assert unit["friction_force"] == 0.0
+    assert unit["position"] + 0.5 * unit["inner_position"] == pytest.approx(0.0, abs=1e-12)
+    unit.set("harmonic_force.amplitude", 0.0)
+    unit.u[1, unit.input_positions(["route.friction_factor"])] = 1.0
+    unit.step(3.0, 1.0)
+    assert unit["mode"] == 0.0
+    assert abs(unit["friction_force"]) <= 8.0
 
 
 # -- locked bristles ---------------------------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ def test_ice_lets_go_and_its_end_holds_again():
 def test_locked_bristles_climb_a_vertical_pipe_and_never_slip_back(lean):
     """mu tan(theta) up to 1 and beyond it: friction backwards without bound, a ratchet; forwards it is as it was."""
     angle = math.atan(lean / 0.3)
-    made = started(
+    unit = started(
         "harmonic_force",
         "bristles",
         bristles__angle=angle,
@@ -145,21 +145,21 @@ def test_locked_bristles_climb_a_vertical_pipe_and_never_slip_back(lean):
     )
     places = []
     for k in range(50):
-        made.step(0.02 * k, 0.02)
-        places.append(made["position"])
+        unit.step(0.02 * k, 0.02)
+        places.append(unit["position"])
     assert np.diff(places).min() > -1e-6
     assert places[-1] > 0.5
     forward = 0.3 * 8.0 * 0.038 / 0.03 / (1.0 + lean)
-    made.x[1], made.x[4] = 0.1, 1.0
-    made.refresh()
-    assert made["friction_force"] == pytest.approx(-forward, rel=1e-9)
+    unit.x[1], unit.x[4] = 0.1, 1.0
+    unit.refresh()
+    assert unit["friction_force"] == pytest.approx(-forward, rel=1e-9)
 
 
 def test_a_locked_robot_thrown_backwards_stops_at_once():
-    made = started("harmonic_force", "bristles", harmonic_force__amplitude=0.0, bristles__angle=1.4, start_velocity=-1.0)
-    made.step(0.0, 1e-3)
-    assert -1e-6 < made["position"] <= 0.0
-    assert made["inner_velocity"] == pytest.approx(-1.0, abs=0.02)  # only the spring slows it down
+    unit = started("harmonic_force", "bristles", harmonic_force__amplitude=0.0, bristles__angle=1.4, start_velocity=-1.0)
+    unit.step(0.0, 1e-3)
+    assert -1e-6 < unit["position"] <= 0.0
+    assert unit["inner_velocity"] == pytest.approx(-1.0, abs=0.02)  # only the spring slows it down
 
 
 # -- steps that are too long -------------------------------------------------------------------------------------------
@@ -178,15 +178,15 @@ def test_steps_too_long_for_spring_or_excitation_are_refused():
     ("harmonic_force", {"route__friction_factor": -0.01}),
 ])  # fmt: skip
 def test_excitations_and_factors_of_friction_out_of_range_end_the_run(exciter, given):
-    made = started(exciter, **given)
+    unit = started(exciter, **given)
     with pytest.raises(StepFailed, match=r"over a radian within a substep, .*factor of friction left its range"):
-        made.step(0.0, 2e-3)
+        unit.step(0.0, 2e-3)
 
 
 def test_a_softening_spring_that_tears_ends_the_run():
-    made = started("harmonic_force", cubic_spring__stiffness=-2e6, harmonic_force__amplitude=60.0)
+    unit = started("harmonic_force", cubic_spring__stiffness=-2e6, harmonic_force__amplitude=60.0)
     with pytest.raises(StepFailed, match="stretch of a cubic spring"):
-        made.step(0.0, 5.0)
+        unit.step(0.0, 5.0)
 
 
 def test_one_long_step_is_many_short_ones():
@@ -209,7 +209,7 @@ def torque_of_vibration(w: float) -> float:
 @pytest.mark.parametrize(("torque", "bracket"), [(0.06, (30.0, 62.0)), (0.16, (100.0, 320.0))])
 def test_a_weak_motor_is_caught_at_the_resonance_and_a_strong_one_passes(torque, bracket):
     """Sommerfeld: with 0.06 N.m the free speed of 120 rad/s is never reached; the balance of the mean torques has the rate."""
-    made = started(
+    unit = started(
         "unbalance",
         unbalance__torque=torque,
         unbalance__damping=DRAG,
@@ -218,13 +218,13 @@ def test_a_weak_motor_is_caught_at_the_resonance_and_a_strong_one_passes(torque,
         backward_friction=1e4,
         substep=2e-3,
     )
-    made.step(0.0, 40.0)
-    angle = made["unbalance.angle"]
-    made.step(40.0, 5.0)
+    unit.step(0.0, 40.0)
+    angle = unit["unbalance.angle"]
+    unit.step(40.0, 5.0)
     wanted = brentq(lambda w: torque - DRAG * w - torque_of_vibration(w), *bracket)
     # the rate swings by 1 %, whose square is left out by the mean; 5 s are not a whole number of turns
-    assert (made["unbalance.angle"] - angle) / 5.0 == pytest.approx(wanted, rel=2e-3)
-    assert made["position"] == 0.0
+    assert (unit["unbalance.angle"] - angle) / 5.0 == pytest.approx(wanted, rel=2e-3)
+    assert unit["position"] == 0.0
 
 
 # -- one-way rollers ---------------------------------------------------------------------------------------------------
@@ -243,7 +243,7 @@ def test_one_way_rollers_chatter_and_only_go_forwards(frequency):
     """A force too weak to slide backwards: a ratchet, at most 4 switches a period, and the way does not depend on the substep."""
     ends = []
     for substep in (1e-3, 5e-4):
-        made = RollingPipeRobot(
+        unit = RollingPipeRobot(
             ("harmonic_force", "tow", "route"),
             {
                 "rolling_resistance": 0.0,
@@ -253,13 +253,13 @@ def test_one_way_rollers_chatter_and_only_go_forwards(frequency):
                 "substep": substep,
             },
         )
-        made.initialize(0.0)
+        unit.initialize(0.0)
         last = 0.0
         for k in range(100):
-            made.step(0.01 * k, 0.01)
-            assert made["position"] >= last - 1e-15
-            last = made["position"]
-        assert made.work["events"] <= 4 * frequency / (2.0 * math.pi) + 4
+            unit.step(0.01 * k, 0.01)
+            assert unit["position"] >= last - 1e-15
+            last = unit["position"]
+        assert unit.work["events"] <= 4 * frequency / (2.0 * math.pi) + 4
         ends.append(last)
     assert ends[0] > 1e-3
     assert ends[0] == pytest.approx(ends[1], rel=1e-3)

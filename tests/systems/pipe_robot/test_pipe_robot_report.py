@@ -72,12 +72,14 @@ def test_a_mean_over_a_period_knows_no_swing():
 
 
 def test_the_table_has_way_speed_modes_and_energies():
-    found = tables(SYSTEMS["pipe_robot"].figures(run_of({"robot": moving()}, analysis={"transient": 2.0})))
-    _, way, speed, forwards, rest, backwards, changes = (c if k == 0 else float(c) for k, c in enumerate(found["Travel"].rows[0]))
+    by_title = tables(SYSTEMS["pipe_robot"].figures(run_of({"robot": moving()}, analysis={"transient": 2.0})))
+    _, way, speed, forwards, rest, backwards, changes = (
+        c if k == 0 else float(c) for k, c in enumerate(by_title["Travel"].rows[0])
+    )
     assert (way, speed, rest) == pytest.approx((2.0 * SPEED, SPEED, 0.0), rel=1e-3)
     share = 100.0 * np.arccos(-SPEED / SWING) / np.pi
     assert (forwards, backwards, changes) == pytest.approx((share, 100.0 - share, 20.0), abs=1.0)  # 100 samples a period
-    gave, lost, cost = (float(v) for v in found["Energy"].rows[0][1:])
+    gave, lost, cost = (float(v) for v in by_title["Energy"].rows[0][1:])
     assert (gave, lost, cost) == pytest.approx((6.0, 4.0, 6.0 / (2.0 * SPEED)), rel=1e-3)
 
 

@@ -20,61 +20,61 @@ def table(name: str, values) -> dict[str, float]:
 
 
 def route(**more) -> PipeRoute:
-    made = PipeRoute(parameters=table("place", PLACES) | table("diameter_table", DIAMETERS) | table("slope_table", SLOPES) | more)
-    made.initialize(0.0)
-    return made
+    unit = PipeRoute(parameters=table("place", PLACES) | table("diameter_table", DIAMETERS) | table("slope_table", SLOPES) | more)
+    unit.initialize(0.0)
+    return unit
 
 
-def at(made: PipeRoute, position: float, name: str) -> float:
-    made.set("position", position)
-    made.refresh()
-    return made[name]
+def at(unit: PipeRoute, position: float, name: str) -> float:
+    unit.set("position", position)
+    unit.refresh()
+    return unit[name]
 
 
 def test_the_table_is_met_at_its_places():
-    made = route(**table("factor_table", (1.0, 0.5, 0.5, 1.0, 2.0, 1.0, 1.0, 1.0)))
+    unit = route(**table("factor_table", (1.0, 0.5, 0.5, 1.0, 2.0, 1.0, 1.0, 1.0)))
     for place, diameter, slope in zip(PLACES, DIAMETERS, SLOPES, strict=True):
-        assert at(made, place, "diameter") == pytest.approx(diameter, rel=1e-15)
-        assert at(made, place, "slope") == pytest.approx(slope, abs=1e-16)
-    assert at(made, 4.0, "friction_factor") == pytest.approx(2.0, rel=1e-15)
-    assert at(made, 0.9, "friction_factor") == pytest.approx(0.5, rel=1e-15)
+        assert at(unit, place, "diameter") == pytest.approx(diameter, rel=1e-15)
+        assert at(unit, place, "slope") == pytest.approx(slope, abs=1e-16)
+    assert at(unit, 4.0, "friction_factor") == pytest.approx(2.0, rel=1e-15)
+    assert at(unit, 0.9, "friction_factor") == pytest.approx(0.5, rel=1e-15)
 
 
 def test_it_does_not_overshoot_and_stays_constant_outside():
-    made = route()
+    unit = route()
     inside = np.linspace(-1.0, 8.0, 901)
-    diameters = np.array([at(made, x, "diameter") for x in inside])
+    diameters = np.array([at(unit, x, "diameter") for x in inside])
     assert diameters.min() >= 0.18 - 1e-16
     assert diameters.max() <= 0.21 + 1e-16
-    assert at(made, -50.0, "diameter") == at(made, 0.0, "diameter")
-    assert at(made, 50.0, "slope") == at(made, 7.0, "slope")
-    assert at(made, -50.0, "taper") == at(made, 50.0, "taper") == 0.0
+    assert at(unit, -50.0, "diameter") == at(unit, 0.0, "diameter")
+    assert at(unit, 50.0, "slope") == at(unit, 7.0, "slope")
+    assert at(unit, -50.0, "taper") == at(unit, 50.0, "taper") == 0.0
 
 
 def test_the_taper_is_the_derivative_of_the_diameter_and_continuous():
-    made, d = route(), 1e-5
+    unit, d = route(), 1e-5
     for x in [*np.linspace(-0.2, 7.2, 75), *PLACES]:
-        difference = (at(made, x + d, "diameter") - at(made, x - d, "diameter")) / (2.0 * d)
+        difference = (at(unit, x + d, "diameter") - at(unit, x - d, "diameter")) / (2.0 * d)
         # across a place the second derivative jumps by up to 6 * 0.03 / 0.25: half of it times d
-        assert at(made, x, "taper") == pytest.approx(difference, abs=0.5 * d)
+        assert at(unit, x, "taper") == pytest.approx(difference, abs=0.5 * d)
 
 
 def test_between_the_places_it_is_the_cubic_of_fritsch_and_butland():
     """As scipy has it but for the ends, where this one is level; slopes of the table that change their sign, too."""
-    made = route()
+    unit = route()
     diameter, slope = PchipInterpolator(PLACES, DIAMETERS), PchipInterpolator(PLACES, SLOPES)
     for x in np.linspace(0.5, 6.0, 111):
-        assert at(made, x, "diameter") == pytest.approx(diameter(x), rel=1e-13)
-        assert at(made, x, "taper") == pytest.approx(diameter(x, 1), abs=1e-14)
-        assert at(made, x, "slope") == pytest.approx(slope(x), abs=1e-14)
+        assert at(unit, x, "diameter") == pytest.approx(diameter(x), rel=1e-13)
+        assert at(unit, x, "taper") == pytest.approx(diameter(x, 1), abs=1e-14)
+        assert at(unit, x, "slope") == pytest.approx(slope(x), abs=1e-14)
 
 
 def test_a_cone_is_one():
     """Between places of one straight line, ends apart, the cubic is that line."""
-    made = route(**table("diameter_table", 0.2 - 0.01 * np.array(PLACES)))
+    unit = route(**table("diameter_table", 0.2 - 0.01 * np.array(PLACES)))
     for x in np.linspace(0.5, 6.0, 23):
-        assert at(made, x, "diameter") == pytest.approx(0.2 - 0.01 * x, rel=1e-14)
-        assert at(made, x, "taper") == pytest.approx(-0.01, rel=1e-12)
+        assert at(unit, x, "diameter") == pytest.approx(0.2 - 0.01 * x, rel=1e-14)
+        assert at(unit, x, "taper") == pytest.approx(-0.01, rel=1e-12)
 
 
 @pytest.mark.parametrize("places", [(0, 1, 1, 2, 3, 4, 5, 6), (0, 2, 1, 3, 4, 5, 6, 7)])

@@ -22,9 +22,9 @@ MASS, ROLLING = 1.0, 1.0 + 4.0 * 2e-6 / 0.01**2
 
 
 def started(**parameters) -> RollingPipeRobot:
-    made = RollingPipeRobot(ON, {k.replace("__", "."): v for k, v in parameters.items()})
-    made.initialize(0.0)
-    return made
+    unit = RollingPipeRobot(ON, {k.replace("__", "."): v for k, v in parameters.items()})
+    unit.initialize(0.0)
+    return unit
 
 
 def test_a_ring_gives_way_as_energy_says():
@@ -39,11 +39,11 @@ def test_a_ring_gives_way_as_energy_says():
 
 @pytest.mark.parametrize(("v0", "mass", "level"), [(0.5, ROLLING, 0.03 * PRESS), (-0.5, MASS, 0.4 * PRESS)])
 def test_coasting_forwards_and_sliding_backwards(v0, mass, level):
-    made = started(start_velocity=v0, **ALONE)
-    made.step(0.0, 1.2 * mass * 0.5 / level)
-    assert made["mode"] == 0.0
+    unit = started(start_velocity=v0, **ALONE)
+    unit.step(0.0, 1.2 * mass * 0.5 / level)
+    assert unit["mode"] == 0.0
     # the inner mass is a millionth of the body; 6.7214 has five digits
-    assert made["position"] == pytest.approx(math.copysign(0.5 * mass * v0 * v0 / level, v0), rel=2e-5)
+    assert unit["position"] == pytest.approx(math.copysign(0.5 * mass * v0 * v0 / level, v0), rel=2e-5)
 
 
 def test_it_holds_on_a_slope_up_to_the_friction_and_rolls_down_forwards():
@@ -66,19 +66,19 @@ def test_energy_of_a_rolling_robot_grows_by_what_comes_in_less_what_is_lost(mode
     """As of `PipeRobot`; where the pipe narrows, the rings take up what the body loses."""
     random, d = np.random.default_rng(4), 1e-6
     for _ in range(5):
-        made = started(route__slope=0.2, tow__force=1.5, diameter=0.199, taper=-0.02)
-        made.x[:4] = random.uniform(-1.0, 1.0, 4) * [0.02, 0.5, 0.02, 0.5]
-        made.x[1] = mode * abs(made.x[1])
-        made.x[4:] = mode, random.uniform(0.0, 6.0)
-        made.refresh()
-        dx = np.zeros_like(made.x)
-        rolling_derivatives(0.0, made.x, made.u[0], dx, *made.arguments)
-        power = made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"] - made["dissipation"]
-        x, narrowing, energies = made.x.copy(), -0.02 * made["velocity"], []
+        unit = started(route__slope=0.2, tow__force=1.5, diameter=0.199, taper=-0.02)
+        unit.x[:4] = random.uniform(-1.0, 1.0, 4) * [0.02, 0.5, 0.02, 0.5]
+        unit.x[1] = mode * abs(unit.x[1])
+        unit.x[4:] = mode, random.uniform(0.0, 6.0)
+        unit.refresh()
+        dx = np.zeros_like(unit.x)
+        rolling_derivatives(0.0, unit.x, unit.u[0], dx, *unit.arguments)
+        power = unit["exciter_power"] + unit["tow.force"] * unit["velocity"] + unit["route.weight_power"] - unit["dissipation"]
+        x, narrowing, energies = unit.x.copy(), -0.02 * unit["velocity"], []
         for sign in (1.0, -1.0):
-            made.x[:] = x + sign * d * dx
-            made.set("diameter", 0.199 + sign * d * narrowing)
-            energies.append(made.energy())
+            unit.x[:] = x + sign * d * dx
+            unit.set("diameter", 0.199 + sign * d * narrowing)
+            energies.append(unit.energy())
         assert (energies[0] - energies[1]) / (2.0 * d) == pytest.approx(power, abs=1e-7)
 
 
@@ -143,19 +143,19 @@ def reference(duration: float) -> tuple[np.ndarray, int]:
 
 def test_rolling_and_sliding_are_those_of_another_solver():
     wanted, events = reference(2.0)
-    made = started(harmonic_force__amplitude=20.0)
-    made.step(0.0, 2.0)
-    assert made.work["events"] == events
-    np.testing.assert_allclose(made.y[:4], wanted, atol=1e-5 * 0.9)  # five digits of the handbook's 6.7214, 0.9 m of way
+    unit = started(harmonic_force__amplitude=20.0)
+    unit.step(0.0, 2.0)
+    assert unit.work["events"] == events
+    np.testing.assert_allclose(unit.y[:4], wanted, atol=1e-5 * 0.9)  # five digits of the handbook's 6.7214, 0.9 m of way
 
 
 def test_it_starts_on_a_slope_with_its_mass_hanging_still():
-    made = started(route__slope=0.1, harmonic_force__amplitude=0.0)
-    stretch = made["inner_position"]
+    unit = started(route__slope=0.1, harmonic_force__amplitude=0.0)
+    stretch = unit["inner_position"]
     assert stretch == pytest.approx(-0.5 * G * math.sin(0.1) / 2000.0, rel=1e-14)
-    made.step(0.0, 0.5)
-    assert made["inner_position"] == pytest.approx(stretch, abs=1e-15)
-    assert made["position"] == 0.0
+    unit.step(0.0, 0.5)
+    assert unit["inner_position"] == pytest.approx(stretch, abs=1e-15)
+    assert unit["position"] == 0.0
 
 
 def test_the_stable_step_is_that_of_both_masses_on_the_spring():
@@ -169,7 +169,7 @@ def test_the_stable_step_is_that_of_both_masses_on_the_spring():
     [("diameter", 0.2041), ("diameter", 0.16), ("route.friction_factor", -0.1), ("harmonic_force.frequency", 3000.0)],
 )
 def test_out_of_its_range_the_run_fails(name, value):
-    made = started()
-    made.set(name, value)
+    unit = started()
+    unit.set(name, value)
     with pytest.raises(StepFailed, match="contact"):
-        made.step(0.0, 1e-3)
+        unit.step(0.0, 1e-3)

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.interpreted
 
 def coupled(rear, front, effects=(), **parameters) -> TowCoupling:
     """A coupling between ends at (position, velocity)."""
-    made = TowCoupling(
+    unit = TowCoupling(
         effects,
         {
             "rear_position": rear[0],
@@ -21,15 +21,15 @@ def coupled(rear, front, effects=(), **parameters) -> TowCoupling:
             **parameters,
         },
     )
-    made.initialize(0.0)
-    return made
+    unit.initialize(0.0)
+    return unit
 
 
 def test_a_bar_pulls_and_pushes():
-    made = coupled((1.0, 0.2), (1.52, 0.1))
-    assert made["stretch"] == pytest.approx(0.02, rel=1e-12)
-    assert made["rear_force"] == pytest.approx(500.0 * 0.02 - 5.0 * 0.1, rel=1e-12)
-    assert made["front_force"] == -made["rear_force"]
+    unit = coupled((1.0, 0.2), (1.52, 0.1))
+    assert unit["stretch"] == pytest.approx(0.02, rel=1e-12)
+    assert unit["rear_force"] == pytest.approx(500.0 * 0.02 - 5.0 * 0.1, rel=1e-12)
+    assert unit["front_force"] == -unit["rear_force"]
     assert coupled((1.0, 0.0), (1.4, 0.0))["rear_force"] == pytest.approx(-50.0, rel=1e-12)
 
 
@@ -50,8 +50,8 @@ def test_what_goes_in_is_stored_or_lost(effects):
     for _ in range(20):
         x1, v1, v2 = random.normal(size=3)
         x2 = x1 + 0.5 + random.normal() * 0.01
-        made = coupled((x1, v1), (x2, v2), effects)
-        given = -(made["rear_force"] * v1 + made["front_force"] * v2)
+        unit = coupled((x1, v1), (x2, v2), effects)
+        given = -(unit["rear_force"] * v1 + unit["front_force"] * v2)
         ends = [coupled((x1 + s * d * v1, v1), (x2 + s * d * v2, v2), effects).energy() for s in (1.0, -1.0)]
         lost = given - (ends[0] - ends[1]) / (2.0 * d)
         assert lost >= -1e-6

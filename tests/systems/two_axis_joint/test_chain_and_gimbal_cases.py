@@ -31,8 +31,8 @@ def test_the_chain_s_table_follows_from_the_formulas():
             assert table[f"frequency.{name}.{mode}"] == pytest.approx(math.sqrt(9.81 * square), abs=6e-8)
     roots = np.roots([1.0, 0.35, 4.0 * 9.81 + 0.005, 0.25 * 9.81, 2.0 * 9.81**2])
     for mode, root in enumerate(sorted(roots[roots.imag > 0.0], key=lambda r: r.imag), 1):
-        found = table[f"damped.frequency.{mode}"], table[f"damped.decay.{mode}"]
-        assert found == pytest.approx((root.imag, -root.real), abs=6e-9)
+        numbers = table[f"damped.frequency.{mode}"], table[f"damped.decay.{mode}"]
+        assert numbers == pytest.approx((root.imag, -root.real), abs=6e-9)
     slow, fast = sorted(-np.roots([1.0, 0.35, 0.005]))
     assert (table["coasting.decay.1"], table["coasting.decay.2"]) == pytest.approx((slow, fast), abs=6e-9)
     for name, amplitude in (("small", 0.1), ("quarter", math.pi / 2.0), ("high", 3.0)):
@@ -57,8 +57,8 @@ def test_the_gimbal_s_table_follows_from_the_formulas():
 
 
 def outside(name: str, module) -> set[str]:
-    found = module.CASE.findings(Options(in_process=True))
-    return {r.reference.measure for r in found.rows if not r.inside}
+    findings = module.CASE.findings(Options(in_process=True))
+    return {r.reference.measure for r in findings.rows if not r.inside}
 
 
 def other_start(monkeypatch, cls, name: str, factor: float) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
+from cosimo.orchestrator.harness.validation import Options, Runs
+from cosimo.orchestrator.harness.validation.case import compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import link_split
@@ -34,8 +35,8 @@ def test_the_table_has_the_eigenvalues_of_the_linearised_links():
     values = np.linalg.eigvals(first_order(K + STIFFNESS * joint, D + DAMPING * joint))
     slow = sorted(values[(values.imag > 0.0) & (values.imag < 100.0)], key=lambda v: v.imag)
     measured = {f"{n}.{k}": v for k, s in enumerate(slow, 1) for n, v in (("frequency", s.imag), ("decay", -s.real))}
-    found = compare(tuple(rows()[n] for n in measured), measured)
-    assert all(abs(r.measured - 0.5 * (r.reference.low + r.reference.high)) < 1e-5 * r.measured for r in found)
+    compared = compare(tuple(rows()[n] for n in measured), measured)
+    assert all(abs(r.measured - 0.5 * (r.reference.low + r.reference.high)) < 1e-5 * r.measured for r in compared)
 
 
 def test_the_table_has_the_limit_of_held_forces():
@@ -56,19 +57,19 @@ def test_the_table_has_the_limit_of_held_forces():
 
 
 @pytest.fixture(scope="module")
-def found():
+def findings():
     return cases()["link-split"].findings(Options(in_process=True))
 
 
-def test_the_case_passes(found):
-    assert outcome(found.rows) == "passed"
-    assert found.complete
+def test_the_case_passes(findings):
+    assert outcome(findings.rows) == "passed"
+    assert findings.complete
     assert cases()["link-split"].system == "two_axis_joint"
-    assert all(r.reference.standing == "computed" for r in found.rows)
+    assert all(r.reference.standing == "computed" for r in findings.rows)
 
 
-def test_plain_coupling_is_lost_where_the_iteration_is_not(found):
-    _, table, _ = found.charts
+def test_plain_coupling_is_lost_where_the_iteration_is_not(findings):
+    _, table, _ = findings.charts
     last = {row[0]: row[-1] for row in table.rows}
     assert [kind for kind, text in last.items() if text != "lost"] == ["iterative, held"]
 
@@ -76,7 +77,8 @@ def test_plain_coupling_is_lost_where_the_iteration_is_not(found):
 def test_a_joint_with_another_stiffness_fails(monkeypatch):
     """A tenth of the stiffness shows in the second mode's frequency, by 1e-5 of it."""
     monkeypatch.setattr(link_split, "STIFFNESS", 1e4)
-    measured = {f"{n}.{k}": v for n, values in link_split.small_motion().items() for k, v in enumerate(values, 1)}
+    motion = link_split.small_motion(Runs(Options(in_process=True), {}))
+    measured = {f"{n}.{k}": v for n, values in motion.items() for k, v in enumerate(values, 1)}
     inside = {r.reference.measure: r.inside for r in compare(load_table("link-split").rows, measured)}
     assert not inside["frequency.1"]
     assert not inside["frequency.2"]

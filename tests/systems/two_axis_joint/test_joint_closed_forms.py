@@ -195,8 +195,8 @@ def test_inertial_period_by_quadrature_and_by_integration(cross, axial, amplitud
         return 2.0 * root / math.sqrt(p * p * max(1.0 / inertia(amplitude) - 1.0 / inertia(e), 1e-300) / inner)
 
     quarter, _ = quad(falling, 0.0, math.sqrt(amplitude), epsabs=1e-12, epsrel=1e-12)
-    found = inertial_period(p, amplitude, frame, inner, cross, axial)
-    assert found == pytest.approx(4.0 * quarter, rel=1e-8)
+    period = inertial_period(p, amplitude, frame, inner, cross, axial)
+    assert period == pytest.approx(4.0 * quarter, rel=1e-8)
 
     def right(t, x):
         b = middle + x[0]
@@ -207,7 +207,7 @@ def test_inertial_period_by_quadrature_and_by_integration(cross, axial, amplitud
 
     passes.terminal = True
     sol = solve_ivp(right, (0.0, 10.0), [amplitude, 0.0], method="DOP853", rtol=1e-11, atol=1e-13, events=passes)
-    assert found == pytest.approx(4.0 * sol.t_events[0][0], rel=1e-8)
+    assert period == pytest.approx(4.0 * sol.t_events[0][0], rel=1e-8)
 
 
 def test_inertial_period_of_small_swings_and_published_one():

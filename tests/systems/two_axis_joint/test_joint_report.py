@@ -17,9 +17,9 @@ pytestmark = pytest.mark.full
 UNIT = re.compile(r", (degrees/s|degrees|s|m|1|J|kg·m²/s)$")
 
 
-@pytest.mark.parametrize("made", [gimbal_run, chain_run, three_frictions])
-def test_every_figure_is_valid_and_every_axis_has_its_unit(made):
-    for figure in figures(SYSTEMS["two_axis_joint"].figures(made())).values():
+@pytest.mark.parametrize("example", [gimbal_run, chain_run, three_frictions])
+def test_every_figure_is_valid_and_every_axis_has_its_unit(example):
+    for figure in figures(SYSTEMS["two_axis_joint"].figures(example())).values():
         assert_valid_with_units(figure, UNIT)
 
 
@@ -77,10 +77,10 @@ def test_the_sphere_shows_its_near_and_its_far_side():
 
 
 def test_what_dies_down_has_no_section_and_its_energy_is_shown_as_it_is():
-    made = figures(SYSTEMS["two_axis_joint"].figures(chain_run()))
-    assert list(made) == ["Motion", "Path of the tip", "Phase portraits", "Energy and momentum"]
-    assert made["Energy and momentum"]["layout"]["yaxis"]["title"]["text"] == "energy, J"
-    round_and_round = numbers(drawn(made["Phase portraits"], "motion")[1]["x"])
+    by_title = figures(SYSTEMS["two_axis_joint"].figures(chain_run()))
+    assert list(by_title) == ["Motion", "Path of the tip", "Phase portraits", "Energy and momentum"]
+    assert by_title["Energy and momentum"]["layout"]["yaxis"]["title"]["text"] == "energy, J"
+    round_and_round = numbers(drawn(by_title["Phase portraits"], "motion")[1]["x"])
     assert np.nanmax(np.abs(round_and_round)) <= 180.0
     assert np.isnan(round_and_round).sum() == 10  # 60 rad: nine and a half turns, from 0 to 180 degrees first
 
@@ -97,16 +97,16 @@ def test_an_axis_that_only_rounding_moves_has_no_phase_portrait_and_no_section()
     result = gimbal_run(effects=["gravity"])
     for name in ("inner_angle", "inner_rate"):
         result.columns[f"body.{name}"] = 1e-17 * result.columns[f"body.{name}"]
-    made = [b for b in SYSTEMS["two_axis_joint"].figures(result) if b.kind == "figure"]
-    shown = next(b for b in made if b.title == "Phase portraits")
+    blocks = [b for b in SYSTEMS["two_axis_joint"].figures(result) if b.kind == "figure"]
+    shown = next(b for b in blocks if b.title == "Phase portraits")
     assert "xaxis2" not in shown.figure["layout"]
     assert shown.caption.endswith("Not shown, as it does not move: inner axis.")
-    assert "Poincaré sections" not in {b.title for b in made}
+    assert "Poincaré sections" not in {b.title for b in blocks}
 
 
 def test_several_joints_are_compared_and_what_stands_has_no_line_among_the_rates():
-    made = figures(SYSTEMS["two_axis_joint"].figures(three_frictions()))
-    figure = made["Motion"]
+    by_title = figures(SYSTEMS["two_axis_joint"].figures(three_frictions()))
+    figure = by_title["Motion"]
     assert [figure["layout"][f"yaxis{n}"]["title"]["text"] for n in ("", "2", "3", "4")] == [
         "outer axis, degrees", "inner axis, degrees", "rate of the outer axis, degrees/s", "rate of the inner axis, degrees/s",
     ]  # fmt: skip
@@ -114,4 +114,4 @@ def test_several_joints_are_compared_and_what_stands_has_no_line_among_the_rates
     assert np.isnan(late["exact"]).all()
     assert late["creeping"] == pytest.approx(np.degrees(1e-5), rel=1e-3)
     assert np.isfinite(late["damped"]).all()
-    assert [t for t in made if t.startswith("exact: ")] == ["exact: Phase portraits"]
+    assert [t for t in by_title if t.startswith("exact: ")] == ["exact: Phase portraits"]

@@ -22,11 +22,11 @@ def test_the_damped_chain_decays_as_its_quartic_says():
     result = finished(scene.with_changes({"stop_time": 20.0, **{f"units.chain.parameters.{n}": v for n, v in small.items()}}))
     z = np.array([result[f"chain.{n}"] for n in ("first_angle", "second_angle", "first_rate", "second_rate")])
     following = np.linalg.lstsq(z[:, :-1].T, z[:, 1:].T, rcond=None)[0]
-    found = np.sort_complex(np.log(np.linalg.eigvals(following).astype(complex)) / scene.master.step)
+    eigenvalues = np.sort_complex(np.log(np.linalg.eigvals(following).astype(complex)) / scene.master.step)
     given = {"viscous.first": 0.1, "viscous.second": 0.05}
     chain = TwoLinkChain(["gravity", "viscous"], given, preset="equal point masses")
     # RK4 of 2 ms is off by (w h)^4 / 120 = 1e-10 w, the pendulum's equation by 1e-8 / 16
-    np.testing.assert_allclose(found, np.sort_complex(np.roots(quartic(small_motion(chain)))), rtol=1e-7)
+    np.testing.assert_allclose(eigenvalues, np.sort_complex(np.roots(quartic(small_motion(chain)))), rtol=1e-7)
 
 
 def test_the_double_pendulum_keeps_its_energy_and_nothing_else():
@@ -61,10 +61,10 @@ def test_the_gyroscope_precesses_as_one_with_a_constant_momentum():
     for k in range(500):
         gimbal.step(k * h, h)
         expected.append(gimbal.y[:2].copy())
-    found = np.stack([result["gimbal.outer_angle"], result["gimbal.inner_angle"]], axis=1)
-    size = np.ptp(found, axis=0).max()
+    angles = np.stack([result["gimbal.outer_angle"], result["gimbal.inner_angle"]], axis=1)
+    size = np.ptp(angles, axis=0).max()
     assert size > 0.1
-    np.testing.assert_allclose(found, np.array(expected), rtol=0.0, atol=1e-3 * size)
+    np.testing.assert_allclose(angles, np.array(expected), rtol=0.0, atol=1e-3 * size)
 
 
 def test_the_bearings_carry_the_gyroscopic_moment():

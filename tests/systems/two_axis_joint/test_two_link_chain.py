@@ -31,9 +31,9 @@ SMOOTH = ("gravity", "viscous", "smoothed_friction", "stops", "reactions")
 
 
 def started(effects=(), preset: str = "", **parameters) -> TwoLinkChain:
-    made = TwoLinkChain(effects, parameters, preset=preset)
-    made.initialize(0.0)
-    return made
+    unit = TwoLinkChain(effects, parameters, preset=preset)
+    unit.initialize(0.0)
+    return unit
 
 
 def starting(angles, rates=(0.0, 0.0)) -> dict[str, float]:
@@ -94,10 +94,10 @@ def test_damped_chain_of_the_quartic():
         )
         chain.step(0.0, t)
         columns.append(absolute(chain) / 1e-5)
-    found = np.sort_complex(np.log(np.linalg.eigvals(np.array(columns).T).astype(complex)) / t)
+    values = np.sort_complex(np.log(np.linalg.eigvals(np.array(columns).T).astype(complex)) / t)
     slow, quick = -0.00795021 + 2.39719971j, -0.16704979 + 5.78490729j
     exact = np.sort_complex([slow, slow.conjugate(), quick, quick.conjugate()])
-    np.testing.assert_allclose(found, exact, atol=2e-8)
+    np.testing.assert_allclose(values, exact, atol=2e-8)
 
 
 def random_states(n: int = 12):
@@ -131,8 +131,8 @@ def newton_euler(chain: TwoLinkChain, joint_torques) -> tuple[np.ndarray, np.nda
     A[7, [1, 2]], b[7] = (1.0, -a[0] * s[0]), a[0] * w[0] ** 2 * c[0]
     A[8, [3, 2, 5]], b[8] = (1.0, -l1 * c[0], -a[1] * c[1]), -l1 * w[0] ** 2 * s[0] - a[1] * w[1] ** 2 * s[1]
     A[9, [4, 2, 5]], b[9] = (1.0, -l1 * s[0], -a[1] * s[1]), l1 * w[0] ** 2 * c[0] + a[1] * w[1] ** 2 * c[1]
-    found = np.linalg.solve(A, b)
-    return found[[2, 5]], found[6:]
+    values = np.linalg.solve(A, b)
+    return values[[2, 5]], values[6:]
 
 
 def test_lagrange_is_newton_and_euler_at_random_states():
@@ -150,8 +150,8 @@ def test_lagrange_is_newton_and_euler_at_random_states():
         chain_derivatives(0.0, chain.x, chain.u[0], dx, *chain.arguments)
         scale = max(1.0, np.abs(accelerations).max())
         np.testing.assert_allclose([dx[2], dx[2] + dx[3]], accelerations, atol=1e-12 * scale)
-        found = [chain[f"reactions.{n}"] for n in ("first_x", "first_y", "second_x", "second_y")]
-        np.testing.assert_allclose(found, forces, atol=1e-12 * scale)
+        values = [chain[f"reactions.{n}"] for n in ("first_x", "first_y", "second_x", "second_y")]
+        np.testing.assert_allclose(values, forces, atol=1e-12 * scale)
         moments = [chain["reactions.first_moment"], chain["reactions.second_moment"]]
         np.testing.assert_allclose(moments, joints, atol=1e-12 * scale)
 

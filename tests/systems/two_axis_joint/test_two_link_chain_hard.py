@@ -17,9 +17,9 @@ HIGH = {"start_first_angle": 2.5, "start_second_angle": 2.9}
 
 
 def started(effects=("gravity",), **parameters) -> TwoLinkChain:
-    made = TwoLinkChain(effects, parameters)
-    made.initialize(0.0)
-    return made
+    unit = TwoLinkChain(effects, parameters)
+    unit.initialize(0.0)
+    return unit
 
 
 def test_a_chaotic_chain_keeps_its_energy_and_loses_its_neighbour():

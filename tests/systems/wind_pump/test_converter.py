@@ -70,10 +70,10 @@ def test_the_lever_flies_free_up_to_the_angle_of_the_closed_form(side):
     engages = math.acos(1.0 - 2.0 * share) + (0.0 if side > 0.0 else math.pi)
     lets_go = math.pi if side > 0.0 else 2.0 * math.pi
     for angle, before, after in ((engages, 0.0, -side), (lets_go, -side, 0.0)):
-        for offset, found in ((-1e-5, before), (1e-5, after)):
+        for offset, engaged in ((-1e-5, before), (1e-5, after)):
             at = (4.0 * math.pi + angle + offset) / crank
             converter.step(converter.t, at - converter.t)
-            assert converter["engaged"] == found
+            assert converter["engaged"] == engaged
 
 
 def test_above_the_largest_speed_the_lever_flies_for_ever():

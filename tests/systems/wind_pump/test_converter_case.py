@@ -15,21 +15,21 @@ pytestmark = pytest.mark.full
 
 
 @pytest.fixture(scope="module")
-def found():
+def findings():
     return cases()["inertial-converter"].findings(Options(in_process=True))
 
 
-def test_the_case_passes(found):
-    assert found.complete
-    assert outcome(found.rows) == "passed"
-    assert all(row.reference.standing == "computed" for row in found.rows)
+def test_the_case_passes(findings):
+    assert findings.complete
+    assert outcome(findings.rows) == "passed"
+    assert all(row.reference.standing == "computed" for row in findings.rows)
     assert cases()["inertial-converter"].system == "wind_pump"
-    assert len(found.charts) == 3
+    assert len(findings.charts) == 3
 
 
-def test_held_speeds_are_far_closer_than_the_ripple_of_light_shafts(found):
+def test_held_speeds_are_far_closer_than_the_ripple_of_light_shafts(findings):
     """What distinguishes a wrong mean from a pulsation: 1e-6 at held speeds, percents in the wind."""
-    by_name = {row.reference.measure: row for row in found.rows}
+    by_name = {row.reference.measure: row for row in findings.rows}
     held = [by_name[f"torque.{w:g}.{s:g}"].measured / (1.0 - s) for w in case.CRANKS for s in case.SHARES]
     np.testing.assert_allclose(held, 1.0, atol=2e-6)
     assert 0.005 < by_name["turbine.3"].measured / 2.5179 - 1.0 < 0.02

@@ -19,10 +19,10 @@ def power_coefficient(curve, ratio, pitch=0.0):
 
 def maximum(curve, pitch, low, high):
     """(ratio, C_p) at the maximum."""
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda r: -power_coefficient(curve, r, pitch), bounds=(low, high), method="bounded", options={"xatol": 1e-10}
     )
-    return found.x, -found.fun
+    return optimum.x, -optimum.fun
 
 
 @pytest.mark.parametrize(
@@ -38,9 +38,9 @@ def maximum(curve, pitch, low, high):
 )
 def test_maxima_are_those_computed_elsewhere(curve, pitch, ratio, largest):
     """Computed from the published formulas with another program; the ratio of a flat maximum to half of the digits."""
-    found, value = maximum(curve, pitch, 0.6, 14.0)
+    optimum, value = maximum(curve, pitch, 0.6, 14.0)
     assert value == pytest.approx(largest, rel=2e-7)
-    assert found == pytest.approx(ratio, rel=2e-5)
+    assert optimum == pytest.approx(ratio, rel=2e-5)
 
 
 @pytest.mark.parametrize(("curve", "factor", "decay"), [(SIMPLE, 0.5, 21.0), (VARIANT, 0.22, 12.5)])

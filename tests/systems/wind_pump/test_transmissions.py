@@ -25,7 +25,7 @@ MODE = {FixedTransmission: 2, AveragedConverter: 1, PlanetaryTransmission: 3}
 ARRANGEMENTS = list(itertools.permutations(SHAFTS, 2))
 
 
-def made(cls, effects=(), parameters=None, turbine_speed=0.0, load_torque=0.0):
+def started(cls, effects=(), parameters=None, turbine_speed=0.0, load_torque=0.0):
     """An initialized transmission with its inputs."""
     transmission = cls(effects, parameters)
     transmission.set("turbine_speed", turbine_speed)
@@ -49,7 +49,7 @@ CASES = [
 @pytest.mark.parametrize("mode", [STANDING, TURNING])
 def test_power_in_is_power_out_and_lost_and_stored(cls, effects, parameters, mode):
     """At random states: dE/dt = T1 w_t - T_load w - dissipation, the derivative of the energy along the derivatives."""
-    transmission = made(cls, effects, parameters)
+    transmission = started(cls, effects, parameters)
     rng = np.random.default_rng(5)
     for _ in range(50):
         transmission.set("turbine_speed", rng.normal(scale=4.0))
@@ -91,7 +91,7 @@ def test_modes_of_the_driven_shaft():
 def test_the_driven_shaft_swings_as_a_torsional_vibration():
     """Turbine at constant speed: the driven shaft about i w_t, w = i w_t + (w0 - i w_t) e^(-d t) (cos - d/wd sin)."""
     shaft = {"gear_ratio": 2.0, "shaft_damping": 3.0, "start_speed": 5.0, "substep": 1e-3}
-    transmission = made(FixedTransmission, (), shaft, turbine_speed=3.0, load_torque=7.0)
+    transmission = started(FixedTransmission, (), shaft, turbine_speed=3.0, load_torque=7.0)
     k, c, inertia, ahead = 2000.0, 3.0, 0.5, 5.0 - 2.0 * 3.0
     decay = c / (2.0 * inertia)
     damped = math.sqrt(k / inertia - decay**2)
@@ -113,7 +113,7 @@ def test_order_of_the_integrator_is_four(cls, parameters):
     """The driven shaft keeps turning, so that there is no event."""
 
     def state(substep):
-        transmission = made(cls, (), parameters | {"start_speed": 4.0, "substep": substep}, turbine_speed=4.5)
+        transmission = started(cls, (), parameters | {"start_speed": 4.0, "substep": substep}, turbine_speed=4.5)
         transmission.step(0.0, 0.08)
         assert transmission.work["events"] == 0
         return transmission.x.copy()
@@ -132,9 +132,9 @@ def test_coefficients_of_the_mean_torque_are_the_printed_ones():
 def test_stall_and_no_load_of_another_converter():
     """m = 4, m_y = 0.05, a = 2, b = 1, r = 0.03, rho = 0.05: stall at 20 rad/s 3.0558 N.m, no load 23.7037 rad/s."""
     other = {"gear_ratio": 1.0, "lever_mass": 4.0, "slider_mass": 0.05, "crank_radius": 0.03}
-    assert made(AveragedConverter, (), other, 20.0)["driving_torque"] == pytest.approx(3.0558, abs=5e-5)
-    assert made(AveragedConverter, (), other, 10.0)["driving_torque"] == pytest.approx(0.7639, abs=5e-5)
-    free = made(AveragedConverter, (), other | {"start_speed": 25.0, "driven_damping": 1e-9}, 20.0)
+    assert started(AveragedConverter, (), other, 20.0)["driving_torque"] == pytest.approx(3.0558, abs=5e-5)
+    assert started(AveragedConverter, (), other, 10.0)["driving_torque"] == pytest.approx(0.7639, abs=5e-5)
+    free = started(AveragedConverter, (), other | {"start_speed": 25.0, "driven_damping": 1e-9}, 20.0)
     free.set("load_torque", 1e-6)  # what faces no torque coasts; a little load brings it to the edge of engaging
     free.x[0] = 23.70371
     free.refresh()
@@ -154,7 +154,7 @@ def test_the_mean_torque_keeps_the_power(sign):
         turbine, share = rng.uniform(0.01, 20.0), rng.uniform(0.0, 1.2)
         w1 = 6.0 * turbine
         w = share * w1 * k1 / k2
-        converter = made(AveragedConverter, (), {"start_speed": w}, sign * turbine)
+        converter = started(AveragedConverter, (), {"start_speed": w}, sign * turbine)
         expected = k1 * w1**2 - k2 * w1 * w if share < 1.0 else 0.0
         assert converter["driving_torque"] == pytest.approx(expected, rel=1e-9, abs=1e-12)
         assert converter["turbine_torque"] * sign * turbine == pytest.approx(expected * w, rel=1e-9, abs=1e-12)
@@ -164,7 +164,7 @@ def test_a_converter_at_constant_speed_approaches_its_end_exponentially():
     """Linear in w: J w' = k1 w1² - T - k2 w1 w."""
     k1, k2 = AveragedConverter().coefficients()
     w1 = 6.0 * 3.0
-    converter = made(AveragedConverter, (), None, turbine_speed=3.0, load_torque=10.0)
+    converter = started(AveragedConverter, (), None, turbine_speed=3.0, load_torque=10.0)
     end, rate = (k1 * w1**2 - 10.0) / (k2 * w1), k2 * w1
     converter.step(0.0, 2.0)
     assert converter["speed"] == pytest.approx(end * (1.0 - math.exp(-2.0 * rate)), rel=1e-9)
@@ -172,7 +172,7 @@ def test_a_converter_at_constant_speed_approaches_its_end_exponentially():
 
 
 def test_a_turbine_too_fast_for_the_stable_step_fails_the_step():
-    converter = made(AveragedConverter, (), {"largest_turbine_speed": 5.0}, turbine_speed=5.1)
+    converter = started(AveragedConverter, (), {"largest_turbine_speed": 5.0}, turbine_speed=5.1)
     with pytest.raises(StepFailed, match="range"):
         converter.step(0.0, 0.1)
 
@@ -187,7 +187,7 @@ def test_willis_relations_hold_in_the_steady_state(turbine_on, pump_on):
     """Speeds: w_s + k w_r = (1 + k) w_c; torques as 1 : k : -(1 + k). With sun and ring the pump's speed is counted against."""
     third_on = next(s for s in SHAFTS if s not in (turbine_on, pump_on))
     on = {"turbine_on": turbine_on, "pump_on": pump_on, "substep": 1e-3}
-    gear = made(PlanetaryTransmission, (), on, turbine_speed=6.0, load_torque=2.0)
+    gear = started(PlanetaryTransmission, (), on, turbine_speed=6.0, load_torque=2.0)
     gear.step(0.0, 60.0)
     direction = -1.0 if {turbine_on, pump_on} == {"sun", "ring"} else 1.0
     speeds = {turbine_on: 6.0, pump_on: direction * gear["speed"], third_on: gear["third_speed"]}
@@ -229,7 +229,7 @@ def test_a_dry_brake_slips_at_its_torque_and_not_before(share):
 
 def test_a_stalled_pump_leaves_the_turbine_the_torque_of_the_brake():
     """Ring turns, carrier stands: w_s = -k w_r, brake b k w_r on the sun, k times that on the ring."""
-    gear = made(PlanetaryTransmission, (), None, turbine_speed=2.0, load_torque=1e3)
+    gear = started(PlanetaryTransmission, (), None, turbine_speed=2.0, load_torque=1e3)
     gear.step(0.0, 20.0)
     assert gear["speed"] == 0.0
     assert gear["third_speed"] == pytest.approx(-6.0, rel=1e-9)
@@ -251,7 +251,7 @@ def test_what_cannot_be_is_refused(effects, parameters, message):
 
 @pytest.mark.full
 def test_a_third_shaft_too_fast_for_the_stable_step_fails_the_step():
-    gear = made(
+    gear = started(
         PlanetaryTransmission,
         ["centrifugal_brake"],
         {"centrifugal_brake.largest_speed": 5.0, "centrifugal_brake.coefficient": 1e-3, "third_damping": 0.1},

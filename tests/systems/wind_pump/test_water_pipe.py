@@ -12,7 +12,7 @@ from cosimo.components.wind_pump.pipe import WaterPipe, pipe_derivatives
 pytestmark = pytest.mark.interpreted
 
 
-def made(effects=(), parameters=None, flow=0.0, **inputs):
+def unit(effects=(), parameters=None, flow=0.0, **inputs):
     """An initialized pipe."""
     pipe = WaterPipe(effects, parameters)
     pipe.set("flow", flow)
@@ -24,13 +24,13 @@ def made(effects=(), parameters=None, flow=0.0, **inputs):
 
 @pytest.mark.parametrize("flow", [0.0, 1e-3, -1e-3])
 def test_head_is_height_and_friction(flow):
-    assert made(flow=flow)["head"] == 20.0
-    assert made(["friction"], None, flow)["head"] == pytest.approx(20.0 + 1e6 * flow * abs(flow), rel=1e-15)
+    assert unit(flow=flow)["head"] == 20.0
+    assert unit(["friction"], None, flow)["head"] == pytest.approx(20.0 + 1e6 * flow * abs(flow), rel=1e-15)
 
 
 @pytest.mark.full
 def test_delivered_is_the_integral_of_the_flow():
-    pipe = made(flow=1e-3)
+    pipe = unit(flow=1e-3)
     pipe.u[1, 0], pipe.u[2, 0] = 2e-4, -1e-5
     pipe.step(0.0, 10.0)
     assert pipe["delivered"] == pytest.approx(1e-2 + 1e-2 - 1e-2 / 3.0, rel=1e-12)
@@ -38,7 +38,7 @@ def test_delivered_is_the_integral_of_the_flow():
 
 def test_the_column_swings_on_the_air_at_its_frequency():
     """w² = n p A / (rho L V); a small push, without friction, is back after a period, and has turned after half of it."""
-    pipe = made(["air_vessel"], {"substep": 1e-3})
+    pipe = unit(["air_vessel"], {"substep": 1e-3})
     area = 0.25 * math.pi * 0.035**2
     pressure = 101325.0 + 1000.0 * 9.81 * 20.0
     omega = math.sqrt(1.2 * pressure * area / (1000.0 * 30.0 * 5e-3))
@@ -55,7 +55,7 @@ def test_the_column_swings_on_the_air_at_its_frequency():
 def test_the_swinging_column_keeps_its_energy_and_friction_takes_it():
     """Column, air and water lifted: d/dt (rho L q²/(2A) + rho g H delivered + W_air) = -rho g K |q|³ without inflow."""
     for effects, loss in ((("air_vessel",), 0.0), (("friction", "air_vessel"), 1e6)):
-        pipe = made(effects)
+        pipe = unit(effects)
         rng = np.random.default_rng(6)
         for _ in range(20):
             q, gas = rng.normal(scale=1e-3), 5e-3 * rng.uniform(0.7, 1.4)
@@ -72,7 +72,7 @@ def test_the_swinging_column_keeps_its_energy_and_friction_takes_it():
 @pytest.mark.full
 def test_an_air_vessel_evens_out_a_pulsating_flow():
     """Half sine waves of 1 Hz; column and air alone have a period of 4.5 s: the pulsation does not get through."""
-    pipe = made(["friction", "air_vessel"], {"air_vessel.gas_volume": 0.05})
+    pipe = unit(["friction", "air_vessel"], {"air_vessel.gas_volume": 0.05})
     h, out, into = 0.01, [], []
     for k in range(12_000):
         pipe.set("flow", 1e-3 * max(math.sin(2.0 * math.pi * (k + 0.5) * h), 0.0))
@@ -87,7 +87,7 @@ def test_an_air_vessel_evens_out_a_pulsating_flow():
 @pytest.mark.full
 def test_a_tank_fills_runs_over_and_empties_at_the_instants_of_its_volumes():
     """2 m² from 0.5 m to 2 m at 1e-3 m³/s: full after 3000 s; then demand 5e-3 empties it in 1000 s; volumes add up."""
-    pipe = made(["tank"], {"substep": 10.0}, flow=1e-3)
+    pipe = unit(["tank"], {"substep": 10.0}, flow=1e-3)
     pipe.step(0.0, 3000.0 - 1e-6)
     assert pipe["tank.overflowed"] == 0.0
     pipe.step(3000.0 - 1e-6, 500.0 + 1e-6)
@@ -109,11 +109,11 @@ def test_a_tank_fills_runs_over_and_empties_at_the_instants_of_its_volumes():
 
 
 def test_an_empty_tank_from_which_is_drawn_stays_empty():
-    pipe = made(["tank"], {"tank.start_level": 0.0}, tank_demand=1e-3)
+    pipe = unit(["tank"], {"tank.start_level": 0.0}, tank_demand=1e-3)
     pipe.step(0.0, 10.0)
     assert (pipe["tank.level"], pipe["tank.supplied"]) == (0.0, pytest.approx(0.0, abs=1e-15))
 
 
 def test_a_level_above_the_overflow_is_refused():
     with pytest.raises(BadInput, match="at most the height"):
-        made(["tank"], {"tank.start_level": 3.0})
+        unit(["tank"], {"tank.start_level": 3.0})

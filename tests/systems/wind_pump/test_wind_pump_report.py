@@ -33,8 +33,8 @@ def shown():
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(shown):
-    found = {**figures(shown), **figures(SYSTEMS["wind_pump"].figures(gusty_run()))}
-    for figure in found.values():
+    by_title = {**figures(shown), **figures(SYSTEMS["wind_pump"].figures(gusty_run()))}
+    for figure in by_title.values():
         assert_valid_with_units(figure, UNIT)
 
 
@@ -88,8 +88,8 @@ def test_a_run_that_begins_and_ends_outside_the_record_has_no_marks():
 
 
 def test_a_gusty_wind_is_shown_in_bins_and_in_hours():
-    made = figures(SYSTEMS["wind_pump"].figures(gusty_run()))
-    course, against = made["Course of the run"], made["Against the wind"]
+    by_title = figures(SYSTEMS["wind_pump"].figures(gusty_run()))
+    course, against = by_title["Course of the run"], by_title["Against the wind"]
     assert any(a["title"]["text"] == "time, h" for k, a in course["layout"].items() if k.startswith("xaxis"))
     lines = [t for t in against["data"] if t["name"] == "bins of 0.5 m/s"]
     x, y = (numbers(lines[0][k]) for k in "xy")  # turbine speed: 1 rad/s at 1 m/s
