@@ -133,7 +133,7 @@ def test_a_point_without_a_section_keeps_its_measures():
     }
     found = sweep(read_scene(scene))
     assert found.outcomes[0] == "done"
-    assert "stands" in found.outcomes[1]
+    assert "rests" in found.outcomes[1]
     assert found.measures["w.height, maximum"].tolist() == pytest.approx([1.0, 1.0], abs=1e-3)  # samples 0.07 rad apart
 
 

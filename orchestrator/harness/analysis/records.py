@@ -14,7 +14,6 @@ from ...units.component import make
 if TYPE_CHECKING:
     from ....components.core.component import Component
     from ...results import Result
-    from ...scene.scene import Scene
 
 KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
     "minimum": np.min,
@@ -95,19 +94,3 @@ def recorded_units(result: Result, *outputs: str) -> list[RecordedUnit]:
     """The units of a run of which all these outputs were recorded, in the order of the scene; all units for none."""
     units = [RecordedUnit(result, name) for name in result.scene.units]
     return [unit for unit in units if unit.has(*outputs)]
-
-
-def component_of(scene: Scene, unit: str) -> Component | None:
-    """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
-    given = scene.units[unit]
-    return make(unit, given) if given.component else None
-
-
-def source(scene: Scene, unit: str, name: str) -> str:
-    """ "unit.output" that drives an input; "" if nothing does."""
-    return next((".".join(link.source) for link in scene.coupling.links if link.target == (unit, name)), "")
-
-
-def recorded(result: Result, unit: str, name: str) -> str:
-    """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
-    return RecordedUnit(result, unit).column(name)

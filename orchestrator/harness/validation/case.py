@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -184,28 +184,6 @@ def _ask(questions: tuple[Question, ...], title: str, options: Options) -> tuple
     except StepFailed as failed:
         return evidence, Findings((), notes=(str(failed),))
     return evidence, None
-
-
-@dataclass(frozen=True)
-class FunctionCase(Case):
-    """A case whose findings a function gives."""
-
-    questions: tuple[Question, ...] = ()
-    function: Callable[[Options], Findings] = lambda options: Findings(())
-    explained: Callable[[Options], tuple[Chart | Grid, ...]] | None = None
-
-    def findings(self, options: Options) -> Findings:
-        return self.function(options)
-
-    def with_studies(self, findings: Findings, options: Options) -> Findings:
-        if self.explained is None or not findings.complete:
-            return findings
-        return replace(findings, charts=(*findings.charts, *self.explained(options)))
-
-
-def function_case(name: str, title: str, text: str, system: str, function: Any, explained: Any = None) -> FunctionCase:
-    """Such a case."""
-    return FunctionCase(name, title, text, system=system, function=function, explained=explained)
 
 
 @dataclass(frozen=True)

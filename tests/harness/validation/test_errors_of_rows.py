@@ -130,7 +130,7 @@ def test_the_readmes_case_has_errors(tmp_path):
     assert reference.master.step == 1e-3
     from cosimo.orchestrator.systems import _case
 
-    found = find(replace(_case("en50318-2002"), studies=None), Options(in_process=True))
+    found = find(replace(_case("en50318-2002"), studies=()), Options(in_process=True))
     assert found.unverified == ""
     mean = next(row for row in found.rows if row.reference.measure == "std")
     assert 0.0 < mean.error < 0.5
