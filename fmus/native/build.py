@@ -9,11 +9,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ...components.core import store
@@ -24,9 +25,9 @@ from ...components.core.folders import cache_root
 from ..build import is_sound, write
 from ..description import documentation, shared_files
 from .description import HOST, description2, description3, listed, name_of
-from .instance import Places
-from .machine_code import NATIVE, TARGETS, compile_entries, object_code
-from .variables import native_variables, tables
+from .instance import Model, Places, model_of
+from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of
+from .variables import NativeVariable, native_variables, tables
 
 RUNTIME = Path(__file__).parent / "runtime"
 SOURCES = ("native.c", "fmi2.c", "fmi3.c")
@@ -37,15 +38,22 @@ HERE = {("Linux", "x86_64"): "linux64", ("Windows", "AMD64"): "win64", ("Linux",
 
 @dataclass(frozen=True)
 class Library:
-    """What FMUs of one component, for any version of FMI, have in common."""
+    """What FMUs of one model, for any version of FMI, have in common.
+
+    name: the model's identifier.  component: the component, None for a scene.  described: what texts and attributes come from, a
+    class of components or what has their attributes.  abilities: attributes of the model description by version of FMI.
+    """
 
     name: str
     component: Any
+    described: Any
     variables: tuple[Any, ...]
     token: str
     model: str  # model.c
-    objects: dict[str, bytes]  # target -> entries.o
+    objects: dict[str, tuple[bytes, ...]]  # target -> object files
     binaries: dict[str, bytes]  # target -> library
+    abilities: Mapping[int, Mapping[str, str]]
+    host: str = HOST  # what the documentation says of hosts
 
 
 def own_target() -> str:
@@ -74,16 +82,35 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
     """Compile what `make` makes, a component with its effects, parameters and start values, for all targets."""
     compilers = {target: compiler(target) for target in targets}  # refused before anything is compiled
     component = initialized(make())
-    text, places = compile_entries(component), Places(component)
+    text, places = compile_entries(source_of(component)), Places(component)
     variables = native_variables(component, places)
-    objects = {target: object_code(text, target) for target in {*compilers, "linux64"}}
-    digest = store.digest_of(
-        objects["linux64"], tables(component, places, variables, ""), *_runtime(), description2(name, component, variables, "")
-    )
+    return assembled(name, type(component), variables, model_of(component, places), (text,), compilers, component=component)
+
+
+def assembled(
+    name: str,
+    described: Any,
+    variables: tuple[NativeVariable, ...],
+    held: Model,
+    texts: Sequence[str],
+    compilers: Mapping[str, list[str]],
+    *,
+    component: Any = None,
+    abilities: Mapping[int, Mapping[str, str]] = MappingProxyType({}),
+    host: str = HOST,
+    sources: Sequence[str] = SOURCES,
+) -> Library:
+    """The libraries of a model for the targets of some compilers.
+
+    texts: of entries, in LLVM's language; sources: of the runtime; others as of `Library`.
+    """
+    objects = {target: tuple(object_code(text, target) for text in texts) for target in {*compilers, "linux64"}}
+    description = description2(name, described, variables, "", abilities=abilities.get(2, {}))
+    digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), description)
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    model = tables(component, places, variables, token)
-    binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
-    return Library(name, component, variables, token, model, objects, binaries)
+    model = tables(held, variables, token)
+    binaries = {target: _linked(name, target, command, model, objects[target], sources) for target, command in compilers.items()}
+    return Library(name, component, described, variables, token, model, objects, binaries, abilities, host)
 
 
 def initialized(component: Component) -> KernelComponent:
@@ -107,12 +134,15 @@ def _runtime() -> list[bytes]:
     return [(RUNTIME / file).read_bytes() for file in _files()]
 
 
-def write_sources(folder: Path, model: str, code: bytes) -> None:
-    """All that a C compiler needs: the runtime, model.c and entries.o."""
+def write_sources(folder: Path, model: str, codes: Sequence[bytes]) -> list[str]:
+    """All that a C compiler needs: the runtime, model.c and the object files, whose names are returned."""
     for file in _files():
         shutil.copy(RUNTIME / file, folder)
     Path(folder, "model.c").write_text(model)
-    Path(folder, "entries.o").write_bytes(code)
+    names = [f"entries{k}.o" for k in range(len(codes))]
+    for name, code in zip(names, codes, strict=True):
+        Path(folder, name).write_bytes(code)
+    return names
 
 
 def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
@@ -156,13 +186,13 @@ def _compiler_version(target: str) -> str:
     return subprocess.run([command[0], "--version"], capture_output=True, text=True, check=False).stdout
 
 
-def _linked(name: str, target: str, command: list[str], model: str, code: bytes) -> bytes:
+def _linked(name: str, target: str, command: list[str], model: str, codes: Sequence[bytes], sources: Sequence[str]) -> bytes:
     with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:
-        write_sources(Path(folder), model, code)
+        objects = write_sources(Path(folder), model, codes)
         result = name + TARGETS[target].suffix
         dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later
         done = subprocess.run(
-            [*command, *FLAGS, *dense, *SOURCES, "model.c", "entries.o", "-o", result, "-lm"],
+            [*command, *FLAGS, *dense, *sources, "model.c", *objects, "-o", result, "-lm"],
             cwd=folder,
             capture_output=True,
             text=True,
@@ -193,20 +223,22 @@ def build_native(
     return [pack(done, directory, fmi, derivatives) for done in [library(name, make, targets)] for fmi in standards]
 
 
-def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True) -> Path:
-    """One FMU file of a compiled component; `derivatives`: list those of its inputs."""
-    describe, component = {2: description2, 3: description3}[fmi], type(done.component)
+def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True, file: str = "") -> Path:
+    """One FMU file of a library; `derivatives`: list those of its inputs; `file`: its name without suffix, else the library's."""
+    describe, described = {2: description2, 3: description3}[fmi], done.described
     present = [v for _, v in listed(done.variables, derivatives)]
     scalars = tuple(v.scalar for v in present)
     ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
     members = {
-        "modelDescription.xml": describe(done.name, component, done.variables, done.token, derivatives),
-        "documentation/index.html": documentation(done.name, component, scalars, HOST),
-        **shared_files(done.name, component, ends, fmi),
+        "modelDescription.xml": describe(
+            done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
+        ),
+        "documentation/index.html": documentation(done.name, described, scalars, done.host),
+        **shared_files(done.name, described, ends, fmi),
     }
     for folder, (target, content) in _folders(done.binaries, fmi).items():
         members[f"binaries/{folder}/{done.name}{TARGETS[target].suffix}"] = content
-    return write(members, Path(directory) / f"{done.name}{'.fmi3' if fmi == 3 else ''}.fmu")
+    return write(members, Path(directory) / f"{file or done.name}{'.fmi3' if fmi == 3 else ''}.fmu")
 
 
 def _folders(binaries: dict[str, bytes], fmi: int) -> dict[str, tuple[str, bytes]]:

@@ -6,7 +6,8 @@ Sources: FMI 2.0.4, sections 2.2 and 4.3; FMI 3.0.2, sections 2.4 and 4.3.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -39,8 +40,16 @@ def listed(variables: Iterable[NativeVariable], derivatives: bool) -> list[tuple
     return [(k, v) for k, v in enumerate(variables) if v.role != "ABSENT" and (derivatives or not v.scalar.order)]
 
 
-def description2(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
-    """For FMI 2.0."""
+def description2(
+    name: str,
+    component: Any,
+    variables: tuple[NativeVariable, ...],
+    token: str,
+    derivatives: bool = True,
+    *,
+    abilities: Mapping[str, str] = MappingProxyType({}),
+) -> bytes:
+    """For FMI 2.0; abilities: attributes of the co-simulation beside those of components, or in their place."""
     root = ET.Element("fmiModelDescription", {"fmiVersion": "2.0", **identity(name, component, "", guid=token)})
     ET.SubElement(
         root,
@@ -56,6 +65,7 @@ def description2(name: str, component: Any, variables: tuple[NativeVariable, ...
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
+            **abilities,
         },
     )
     present = [(k, v.scalar) for k, v in listed(variables, derivatives)]
@@ -67,8 +77,16 @@ def description2(name: str, component: Any, variables: tuple[NativeVariable, ...
     return _finished(root)
 
 
-def description3(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
-    """For FMI 3.0: elements that follow one another are arrays."""
+def description3(
+    name: str,
+    component: Any,
+    variables: tuple[NativeVariable, ...],
+    token: str,
+    derivatives: bool = True,
+    *,
+    abilities: Mapping[str, str] = MappingProxyType({}),
+) -> bytes:
+    """For FMI 3.0, as `description2`: elements that follow one another are arrays."""
     root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", **identity(name, component, "", instantiationToken=token)})
     ET.SubElement(
         root,
@@ -82,6 +100,7 @@ def description3(name: str, component: Any, variables: tuple[NativeVariable, ...
             "providesDirectionalDerivatives": "true",
             "canHandleVariableCommunicationStepSize": "true",
             "maxOutputDerivativeOrder": "0",
+            **abilities,
         },
     )
     present = [(k, v) for k, v in listed(variables, derivatives) if v.size]

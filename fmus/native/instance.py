@@ -6,6 +6,9 @@ of the build.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...components.core.block import ENTRIES
@@ -15,14 +18,48 @@ from ...components.core.kernels import REASONS
 from ...components.core.variables import Causality
 
 
+@dataclass(frozen=True)
+class Model:
+    """What a library holds beside its functions.
+
+    image: (cells,) uint64, the block before initialization.  reasons: (status, format, cells of the numbers in it).
+    given: ranges of cells that the host sets.  saved: cells of a state, from the first on; all of them where `whole`.
+    parameters: range of those that the rest follows from.  row: cells from an input to its derivative, 0 where there are none.  code: further C, that has `model_place` where the block holds addresses.
+    """
+
+    image: np.ndarray
+    reasons: Sequence[tuple[int, str, Sequence[int]]]
+    given: Sequence[tuple[int, int]]
+    saved: int
+    parameters: tuple[int, int] = (0, 0)
+    row: int = 0
+    code: str = "void model_place(int64_t block) { (void)block; }"
+
+    @property
+    def whole(self) -> bool:
+        """Whether a state is the whole block."""
+        return self.saved == self.image.size
+
+
+def model_of(component: KernelComponent, at: Places) -> Model:
+    """What the library of a component holds."""
+    parameters = at.first_parameter, at.saved
+    given = ((at.u, at.u + component.u.size), parameters)
+    return Model(image_of(component).view("uint64"), reasons_of(component), given, at.saved, parameters, len(component.inputs))
+
+
 class Places:
-    """Cells of what an FMU knows of."""
+    """Cells of what an FMU knows of; variables: cell and factor of inputs, their derivatives, and outputs, by name."""
 
     def __init__(self, component: KernelComponent):
         block, variables = component.block, type(component).variables
         assert block is not None
         self.u, self.y = block.cell("s", "u"), block.cell("s", "y")
         self.cells, self.saved, self.first_parameter = block.cells, block.saved, block.parameters_at
+        n = len(component.inputs)
+        self.variables = {name: (self.y + i, 1.0) for i, name in enumerate(component.outputs)}
+        for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
+            self.variables |= {form.format(name): (self.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
         self.settable = {name: cell_of(component, name) for name in component.parameters if not variables[name].structural}
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ...components.core.block import ENTRIES, check_result, kinds_of
+from ...components.core.block import ENTRIES, Block, check_result, kinds_of
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
@@ -142,62 +142,84 @@ def _names(code: types.CodeType) -> Iterable[str]:
             yield from _names(constant)
 
 
-def compile_entries(component: KernelComponent) -> str:
-    """The entries of an initialized component in LLVM's language; `BadInput` names the line that prevents it."""
+@dataclass(frozen=True)
+class Source:
+    """What is compiled: kernels by the name of their entry, for a block and arguments that lie in it.
+
+    prefix: of the entries' symbols.  owner: a class whose sources the kernels depend on, too.
+    """
+
+    name: str
+    prefix: str
+    block: Block
+    kernels: Mapping[str, Any]
+    arguments: tuple[Any, ...]
+    owner: type = object
+
+
+def source_of(component: KernelComponent, prefix: str = "model") -> Source:
+    """The entries of an initialized component."""
+    cls, block = type(component), component.block
+    assert block is not None
+    kernels = {name: getattr(cls.kernels, name) for name in ENTRIES}
+    return Source(cls.__name__, prefix, block, kernels, component.arguments, cls)
+
+
+def compile_entries(source: Source) -> str:
+    """Entries in LLVM's language; `BadInput` names the line that prevents it."""
     from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
     refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
     try:
-        return _compile(component, counted=False)
+        return _compile(source, counted=False)
     except refused as error:
         first = error
     try:
         # code that is never reached may mention allocation; what remains of it is seen among the symbols
-        return _compile(component, counted=True)
+        return _compile(source, counted=True)
     except refused as second:
-        raise refusal(component, second) from first
+        raise refusal(source.name, second) from first
     except BadInput as second:
         place = _place(_plain(first))
         raise BadInput(second.where, second.actual + place, second.expected, second.remedy) from first
 
 
-def _compile(component: KernelComponent, counted: bool) -> str:
+def _compile(source: Source, counted: bool) -> str:
     from numba import types as t
     from numba.core.typing.typeof import typeof
 
-    block, cls, compiler = component.block, type(component), _Compiler(counted)
-    assert block is not None
-    kernels = {name: compiler.clone(getattr(cls.kernels, name)) for name in ENTRIES}
+    block, compiler = source.block, _Compiler(counted)
+    kernels = {name: compiler.clone(kernel) for name, kernel in source.kernels.items()}
     reached = [function for _, function in compiler.kernels.values()]
-    of_arguments = tuple(map(typeof, component.arguments))
+    of_arguments = tuple(map(typeof, source.arguments))
     layout = "\n".join(map(repr, block.in_order()))
-    identity = (layout, *map(str, of_arguments), *(getattr(cls.kernels, name) for name in ENTRIES))
-    digest = digest_of(identity, called_kernels, reached, cls)
+    identity = (source.prefix, layout, *map(str, of_arguments), *source.kernels.values())
+    digest = digest_of(identity, called_kernels, reached, source.owner)
     text = load(digest) if digest else None
     if text is None:
         texts = {}
         for name, kernel in kernels.items():
-            signature = (t.float64,) * len(ENTRIES[name]) + of_arguments
+            signature = (t.float64,) * len(block.entries[name]) + of_arguments
             kernel.compile(signature)
             overload = kernel.overloads[signature]
             check_result(kernel, overload)
-            body = block.body(name, kinds_of(overload, len(ENTRIES[name])), overload.fndesc.llvm_func_name)
+            body = block.body(name, kinds_of(overload, len(block.entries[name])), overload.fndesc.llvm_func_name)
             texts[name] = (
                 overload.library.get_llvm_str()
                 + f"""
-define i32 @model_{name}({", ".join(ENTRIES[name])}, i64 %address) {{
+define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %address) {{
 %block = inttoptr i64 %address to ptr
 {body}
 }}
 """
             )
-        text = _linked(component, texts, [k.__name__ for k in reached])
+        text = _linked(source, texts, [k.__name__ for k in reached])
         if digest:
             save(digest, text)
     return text
 
 
-def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str:
+def _linked(source: Source, texts: Mapping[str, str], kernels: list[str]) -> str:
     """One module of all entries, optimized for the baseline of x86-64; refuses symbols that are not `ALLOWED`."""
     import llvmlite.binding as llvm
 
@@ -206,7 +228,7 @@ def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str
     for other in others:
         module.link_in(other)
     for item in [*module.functions, *module.global_variables]:
-        if not item.is_declaration and not item.name.startswith("model_"):
+        if not item.is_declaration and not item.name.startswith(source.prefix + "_"):
             item.linkage = "internal"
     before = str(module)
     _optimize(module, TARGETS["linux64"])
@@ -215,7 +237,7 @@ def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str
     if foreign:
         needed = ", ".join(foreign) + _users(before, foreign[0], kernels)
         remedy = "Give the kernel workspace, or write a loop."
-        raise BadInput(type(component).__name__, f"machine code that needs {needed}", NATIVE, remedy)
+        raise BadInput(source.name, f"machine code that needs {needed}", NATIVE, remedy)
     return str(module)
 
 
@@ -259,13 +281,13 @@ def object_code(text: str, target: str) -> bytes:
     module = llvm.parse_assembly(text)
     machine = _optimize(module, TARGETS[target])
     for function in module.functions:
-        if function.name.startswith("model_"):
+        if not function.is_declaration and function.linkage.name == "external":
             function.visibility = "hidden"
     module.verify()
     return machine.emit_object(module)
 
 
-def refusal(component: Any, error: Exception) -> BadInput:
+def refusal(name: str, error: Exception) -> BadInput:
     """Numba's message, shortened to its cause and the deepest line that it names."""
     text = _plain(error)
     lines = [line.strip() for line in text.splitlines() if line.strip()]
@@ -273,10 +295,7 @@ def refusal(component: Any, error: Exception) -> BadInput:
     causes = [line for line in lines if not line.startswith(ignored)]
     cause = next((c for c in reversed(causes) if len(c) > 12), type(error).__name__)
     return BadInput(
-        type(component).__name__,
-        f"what has no native form{_place(text)}: {cause[:200]}",
-        NATIVE,
-        "Move it into a kernel with workspace.",
+        name, f"what has no native form{_place(text)}: {cause[:200]}", NATIVE, "Move it into a kernel with workspace."
     )
 
 

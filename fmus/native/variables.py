@@ -12,7 +12,7 @@ from typing import Any
 
 from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
-from .instance import Places, image_of, reasons_of
+from .instance import Model, Places
 
 TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 
@@ -30,16 +30,12 @@ class NativeVariable:
 
 def native_variables(component: KernelComponent, at: Places) -> tuple[NativeVariable, ...]:
     """All variables in the order of their value references."""
-    places: dict[str, tuple[int, float]] = {}
-    n = len(component.inputs)
-    for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
-        places |= {form.format(name): (at.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
-    places |= {name: (at.y + i, 1.0) for i, name in enumerate(component.outputs)}
     component_class: Any = type(component)
-    return _with_sizes([_variable(s, component, at, places) for s in interface(component_class)])
+    return with_sizes([component_variable(s, component, at) for s in interface(component_class)])
 
 
-def _variable(scalar: Scalar, component: KernelComponent, at: Places, places: dict[str, tuple[int, float]]) -> NativeVariable:
+def component_variable(scalar: Scalar, component: KernelComponent, at: Places) -> NativeVariable:
+    """A variable of a component's FMU as it is in a native one."""
     name = scalar.name
     if scalar.causality == "parameter":
         if name.startswith("effects."):
@@ -51,9 +47,9 @@ def _variable(scalar: Scalar, component: KernelComponent, at: Places, places: di
         if name in at.settable:
             return NativeVariable(replace(scalar, start=value), "PARAMETER", at.settable[name])
         return NativeVariable(replace(scalar, causality="local", start=value, text=scalar.text + "; fixed at build"), "CONSTANT")
-    if name not in places:
+    if name not in at.variables:
         return NativeVariable(scalar, "ABSENT")
-    cell, factor = places[name]
+    cell, factor = at.variables[name]
     if scalar.causality == "output":
         return NativeVariable(scalar, "OUTPUT", cell)
     if scalar.order:
@@ -61,8 +57,8 @@ def _variable(scalar: Scalar, component: KernelComponent, at: Places, places: di
     return NativeVariable(replace(scalar, start=float(component[name])), "INPUT", cell)
 
 
-def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
-    """Elements `name[1]`, `name[2]` ... that follow one another are one array in FMI 3."""
+def with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
+    """The variables with their sizes: elements `name[1]`, `name[2]` ... that follow one another are one array in FMI 3."""
     merged: list[NativeVariable] = []
     first = 0
     for k, variable in enumerate(variables):
@@ -78,23 +74,21 @@ def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
     return tuple(merged)
 
 
-def tables(component: KernelComponent, at: Places, variables: tuple[NativeVariable, ...], token: str) -> str:
+def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> str:
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
     rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
-    reasons = [
-        f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}" for status, text, cells in reasons_of(component)
-    ]
-    cells = [f"{value:#x}u" for value in image_of(component).view("uint64").tolist()]
+    reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}" for status, text, cells in model.reasons]
+    cells = [f"{value:#x}u" for value in model.image.tolist()]
     numbers = {
         "variable_count": len(variables),
         "reason_count": len(reasons),
-        "cells": at.cells,
-        "saved": at.saved,
-        "u": at.u,
-        "u_size": component.u.size,
-        "parameters": at.first_parameter,
-        "parameters_size": at.saved - at.first_parameter,
+        "cells": model.image.size,
+        "saved": model.saved,
+        "parameters": model.parameters[0],
+        "parameters_size": model.parameters[1] - model.parameters[0],
+        "given_count": len(model.given),
+        "row": model.row,
     }
     return "\n".join(
         [
@@ -109,8 +103,11 @@ def tables(component: KernelComponent, at: Places, variables: tuple[NativeVariab
             "const uint64_t model_image[] = {",
             *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)),
             "};",
+            "const uint32_t model_given[][2] = {" + ", ".join(f"{{{first}, {last}}}" for first, last in model.given) + "};",
             f"const char model_token[] = {quoted(token)};",
+            f"const bool model_whole = {int(model.whole)};",
             "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
+            model.code,
             "",
         ]
     )

@@ -179,6 +179,13 @@ def scene_of(
     return changed(loaded, {**changes_of(loaded, values, presets), **others})
 
 
+def is_scene(name: str) -> bool:
+    """Whether a name is that of a shipped scene or a file of one."""
+    from ..scene.files import scene_files
+
+    return Path(name).suffix == ".toml" or name in scene_files()
+
+
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """The scene with changes from the command line.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, app, fail, print_table, print_written, scene_of, status_spinner, warn
+from .common import FAILED_CHECK, app, fail, is_scene, print_table, print_written, scene_of, status_spinner, warn
 from .completion import components as component_names
 from .options import AsJson, Changes, Native, Presets, SceneName, listed, parameters_of, preset_of, refuse, share
 
@@ -80,6 +80,14 @@ def _build_native(
     versions = listed("--fmi", [fmi]) if fmi else ["2"]
     if unknown := [v for v in versions if v not in ("2", "3")]:
         raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")
+    scenes = [name for name in names if not scene and is_scene(name)]
+    for name in scenes:
+        from ..scene_fmu import build_scene_fmu
+
+        for path in build_scene_fmu(scene_of(name, values, presets), output, targets, [int(v) for v in versions]):
+            print(path)
+    if scenes and not (names := [name for name in names if name not in scenes]):
+        return
     if scene:
         from ..native import makers
 

@@ -93,7 +93,7 @@ class ComponentSimulator(PlainSimulator):
         places = _stretch(self.component.output_positions(outputs))
         self.get = (lambda: y[places]) if len(outputs) > ARRAY_THRESHOLD else self.reader(outputs)
         self.step = self.component.step
-        self._at = _addresses(u[0], self.component.input_positions(inputs)), self.outputs_at(outputs)
+        self.addresses = _addresses(u[0], self.component.input_positions(inputs)), self.outputs_at(outputs)
 
     def outputs_at(self, names: Sequence[str]) -> tuple[int, ...]:
         """Addresses of outputs."""
@@ -118,7 +118,7 @@ class ComponentSimulator(PlainSimulator):
             alive = self._callbacks = Callback(refresh), Callback(c.step)
             outputs, step, argument = *(callback.function for callback in self._callbacks), 0
         calls = {"step": step, "outputs": outputs, "argument": argument, "row": c.u.strides[0]}
-        return CallTable(calls, IN_MEMORY, alive, *self._at, (False,) * len(self._at[0]), bool(self._callbacks))
+        return CallTable(calls, IN_MEMORY, alive, *self.addresses, (False,) * len(self.addresses[0]), bool(self._callbacks))
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""

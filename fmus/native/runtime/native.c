@@ -37,9 +37,14 @@ int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is
 
 /* The block of the build; inputs and parameters are kept unless the instance begins anew. */
 static void fill(Instance *m, int anew) {
-    const uint32_t ends[] = {model_u, model_u + model_u_size, model_parameters, model_parameters + model_parameters_size};
-    for (uint32_t k = 0; k < model_cells; k++)
-        if (anew || !((k >= ends[0] && k < ends[1]) || (k >= ends[2] && k < ends[3]))) memcpy(m->block + k, model_image + k, 8);
+    uint32_t k = 0;
+    for (uint32_t i = 0; i <= model_given_count; i++) {
+        const uint32_t end = anew || i == model_given_count ? model_cells : model_given[i][0];
+        if (k < end) memcpy(m->block + k, model_image + k, 8 * (size_t)(end - k));
+        if (anew) break;
+        if (i < model_given_count) k = model_given[i][1];
+    }
+    model_place(ADDRESS(m));
     m->stale = 1;
     m->initialized = 0;
 }
@@ -232,7 +237,7 @@ int set_values(Instance *m, int type, const uint32_t *references, size_t n, cons
     return OK;
 }
 int set_slopes(Instance *m, const uint32_t *references, size_t n, const int32_t *orders, const double *values) {
-    const uint32_t row = model_u_size / 3;
+    if (n && !model_row) return refuse(m, "SetRealInputDerivatives");
     if (!allowed(m, INSTANTIATED | INITIALIZATION | STEPPING, "SetRealInputDerivatives")) return ERROR;
     if (n && (!references || !orders || !values)) return report(m, ERROR, "SetRealInputDerivatives: null pointer");
     for (int pass = 0; pass < 2; pass++)
@@ -241,7 +246,7 @@ int set_slopes(Instance *m, const uint32_t *references, size_t n, const int32_t 
             if (!v) return ERROR;
             if (v->role != INPUT || orders[i] < 1 || orders[i] > 2 || !isfinite(values[i]))
                 return report(m, ERROR, "SetRealInputDerivatives: derivative %d of %s = %g", (int)orders[i], v->name, values[i]);
-            if (pass) m->block[v->cell + (uint32_t)orders[i] * row] = orders[i] == 2 ? 0.5 * values[i] : values[i];
+            if (pass) m->block[v->cell + (uint32_t)orders[i] * model_row] = orders[i] == 2 ? 0.5 * values[i] : values[i];
         }
     m->stale = 1;
     return OK;
@@ -338,11 +343,14 @@ int get_state(Instance *m, void **state) {
 int set_state(Instance *m, const void *state) {
     const State *s;
     if (!m || !(s = known(m, state, "SetFMUState"))) return ERROR;
-    if (!m->initialized || memcmp(m->block + model_parameters, s->cells + model_parameters, 8 * (size_t)model_parameters_size)) {
+    if (!model_whole
+        && (!m->initialized || memcmp(m->block + model_parameters, s->cells + model_parameters, 8 * (size_t)model_parameters_size))) {
         memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, and what follows from them, */
         initialize(m, s->start);
     }
     memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* and the state as it was saved */
+    model_place(ADDRESS(m));
+    m->initialized |= model_whole;
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;
     return OK;
 }

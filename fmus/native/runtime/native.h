@@ -33,11 +33,14 @@ extern const Variable model_variables[];
 extern const Reason model_reasons[];
 extern const uint64_t model_image[]; /* the block before initialization */
 extern const char model_token[];
-extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_u, model_u_size;
-extern const uint32_t model_parameters, model_parameters_size;
+extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_parameters, model_parameters_size;
+extern const uint32_t model_given[][2], model_given_count; /* ranges of cells that the host sets: inputs and parameters */
+extern const uint32_t model_row; /* from an input to its derivative; 0: inputs are held */
+extern const bool model_whole; /* a state is the whole block, with what follows from parameters */
 int32_t model_initialize(double t, int64_t block);
 int32_t model_step(double t, double h, int64_t block);
 int32_t model_outputs(double t, int64_t block);
+void model_place(int64_t block); /* addresses in a block that has come from elsewhere */
 
 /* ---- native.c ---- */
 typedef struct Instance Instance;

@@ -340,11 +340,7 @@ class Master:
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
         """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
-        signals, inputs = self.signals, self.coupling.interfaces
-        for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
-            for link, k in zip(node.links, node.sources, strict=True):
-                if link.factor:
-                    signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
+        self.prepare_initial_signals()
         self.machine.initialize(t)
         self._groups.check(t, self.check_finite)
         for node in self.nodes:
@@ -356,6 +352,18 @@ class Master:
             solver.solve(t)
         self.check_finite(t)
         self.perform("push", t, 0.0)
+
+    def prepare_initial_signals(self) -> None:
+        """Put what units go by that are initialized before their sources into the table of signals."""
+        signals, inputs = self.signals, self.coupling.interfaces
+        for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
+            for link, k in zip(node.links, node.sources, strict=True):
+                if link.factor:
+                    signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
+
+    def rows(self, name: str) -> tuple[int, int]:
+        """Rows of the program by their name: the first one, and the one behind the last."""
+        return self._rows[name]
 
     @property
     def initialization(self) -> list[InitializationResult]:

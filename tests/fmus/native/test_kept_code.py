@@ -56,7 +56,7 @@ def compiled(tmp_path, monkeypatch):
         spec.loader.exec_module(module)
         component = module.Weighed((), parameters)
         before = len(done)
-        return machine_code.compile_entries(initialized(component)), len(done) > before
+        return machine_code.compile_entries(machine_code.source_of(initialized(component))), len(done) > before
 
     return code
 

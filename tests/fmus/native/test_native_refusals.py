@@ -12,7 +12,7 @@ from cosimo.components.core.stateless import StatelessComponent, stateless_kerne
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
 from cosimo.fmus.native.build import initialized
-from cosimo.fmus.native.machine_code import compile_entries
+from cosimo.fmus.native.machine_code import compile_entries, source_of
 
 
 class Sum(StatelessComponent):
@@ -73,7 +73,7 @@ class Plain(Component):
 ])  # fmt: skip
 def test_a_component_without_native_form_is_refused_with_what_prevents_it(cls, words):
     with pytest.raises(BadInput) as caught:
-        compile_entries(initialized(cls()))
+        compile_entries(source_of(initialized(cls())))
     assert caught.value.where == cls.__name__
     assert all(word in str(caught.value) for word in words), str(caught.value)
 

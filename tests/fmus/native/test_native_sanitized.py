@@ -20,8 +20,8 @@ MODELS = [("ServoMotor", ()), pytest.param(("ForearmTendons", ("programme",)), m
 def host(request, tmp_path):
     """The program of host.c with a model, and the arguments that name the model."""
     found = compiled(*request.param)
-    write_sources(tmp_path, found.model, found.objects["linux64"])
-    sources = [tmp_path / f for f in ("native.c", "fmi2.c", "fmi3.c", "model.c", "entries.o")]
+    objects = write_sources(tmp_path, found.model, found.objects["linux64"])
+    sources = [tmp_path / f for f in ("native.c", "fmi2.c", "fmi3.c", "model.c", *objects)]
     flags = ["-std=c11", "-g", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     # the standard's headers: a function that differs from its declaration there does not compile
     command = ["gcc", *flags, "-DCOSIMO_FMI_HEADERS", "-I", HEADERS, HERE / "host.c", *sources, "-o", tmp_path / "host", "-lm"]

@@ -1,0 +1,82 @@
+/* A scene as one model: its units are initialized in groups, its master takes the macro steps that a step of the host consists of. */
+#include "scene.h"
+#include <math.h>
+#include <string.h>
+
+enum { FAILED_TIMES = 16 }; /* a unit's status times FAILED_TIMES is the request's */
+static const double GROWTH = 1e12; /* of an output over its nominal value: no answer of a model any more */
+
+void model_place(int64_t address) {
+    int64_t *cells = (int64_t *)(intptr_t)address;
+    for (uint32_t k = 0; k < scene_place_count; k++) {
+        const Place *p = scene_places + k;
+        cells[p->cell] = p->function ? (int64_t)(intptr_t)p->function : address + 8 * (int64_t)p->target;
+    }
+}
+
+/* Initialize a unit anew, with its present inputs and parameters; everything else is as the build has it. */
+int32_t scene_begin(double t, void *block, const Unit *unit) {
+    double *cells = block;
+    const uint64_t *image = model_image + unit->first;
+    int32_t status;
+    for (uint32_t k = 0; k < unit->cells; k++) {
+        if (k >= unit->u && k < unit->u_end) continue;
+        if (k >= unit->parameters && k < unit->parameters_end) continue;
+        memcpy(cells + k, image + k, 8);
+    }
+    for (uint32_t k = unit->u + (unit->u_end - unit->u) / 3; k < unit->u_end; k++) cells[k] = 0.0; /* slopes */
+    cells[0] = t;
+    status = unit->initialize(t, (int64_t)(intptr_t)block);
+    return status ? status : unit->outputs(t, (int64_t)(intptr_t)block);
+}
+
+/* Take rows of the program; returns the status of the model. */
+static int32_t take(int64_t *cells, const uint32_t rows[2], int whole, double t, double h) {
+    const int64_t asked[] = {rows[0], rows[1], 1, 0, 0, whole, 0, 0, -1, 0};
+    for (int k = 0; k < FIELDS; k++) cells[scene_request[k]] = asked[k];
+    if (master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master))) return GROWN;
+    return OK;
+}
+static int32_t failure(const int64_t *cells) {
+    const int64_t unit = cells[scene_request[UNIT]];
+    const double *values = (const double *)cells;
+    if (unit >= 0) return (int32_t)(PER_UNIT * (unit + 1) + cells[scene_request[STATUS]] / FAILED_TIMES);
+    if (unit == -3) return NOT_CONVERGED;
+    if (unit == -1) return OK;
+    for (uint32_t k = 0; k < scene_signal_count; k++)
+        if (!(fabs(values[scene_signals + k] * values[scene_inverse + k]) <= GROWTH)) return GROWN;
+    return OK;
+}
+
+int32_t model_initialize(double t, int64_t address) {
+    int64_t *cells = (int64_t *)(intptr_t)address;
+    double *values = (double *)cells;
+    int32_t status;
+    cells[STEPS] = 0;
+    values[START] = t;
+    if (master_initialize_groups(t, 0.0, (int64_t)(intptr_t)(cells + scene_master))) return GROWN;
+    if ((status = failure(cells))) return status;
+    for (uint32_t k = 0; k < scene_time_count; k++) values[scene_times[k]] = t;
+    return take(cells, scene_push_rows, 0, t, 0.0);
+}
+
+int32_t model_step(double t, double h, int64_t address) {
+    int64_t *cells = (int64_t *)(intptr_t)address;
+    double *values = (double *)cells;
+    const double length = (double)scene_numerator / (double)scene_denominator, n = nearbyint(h / length);
+    (void)t;
+    values[ASKED] = h;
+    if (!(n >= 1.0) || fabs(h - n * length) > 1e-9 * h) return NOT_A_MULTIPLE;
+    for (double k = 0.0; k < n; k += 1.0) {
+        const double reached = (double)(cells[STEPS] * scene_numerator) / (double)scene_denominator;
+        int32_t status = take(cells, scene_step_rows, 1, values[START] + reached, length);
+        if (status || (status = failure(cells))) return status;
+        cells[STEPS]++;
+    }
+    return OK;
+}
+
+int32_t model_outputs(double t, int64_t address) { /* they are those of the last step: inputs act from the next one on */
+    (void)t; (void)address;
+    return OK;
+}

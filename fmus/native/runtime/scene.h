@@ -1,0 +1,27 @@
+/* What the library of a scene holds beside that of a component: one block with the blocks of its units and of its master. */
+#ifndef SCENE_H
+#define SCENE_H
+#include "native.h"
+
+typedef int32_t (*Entry)(double t, double h, void *block);
+/* A cell that holds an address: of a function, or of another cell of the block. */
+typedef struct { uint32_t cell, target; Entry function; } Place;
+/* A unit: its cells in the block, those of its inputs and parameters, and the entries that initialize it. */
+typedef struct {
+    uint32_t first, cells, u, u_end, parameters, parameters_end;
+    int32_t (*initialize)(double, int64_t), (*outputs)(double, int64_t);
+} Unit;
+enum { TIME, STEPS, START, ASKED };                                          /* the first cells of the block */
+enum { FIRST, LAST, COUNT, TIMES, BEGIN, WHOLE, ROWS, LOOKS, UNIT, STATUS, FIELDS }; /* of the master's request */
+enum { NOT_A_MULTIPLE = 1, GROWN = 2, NOT_CONVERGED = 3, PER_UNIT = 1000 }; /* statuses; of unit k: PER_UNIT * (k + 1) + its own */
+
+/* ---- written at build ---- */
+extern const Place scene_places[];
+extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master, scene_request[FIELDS];
+extern const uint32_t scene_signals, scene_inverse, scene_signal_count, scene_step_rows[2], scene_push_rows[2];
+extern const int64_t scene_numerator, scene_denominator; /* of the macro step, s */
+int32_t master_run_steps(double t, double h, int64_t block);
+int32_t master_initialize_groups(double t, double h, int64_t block);
+
+int32_t scene_begin(double t, void *block, const Unit *unit);
+#endif
