@@ -36,7 +36,18 @@ from .units.component import ComponentSimulator
 
 HEAD = 4  # cells before the first unit
 PER_UNIT = 1000  # see scene.h
-REQUEST = "first", "last", "steps", "times", "begin", "whole", "rows", "sampled_count", "unit", "status"  # in the order of scene.h
+REQUEST = (
+    "first",
+    "last",
+    "steps",
+    "times",
+    "begin",
+    "whole",
+    "rows",
+    "sampled_count",
+    "unit",
+    "status",
+)  # in the order of scene.h
 HOST = (
     "This FMU needs no Python. It holds a scene: the components above, and the master algorithm that couples them. "
     "Effects and structural parameters are constants, fixed when it was built; the other parameters can be set before the run. "
@@ -244,11 +255,18 @@ def _entries(units: Sequence[PlacedUnit]) -> Iterator[str]:
             f"{{ (void)h; return layout{layout}_outputs(t, (int64_t)(intptr_t)b); }}"
         )
     for k, unit in enumerate(units):
-        places = Places(unit.component)
-        cells = (unit.first, places.cells, places.u, places.u + unit.component.u.size, places.first_parameter, places.saved)
+        places, component, block = Places(unit.component), unit.component, unit.component.block
+        assert block is not None
+        left = [(places.u, places.u + component.u.size), (places.first_parameter, places.saved)]
+        follows = sorted(ends for name in type(component).kept for ends in block.ranges(name))
+        if follows and follows[0][0] != block.cell("s", type(component).kept[0]):
+            follows = []  # the cell that says so has to be the first
+        for name, ranges in (("left", left), ("follows", follows)):
+            yield f"static const uint32_t {name}_{k}[][2] = {{{', '.join(f'{{{a}, {b}}}' for a, b in ranges or [(0, 0)])}}};"
+        numbers = unit.first, places.cells, *left[0], len(left), len(follows)
         functions = f"layout{unit.layout}_initialize, layout{unit.layout}_outputs"
-        yield f"static const Unit unit_{k} = {{{', '.join(map(str, cells))}, {functions}}};"
-        yield (f"static int32_t begin_{k}(double t, double h, void *b) {{ (void)h; return scene_begin(t, b, &unit_{k}); }}")
+        yield f"static const Unit unit_{k} = {{{', '.join(map(str, numbers))}, left_{k}, follows_{k}, {functions}}};"
+        yield f"static int32_t begin_{k}(double t, double h, void *b) {{ (void)h; return scene_begin(t, b, &unit_{k}); }}"
 
 
 def _places(master: Master, units: Sequence[PlacedUnit], at: int) -> tuple[str, list[int]]:

@@ -103,6 +103,11 @@ class Block:
         first = CELL * leaf.cell
         return self.memory.view(np.uint8)[first : first + size * leaf.itemsize].view(dtype).reshape(leaf.shape)
 
+    def ranges(self, name: str) -> list[tuple[int, int]]:
+        """First cells and those behind the last of the arrays of a field of `s`."""
+        leaves = [leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name) and leaf.kind == "array"]
+        return [(at.cell, at.cell + max(1, -(-int(np.prod(at.shape)) * at.itemsize // CELL))) for at in leaves]
+
     def cell(self, *path: str | int) -> int:
         """The first cell of what lies at a path, such as ("p", "mass")."""
         return self._leaves[path].cell

@@ -18,13 +18,16 @@ void model_place(int64_t address) {
 int32_t scene_begin(double t, void *block, const Unit *unit) {
     double *cells = block;
     const uint64_t *image = model_image + unit->first;
+    const uint32_t ranges = unit->left_count + (unit->follows_count && cells[unit->follows[0][0]] != 0.0 ? unit->follows_count : 0);
+    uint32_t k = 0;
     int32_t status;
-    for (uint32_t k = 0; k < unit->cells; k++) {
-        if (k >= unit->u && k < unit->u_end) continue;
-        if (k >= unit->parameters && k < unit->parameters_end) continue;
-        memcpy(cells + k, image + k, 8);
+    for (uint32_t i = 0; i <= ranges; i++) { /* ranges are in the order of their cells */
+        const uint32_t *range = i < unit->left_count ? unit->left[i] : i < ranges ? unit->follows[i - unit->left_count] : NULL;
+        const uint32_t end = range ? range[0] : unit->cells;
+        if (end > k) memcpy(cells + k, image + k, 8 * (size_t)(end - k));
+        if (range) k = range[1];
     }
-    for (uint32_t k = unit->u + (unit->u_end - unit->u) / 3; k < unit->u_end; k++) cells[k] = 0.0; /* slopes */
+    for (k = unit->u + (unit->u_end - unit->u) / 3; k < unit->u_end; k++) cells[k] = 0.0; /* slopes */
     cells[0] = t;
     status = unit->initialize(t, (int64_t)(intptr_t)block);
     return status ? status : unit->outputs(t, (int64_t)(intptr_t)block);

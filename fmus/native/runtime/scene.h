@@ -6,9 +6,11 @@
 typedef int32_t (*Entry)(double t, double h, void *block);
 /* A cell that holds an address: of a function, or of another cell of the block. */
 typedef struct { uint32_t cell, target; Entry function; } Place;
-/* A unit: its cells in the block, those of its inputs and parameters, and the entries that initialize it. */
+/* A unit: its cells in the block, ranges among them that an initialization leaves, those of its inputs, and the entries that
+   initialize it. What follows from parameters alone is left, too, once it has been computed, as the first cell of it says. */
 typedef struct {
-    uint32_t first, cells, u, u_end, parameters, parameters_end;
+    uint32_t first, cells, u, u_end, left_count, follows_count;
+    const uint32_t (*left)[2], (*follows)[2];
     int32_t (*initialize)(double, int64_t), (*outputs)(double, int64_t);
 } Unit;
 enum { TIME, STEPS, START, ASKED };                                          /* the first cells of the block */

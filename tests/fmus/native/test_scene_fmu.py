@@ -1,0 +1,159 @@
+"""A scene as one FMU without Python: bit-identical to its run in process, with parameters, states and refusals of its own."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.fmus.native.build import own_target
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
+from cosimo.orchestrator.systems import load_scene, read_scene
+from fmpy.fmi2 import FMU2Slave
+
+pytestmark = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
+
+STEPS = 200
+SCENES = [
+    "mass-on-spring",
+    *(
+        pytest.param(name, marks=pytest.mark.full)
+        for name in ("en50318-2002", "gimbal-rotor", "rov-station-keeping", "wind-pump-gusts", "rotor-bearings-heat")
+    ),
+]
+
+
+def short(scene, steps, changes=()):
+    """The scene over so many macro steps, each of them recorded."""
+    step = scene.master.step
+    return scene.with_changes({**dict(changes), "stop_time": steps * step, "record.interval": None})
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Files of both versions of FMI by scene, each built once."""
+    folder, files = tmp_path_factory.mktemp("scenes"), {}
+
+    def of(name):
+        if name not in files:
+            files[name] = build_scene_fmu(load_scene(name), folder, [own_target()], (2, 3))
+        return files[name]
+
+    return of
+
+
+def outputs_of(path, steps, h, **more):
+    """What FMPy records in each step of length h."""
+    return fmpy.simulate_fmu(str(path), stop_time=steps * h, step_size=h, output_interval=h, **more)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_bit_identical_to_the_run_in_process(name, built):
+    scene = load_scene(name)
+    reference = run(short(scene, STEPS), in_process=True)
+    for path in built(name):
+        recorded = outputs_of(path, STEPS, scene.master.step)
+        common = [n for n in recorded.dtype.names if n in reference.columns]
+        assert len(common) > 2
+        for column in common:
+            assert recorded[column].tobytes() == np.asarray(reference[column]).tobytes(), (path.name, column)
+
+
+def test_a_step_of_the_host_is_several_macro_steps(built):
+    scene = load_scene("mass-on-spring")
+    reference = run(short(scene, STEPS), in_process=True)
+    recorded = outputs_of(built("mass-on-spring")[0], STEPS // 10, 10 * scene.master.step)
+    assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[::10].tobytes()
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_units_with_rates_of_their_own(algorithm, tmp_path):
+    """Between the steps of a unit others take what its polynomials say."""
+    changes = {"units.spring.every": 3, "master.algorithm": algorithm, "master.step": 1e-3, "master.extrapolation": 2}
+    scene = load_scene("mass-on-spring").with_changes(changes)
+    reference = run(short(scene, STEPS), in_process=True)
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    recorded = outputs_of(path, STEPS - 2, 1e-3)
+    assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[: STEPS - 1].tobytes()
+
+
+def test_parameters_act_as_those_of_the_scene(built):
+    scene = load_scene("mass-on-spring")
+    stiffness = 3.0 * scene.units["spring"].parameters["stiffness"]
+    reference = run(short(scene, STEPS, {"units.spring.parameters.stiffness": stiffness}), in_process=True)
+    given = {"spring.stiffness": stiffness}
+    recorded = outputs_of(built("mass-on-spring")[0], STEPS, scene.master.step, start_values=given)
+    assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"]).tobytes()
+
+
+@pytest.fixture
+def instances(built):
+    """Two initialized instances of one FMU, and what describes it."""
+    path = built("mass-on-spring")[0]
+    described, folder = fmpy.read_model_description(str(path)), fmpy.extract(str(path))
+    made = []
+    for name in ("one", "two"):
+        instance = FMU2Slave(
+            guid=described.guid, unzipDirectory=folder, modelIdentifier=described.coSimulation.modelIdentifier, instanceName=name
+        )
+        instance.instantiate()
+        instance.setupExperiment(startTime=0.0)
+        instance.enterInitializationMode()
+        instance.exitInitializationMode()
+        made.append(instance)
+    yield made, {v.name: v.valueReference for v in described.modelVariables}
+    for instance in made:
+        instance.terminate()
+        instance.freeInstance()
+
+
+def test_a_state_is_taken_back_and_goes_to_another_instance(instances):
+    (one, two), references = instances
+    h, wanted = load_scene("mass-on-spring").master.step, [references["mass.base_x"], references["spring.second_force_x"]]
+
+    def steps(instance, first):
+        for k in range(first, first + 20):
+            instance.doStep(k * h, h)
+        return instance.getReal(wanted)
+
+    steps(one, 0)
+    state = one.getFMUstate()
+    data = one.serializeFMUstate(state)
+    expected = steps(one, 20)
+    one.setFMUstate(state)
+    assert steps(one, 20) == expected
+    other = two.deSerializeFMUstate(data)
+    two.setFMUstate(other)
+    assert steps(two, 20) == expected
+    one.freeFMUstate(state)
+    two.freeFMUstate(other)
+
+
+def test_a_step_that_is_no_multiple_is_refused_with_the_macro_step(built):
+    scene, said = load_scene("mass-on-spring"), []
+    with pytest.raises(Exception, match="status"):
+        outputs_of(built("mass-on-spring")[0], 3, 1.5 * scene.master.step, logger=lambda *message: said.append(message[-1]))
+    assert any(f"expected a whole multiple of {scene.master.step!r} s" in str(text) for text in said)
+
+
+@pytest.mark.parametrize(
+    ("name", "named"),
+    [
+        ("link-split", "'iterative'"),
+        ("en50318-2002-interface-model", "a contact"),
+        ("rov-thruster-failed", "faults"),
+        ("rov-added-mass", "algebraic loop"),
+    ],
+)
+def test_what_needs_python_is_named(name, named):
+    with pytest.raises(BadInput, match=named):
+        scene_library(load_scene(name), [own_target()])
+
+
+def test_units_that_are_no_components_are_named(tmp_path):
+    scene = read_scene(
+        {"stop_time": 1.0, "units": {"own": {"component": "ServoMotor", "isolation": "process"}}, "master": {"step": 0.01}}
+    )
+    with pytest.raises(BadInput, match="process of its own"):
+        scene_library(scene, [own_target()])
