@@ -270,7 +270,7 @@ def _entries(units: Sequence[PlacedUnit]) -> Iterator[str]:
 
 
 def _places(master: Master, units: Sequence[PlacedUnit], at: int) -> tuple[str, list[int]]:
-    """The rows of `scene_places`, and the cells that they fill."""
+    """The rows of the table of addresses in scene.c, and the cells that they fill."""
     rows: list[tuple[int, int, str]] = []
     place, memory = master.records.place, master.records.memory
     for k, unit in enumerate(units):

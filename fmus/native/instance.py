@@ -25,7 +25,7 @@ class Model:
     image: (cells,) uint64, the block before initialization.  reasons: (status, format, cells of the numbers in it).
     given: ranges of cells that the host sets.  saved: cells of a state, from the first on; all of them where `whole`.
     parameters: range of those that the rest follows from.  row: cells from an input to its derivative, 0 where there are none.
-    code: further C, with `model_place`, which fills in addresses where the block holds some.
+    code: further C, with the function that fills in addresses where the block holds some.
     """
 
     image: np.ndarray

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 @app.command()
 def build(
     names: Annotated[
-        list[str] | None, Argument(autocompletion=component_names, help="components, module:Class, or with --native scenes; without it the catalogue")
+        list[str] | None,
+        Argument(
+            autocompletion=component_names, help="components, module:Class, or with --native scenes; without it the catalogue"
+        ),
     ] = None,
     output: Annotated[Path, Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
     native: Annotated[bool, Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
