@@ -32,6 +32,7 @@ FLOORS = (
         "orchestrator.checkpoint",
         "orchestrator.open_units",
         "orchestrator.native",
+        "orchestrator.scene_fmu",
         "orchestrator.judgement",
         "orchestrator.shorter_steps",
         "orchestrator.views",
