@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SOFT, HARD = 400, 700  # lines of a file
+SOFT, HARD, HARD_TESTS = 400, 500, 600  # lines of a file
 SOURCES = sorted(p for package in ("components", "fmus", "orchestrator", "tests") for p in (ROOT / package).rglob("*.py"))
 # Spelled in pieces, because this file is searched, too.
 NOWHERE = ("/wo" + "rk/", "/ro" + "ot/", "/ho" + "me/", "sha" + "red/", "hel" + "per-")
@@ -33,7 +33,7 @@ def test_no_file_is_too_long():
     long = {name: n for name, n in lengths.items() if n > SOFT}
     if long:
         warnings.warn(f"above {SOFT} lines: {long}", stacklevel=1)
-    assert {name: n for name, n in long.items() if n > HARD} == {}
+    assert {name: n for name, n in long.items() if n > (HARD_TESTS if name.startswith("tests") else HARD)} == {}
 
 
 def test_no_place_of_one_machine_is_named_anywhere():
