@@ -72,12 +72,23 @@ def resting(x, p, e):
 
 
 def stable_about_rest(t, s, p, e):
-    """Limit of RK4, radius / max |eigenvalue| of the derivatives about rest, s."""
-    x, u = s.work[0, : s.x.size], s.work[1, : s.u.shape[1]]
+    """Limit of RK4, radius / max |eigenvalue| of the derivatives about rest, s.
+
+    The slopes are those to both sides on average: at a kink, such as that of a loss in a gear, one side alone has damping that the
+    other takes back.
+    """
+    x, u, n = s.work[0, : s.x.size], s.work[1, : s.u.shape[1]], s.x.size
     x[:] = 0.0
     u[:] = 0.0
     resting(x, p, e)
+    find_slopes(t, x, u, -SMALL, s, p, e)
+    for i in range(n):
+        for j in range(n):
+            s.slopes[1, i, j] = s.slopes[0, i, j]
     find_slopes(t, x, u, SMALL, s, p, e)
+    for i in range(n):
+        for j in range(n):
+            s.slopes[0, i, j] = 0.5 * (s.slopes[0, i, j] + s.slopes[1, i, j])
     return step_within(RK4_STABILITY_RADIUS, spectral_radius(s.slopes[0], s.slopes[1]))
 
 
