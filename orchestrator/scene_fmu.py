@@ -27,15 +27,19 @@ from ..fmus.native.instance import Model, Places, image_of, reasons_of
 from ..fmus.native.machine_code import Source, compile_entries, source_of
 from ..fmus.native.variables import NativeVariable, component_variable, with_sizes
 from .engine.algorithms import Master, master_of
+from .engine.algorithms.initial_kernels import RUNAWAY
 from .engine.algorithms.memory import KERNELS
 from .engine.algorithms.node import Node
+from .engine.algorithms.records import NOT_CONVERGED
 from .open_units import open_units, read_in_every_step
 from .scene.scene import Scene
-from .units.call_names import IN_MEMORY
+from .units.call_names import FAILED, IN_MEMORY
 from .units.component import ComponentSimulator
 
 HEAD = 4  # cells before the first unit
 PER_UNIT = 1000  # see scene.h
+EXACT = 2**53  # whole numbers up to this are doubles
+NO_UNIT = -1  # in the request: no call has failed
 REQUEST = (
     "first",
     "last",
@@ -216,6 +220,7 @@ def _model(scene: Scene, master: Master, units: Sequence[PlacedUnit]) -> Model:
     request = [at + master.records.place("request", 0, name) for name in REQUEST]
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
+    written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
     numbers = {
         "place_count": len(cleared),
         "time_count": len(times),
@@ -234,7 +239,10 @@ def _model(scene: Scene, master: Master, units: Sequence[PlacedUnit]) -> Model:
             f"const uint32_t scene_request[FIELDS] = {{{', '.join(map(str, request))}}};",
             *(f"const uint32_t scene_{name}[2] = {{{first}, {last}}};" for name, (first, last) in rows.items()),
             "const uint32_t " + ", ".join(f"scene_{name} = {value}" for name, value in numbers.items()) + ";",
-            f"const int64_t scene_numerator = {step.numerator}, scene_denominator = {step.denominator};",
+            f"const double scene_length = {scene.master.step.hex()};",
+            f"const int64_t scene_numerator = {written[0]}, scene_denominator = {written[1]};",
+            f"const int64_t scene_failed = {FAILED}, scene_none = {NO_UNIT}, scene_no_values = {NOT_CONVERGED};",
+            f"const double scene_growth = {RUNAWAY!r};",
         ]
     )
     return Model(image, reasons, given, image.size, code=code)

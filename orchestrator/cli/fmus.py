@@ -84,6 +84,9 @@ def _build_native(
     if unknown := [v for v in versions if v not in ("2", "3")]:
         raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")
     scenes = [name for name in names if not scene and is_scene(name)]
+    if scenes:
+        in_vain = {"--effects": effects, "--derivatives": derivatives}
+        refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
     for name in scenes:
         from ..scene_fmu import build_scene_fmu
 

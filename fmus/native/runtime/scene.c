@@ -3,8 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FAILED_TIMES = 16 }; /* a unit's status times FAILED_TIMES is the request's */
-static const double GROWTH = 1e12; /* of an output over its nominal value: no answer of a model any more */
+#define EXACT ((int64_t)1 << 53) /* whole numbers up to this are doubles */
 
 void model_place(int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
@@ -35,19 +34,19 @@ int32_t scene_begin(double t, void *block, const Unit *unit) {
 
 /* Take rows of the program; returns the status of the model. */
 static int32_t take(int64_t *cells, const uint32_t rows[2], int whole, double t, double h) {
-    const int64_t asked[] = {rows[0], rows[1], 1, 0, 0, whole, 0, 0, -1, 0};
+    const int64_t asked[] = {rows[0], rows[1], 1, 0, 0, whole, 0, 0, scene_none, 0};
     for (int k = 0; k < FIELDS; k++) cells[scene_request[k]] = asked[k];
-    if (master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master))) return GROWN;
+    if (master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master))) return INSIDE;
     return OK;
 }
 static int32_t failure(const int64_t *cells) {
     const int64_t unit = cells[scene_request[UNIT]];
     const double *values = (const double *)cells;
-    if (unit >= 0) return (int32_t)(PER_UNIT * (unit + 1) + cells[scene_request[STATUS]] / FAILED_TIMES);
-    if (unit == -3) return NOT_CONVERGED;
-    if (unit == -1) return OK;
+    if (unit >= 0) return (int32_t)(PER_UNIT * (unit + 1) + cells[scene_request[STATUS]] / scene_failed);
+    if (unit == scene_no_values) return NOT_CONVERGED;
+    if (unit == scene_none) return OK;
     for (uint32_t k = 0; k < scene_signal_count; k++)
-        if (!(fabs(values[scene_signals + k] * values[scene_inverse + k]) <= GROWTH)) return GROWN;
+        if (!(fabs(values[scene_signals + k] * values[scene_inverse + k]) <= scene_growth)) return GROWN;
     return OK;
 }
 
@@ -57,22 +56,27 @@ int32_t model_initialize(double t, int64_t address) {
     int32_t status;
     cells[STEPS] = 0;
     values[START] = t;
-    if (master_initialize_groups(t, 0.0, (int64_t)(intptr_t)(cells + scene_master))) return GROWN;
+    if (master_initialize_groups(t, 0.0, (int64_t)(intptr_t)(cells + scene_master))) return INSIDE;
     if ((status = failure(cells))) return status;
     for (uint32_t k = 0; k < scene_time_count; k++) values[scene_times[k]] = t;
     return take(cells, scene_push_rows, 0, t, 0.0);
 }
 
+/* Time of so many macro steps, s: correctly rounded as in process, while the whole numbers are exact. */
+static double reached(int64_t steps) {
+    if (scene_numerator && steps <= EXACT / scene_numerator) return (double)(steps * scene_numerator) / (double)scene_denominator;
+    return (double)steps * scene_length;
+}
+
 int32_t model_step(double t, double h, int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
     double *values = (double *)cells;
-    const double length = (double)scene_numerator / (double)scene_denominator, n = nearbyint(h / length);
+    const double n = nearbyint(h / scene_length);
     (void)t;
     values[ASKED] = h;
-    if (!(n >= 1.0) || fabs(h - n * length) > 1e-9 * h) return NOT_A_MULTIPLE;
+    if (!(n >= 1.0) || fabs(h - n * scene_length) > 1e-9 * h) return NOT_A_MULTIPLE;
     for (double k = 0.0; k < n; k += 1.0) {
-        const double reached = (double)(cells[STEPS] * scene_numerator) / (double)scene_denominator;
-        int32_t status = take(cells, scene_step_rows, 1, values[START] + reached, length);
+        int32_t status = take(cells, scene_step_rows, 1, values[START] + reached(cells[STEPS]), scene_length);
         if (status || (status = failure(cells))) return status;
         cells[STEPS]++;
     }

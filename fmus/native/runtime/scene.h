@@ -15,13 +15,17 @@ typedef struct {
 } Unit;
 enum { TIME, STEPS, START, ASKED };                                          /* the first cells of the block */
 enum { FIRST, LAST, COUNT, TIMES, BEGIN, WHOLE, ROWS, LOOKS, UNIT, STATUS, FIELDS }; /* of the master's request */
-enum { NOT_A_MULTIPLE = 1, GROWN = 2, NOT_CONVERGED = 3, PER_UNIT = 1000 }; /* statuses; of unit k: PER_UNIT * (k + 1) + its own */
+/* Statuses, each with a message; of unit k: PER_UNIT * (k + 1) + its own. INSIDE has none: an error inside a kernel. */
+enum { NOT_A_MULTIPLE = 1, GROWN = 2, NOT_CONVERGED = 3, INSIDE = 99, PER_UNIT = 1000 };
 
 /* ---- written at build ---- */
 extern const Place scene_places[];
 extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master, scene_request[FIELDS];
 extern const uint32_t scene_signals, scene_inverse, scene_signal_count, scene_step_rows[2], scene_push_rows[2];
-extern const int64_t scene_numerator, scene_denominator; /* of the macro step, s */
+extern const double scene_length;                       /* of the macro step, s */
+extern const int64_t scene_numerator, scene_denominator; /* of it as it is written; 0 for one of too many digits */
+extern const int64_t scene_failed, scene_none, scene_no_values; /* of the request: a unit's status times this; no unit; no convergence */
+extern const double scene_growth; /* of an output over its nominal value: no answer of a model any more */
 int32_t master_run_steps(double t, double h, int64_t block);
 int32_t master_initialize_groups(double t, double h, int64_t block);
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.native.build import own_target
+from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -76,6 +77,33 @@ def test_units_with_rates_of_their_own(algorithm, tmp_path):
     (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
     recorded = outputs_of(path, STEPS - 2, 1e-3)
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[: STEPS - 1].tobytes()
+
+
+@pytest.mark.parametrize("changes", [{"master.extrapolation": 0}, {"master.smoothing": True}, {"master.algorithm": "jacobi"}])
+def test_settings_of_the_master(changes, tmp_path):
+    scene = load_scene("mass-on-spring").with_changes(changes)
+    reference = run(short(scene, STEPS), in_process=True)
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    recorded = outputs_of(path, STEPS, scene.master.step)
+    assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"]).tobytes()
+
+
+def test_a_step_of_many_digits_keeps_its_time(tmp_path):
+    """Steps times numerator leave what 64 bits hold; what follows the time must not jump: two seconds of a third of a millisecond."""
+    h = 1e-3 / 3.0
+    scene = load_scene("mass-on-spring").with_changes({"master.step": h})
+    reference = run(short(scene, 6000), in_process=True)
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    recorded = outputs_of(path, 60, 100 * h)
+    assert recorded["mass.base_x"] == pytest.approx(np.asarray(reference["mass.base_x"])[::100], abs=1e-12)
+
+
+def test_options_that_a_scene_ignores_are_refused(capsys):
+    for option in (["--effects", "gravity"], ["--derivatives"]):
+        with pytest.raises(SystemExit) as end:
+            main(["build", "mass-on-spring", "--native", *option])
+        assert end.value.code == 2
+        assert option[0] in capsys.readouterr().err
 
 
 def test_parameters_act_as_those_of_the_scene(built):
