@@ -148,6 +148,7 @@ def real_attributes(scalar: Scalar) -> dict[str, str]:
         "unit": scalar.unit,
         **({"displayUnit": of.display} if of.display else {}),
         "nominal": repr(typical_size(scalar)),
+        **({"relativeQuantity": "true"} if scalar.relative else {}),
     }
 
 
@@ -233,8 +234,13 @@ def _listed(numbers: Iterable[int]) -> str:
     return " ".join(map(str, numbers))
 
 
-HOST = """The host needs Python 3.11 or newer with NumPy{scipy}; Numba makes the FMU fast.</p>
+DERIVATIVES = """ For each input <code>v</code> the inputs
+<code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold for the next step, then they are 0 again."""
+HOST = (
+    """The host needs Python 3.11 or newer with NumPy{scipy}; Numba makes the FMU fast.</p>
 <p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true."""
+    + DERIVATIVES
+)
 
 
 def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), host: str = HOST) -> bytes:
@@ -245,12 +251,12 @@ def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), h
         for s in scalars or interface(component)
         if s.order == 0
     )
+    drawing = getattr(component, "drawing", "")
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{name}</title></head><body>
 <h1>{name}: {html.escape(component.title)}</h1>
-<pre>{html.escape(inspect.getdoc(component) or "")}</pre>
-<p>{host} For each input <code>v</code> the inputs
-<code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold for the next step, then they are 0 again.</p>
+{drawing}<pre>{html.escape(inspect.getdoc(component) or "")}</pre>
+<p>{host}</p>
 <table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
 {rows}
 </table></body></html>

@@ -28,6 +28,7 @@ class Scalar:
     nominal: float = 1.0
     feedthrough: tuple[str, ...] = ()
     moving: bool = False  # of an input: a place that moves on
+    relative: bool = False  # a difference: units to show it in have no offset
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
 
 

@@ -106,8 +106,8 @@ def icon(name: str, inputs: int, outputs: int) -> bytes:
 
 
 def _lines(name: str) -> list[str]:
-    """A name in parts that begin with a capital letter, as many to a line as are no longer than the longest part."""
-    parts = re.findall("[A-Z]+[^A-Z]*|[^A-Z]+", name)
+    """A name in parts that begin with a capital letter or behind a dash, as many to a line as are no longer than the longest part."""
+    parts = re.findall("[A-Z]+[^A-Z_-]*|[^A-Z_-]+", name)
     lines: list[str] = []
     for part in parts:
         if lines and len(lines[-1] + part) <= max(map(len, parts)):

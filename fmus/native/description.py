@@ -12,6 +12,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..description import (
+    DERIVATIVES,
     add_head,
     add_structure,
     add_variable,
@@ -26,7 +27,7 @@ from .variables import NativeVariable
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 HOST = (
     "This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
-    "the others can be set before the run."
+    "the others can be set before the run." + DERIVATIVES
 )
 
 

@@ -25,7 +25,7 @@ class Model:
     image: (cells,) uint64, the block before initialization.  reasons: (status, format, cells of the numbers in it).
     given: ranges of cells that the host sets.  saved: cells of a state, from the first on; all of them where `whole`.
     parameters: range of those that the rest follows from.  row: cells from an input to its derivative, 0 where there are none.
-    code: further C, with the function that fills in addresses where the block holds some.
+    code: further C, with the functions that fill in addresses and remove them where the block holds some.
     """
 
     image: np.ndarray
@@ -34,7 +34,7 @@ class Model:
     saved: int
     parameters: tuple[int, int] = (0, 0)
     row: int = 0
-    code: str = "void model_place(int64_t block) { (void)block; }"
+    code: str = "void model_place(int64_t block) { (void)block; }\nvoid model_forget(uint64_t *cells) { (void)cells; }"
 
     @property
     def whole(self) -> bool:

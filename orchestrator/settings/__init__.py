@@ -3,7 +3,7 @@
 from .analysis import AnalysisKeys
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
-from .scene import ConnectionSettings, ContactSettings, FaultSettings, RecordSettings, SceneSettings
+from .scene import ConnectionSettings, ContactSettings, FaultSettings, InterfaceSettings, RecordSettings, SceneSettings
 from .study import MonolithSettings, StudySettings
 from .units import SubsystemSettings, UnitSettings
 
@@ -13,6 +13,7 @@ __all__ = [
     "ContactSettings",
     "ControlSettings",
     "FaultSettings",
+    "InterfaceSettings",
     "IterationSettings",
     "MasterSettings",
     "Model",

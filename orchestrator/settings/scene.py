@@ -10,11 +10,12 @@ from ...components.core.errors import BadInput
 from .analysis import AnalysisKeys
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth
-from .study import StudySettings
+from .study import RUNNING_KINDS, StudySettings
 from .units import OrSubsystem, UnitSettings
 
 MOST_STEPS = 1e12  # of a run
 Endpoint = Annotated[str, Field(pattern=r"\S\.\S")]
+ShownName = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]  # without a dot, which all other names of a scene's FMU have
 
 
 class FaultSettings(Model):
@@ -153,6 +154,27 @@ class RecordSettings(Model):
         return self
 
 
+class InterfaceSettings(Model):
+    """What the FMU of the whole scene shows, beside what it shows of itself, or under another name."""
+
+    inputs: dict[ShownName, Endpoint] = Field(default={}, description='name = "unit.input" that no connection drives')
+    outputs: dict[ShownName, Endpoint] = Field(
+        default={},
+        description=(
+            'name = "unit.output", or of all macro steps after the transient of [analysis] "unit.output, kind"; kinds: '
+            + ", ".join(RUNNING_KINDS)
+        ),
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if twice := self.inputs.keys() & self.outputs.keys():
+            raise BadInput("inputs", f"{min(twice)!r}, an output, too", "names that are unique")
+        if "time" in self.inputs or "time" in self.outputs:
+            raise BadInput("", "'time'", "another name; FMI 3.0 has a variable of this name")
+        return self
+
+
 class SceneSettings(Model):
     """Units, connections, master, records. `scene.Scene` is what they are once checked against the units."""
 
@@ -166,6 +188,9 @@ class SceneSettings(Model):
     )
     master: MasterSettings
     record: RecordSettings = RecordSettings()
+    interface: InterfaceSettings = Field(
+        default=InterfaceSettings(), description="of the FMU that cosimo build --native makes of it"
+    )
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     sweep: Sweep = Field(

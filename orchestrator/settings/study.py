@@ -18,6 +18,7 @@ from ...components.core.errors import BadInput, nearest
 from .model import Model, Sweep
 
 QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "time history", "amplitude at F Hz")
+RUNNING_KINDS = QUANTITY_KINDS[:4]  # which can be computed step by step
 EVERY_KIND = ", ".join(QUANTITY_KINDS) + '; all but the last also "... below F Hz", of the low-pass-filtered signal'
 AMPLITUDE = re.compile(r"amplitude at (\S+) Hz")
 FILTERED = re.compile(r"(.*\S) below (\S+) Hz")

@@ -337,6 +337,7 @@ int get_state(Instance *m, void **state) {
     s->kind = sum(model_token, token_size());
     s->phase = m->phase; s->stale = m->stale; s->t = m->t; s->start = m->start; s->stop = m->stop;
     memcpy(s->cells, m->block, 8 * (size_t)model_saved);
+    model_forget((uint64_t *)s->cells);
     *state = s;
     return OK;
 }

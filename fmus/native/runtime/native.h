@@ -41,6 +41,7 @@ int32_t model_initialize(double t, int64_t block);
 int32_t model_step(double t, double h, int64_t block);
 int32_t model_outputs(double t, int64_t block);
 void model_place(int64_t block); /* addresses in a block that has come from elsewhere */
+void model_forget(uint64_t *cells); /* no addresses in the cells of a state, which is the same in every process */
 
 /* ---- native.c ---- */
 typedef struct Instance Instance;

@@ -13,6 +13,10 @@ void model_place(int64_t address) {
     }
 }
 
+void model_forget(uint64_t *cells) {
+    for (uint32_t k = 0; k < scene_place_count; k++) cells[scene_places[k].cell] = 0;
+}
+
 /* Initialize a unit anew, with its present inputs and parameters; everything else is as the build has it. */
 int32_t scene_begin(double t, void *block, const Unit *unit) {
     double *cells = block;
@@ -34,19 +38,21 @@ int32_t scene_begin(double t, void *block, const Unit *unit) {
 
 /* Take rows of the program; returns the status of the model. */
 static int32_t take(int64_t *cells, const uint32_t rows[2], int whole, double t, double h) {
-    const int64_t asked[] = {rows[0], rows[1], 1, 0, 0, whole, 0, 0, scene_none, 0};
-    for (int k = 0; k < FIELDS; k++) cells[scene_request[k]] = asked[k];
-    if (master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master))) return INSIDE;
-    return OK;
+    cells[scene_request_first] = rows[0];
+    cells[scene_request_last] = rows[1];
+    cells[scene_request_steps] = 1;
+    cells[scene_request_times] = cells[scene_request_begin] = cells[scene_request_rows] = cells[scene_request_sampled_count] = 0;
+    cells[scene_request_whole] = whole;
+    return master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master)) ? INSIDE : OK;
 }
 static int32_t failure(const int64_t *cells) {
-    const int64_t unit = cells[scene_request[UNIT]];
+    const int64_t unit = cells[scene_request_unit];
     const double *values = (const double *)cells;
-    if (unit >= 0) return (int32_t)(PER_UNIT * (unit + 1) + cells[scene_request[STATUS]] / scene_failed);
-    if (unit == scene_no_values) return NOT_CONVERGED;
+    if (unit >= 0) return (int32_t)(scene_per_unit * (unit + 1) + cells[scene_request_status] / scene_failed);
+    if (unit == scene_no_values) return scene_not_converged;
     if (unit == scene_none) return OK;
     for (uint32_t k = 0; k < scene_signal_count; k++)
-        if (!(fabs(values[scene_signals + k] * values[scene_inverse + k]) <= scene_growth)) return GROWN;
+        if (!(fabs(values[scene_signals + k] * values[scene_inverse + k]) <= scene_growth)) return scene_grown;
     return OK;
 }
 
@@ -54,12 +60,14 @@ int32_t model_initialize(double t, int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
     double *values = (double *)cells;
     int32_t status;
-    cells[STEPS] = 0;
-    values[START] = t;
+    cells[scene_steps] = 0;
+    values[scene_start] = t;
     if (master_initialize_groups(t, 0.0, (int64_t)(intptr_t)(cells + scene_master))) return INSIDE;
     if ((status = failure(cells))) return status;
     for (uint32_t k = 0; k < scene_time_count; k++) values[scene_times[k]] = t;
-    return take(cells, scene_push_rows, 0, t, 0.0);
+    if ((status = take(cells, scene_push_rows, 0, t, 0.0))) return status;
+    scene_sample(t, cells);
+    return OK;
 }
 
 /* Time of so many macro steps, s: correctly rounded as in process, while the whole numbers are exact. */
@@ -73,12 +81,12 @@ int32_t model_step(double t, double h, int64_t address) {
     double *values = (double *)cells;
     const double n = nearbyint(h / scene_length);
     (void)t;
-    values[ASKED] = h;
-    if (!(n >= 1.0) || fabs(h - n * scene_length) > 1e-9 * h) return NOT_A_MULTIPLE;
+    values[scene_asked] = h;
+    if (!(n >= 1.0) || fabs(h - n * scene_length) > 1e-9 * h) return scene_not_a_multiple;
     for (double k = 0.0; k < n; k += 1.0) {
-        int32_t status = take(cells, scene_step_rows, 1, values[START] + reached(cells[STEPS]), scene_length);
+        int32_t status = take(cells, scene_step_rows, 1, values[scene_start] + reached(cells[scene_steps]), scene_length);
         if (status || (status = failure(cells))) return status;
-        cells[STEPS]++;
+        scene_sample(values[scene_start] + reached(++cells[scene_steps]), cells);
     }
     return OK;
 }

@@ -3,6 +3,7 @@
 #define SCENE_H
 #include "native.h"
 
+enum { INSIDE = 99 }; /* an error inside a kernel; it has no message of its own */
 typedef int32_t (*Entry)(double t, double h, void *block);
 /* A cell that holds an address: of a function, or of another cell of the block. */
 typedef struct { uint32_t cell, target; Entry function; } Place;
@@ -13,21 +14,22 @@ typedef struct {
     const uint32_t (*left)[2], (*follows)[2];
     int32_t (*initialize)(double, int64_t), (*outputs)(double, int64_t);
 } Unit;
-enum { TIME, STEPS, START, ASKED };                                          /* the first cells of the block */
-enum { FIRST, LAST, COUNT, TIMES, BEGIN, WHOLE, ROWS, LOOKS, UNIT, STATUS, FIELDS }; /* of the master's request */
-/* Statuses, each with a message; of unit k: PER_UNIT * (k + 1) + its own. INSIDE has none: an error inside a kernel. */
-enum { NOT_A_MULTIPLE = 1, GROWN = 2, NOT_CONVERGED = 3, INSIDE = 99, PER_UNIT = 1000 };
-
 /* ---- written at build ---- */
 extern const Place scene_places[];
-extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master, scene_request[FIELDS];
+extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master;
+extern const uint32_t scene_steps, scene_start, scene_asked; /* of the first cells of the block */
+extern const uint32_t scene_request_first, scene_request_last, scene_request_steps, scene_request_times, scene_request_begin,
+    scene_request_whole, scene_request_rows, scene_request_sampled_count, scene_request_unit, scene_request_status; /* of the master's */
 extern const uint32_t scene_signals, scene_inverse, scene_signal_count, scene_step_rows[2], scene_push_rows[2];
+/* statuses, each with a message; of unit k: scene_per_unit * (k + 1) + its own */
+extern const int32_t scene_not_a_multiple, scene_grown, scene_not_converged, scene_per_unit;
 extern const double scene_length;                       /* of the macro step, s */
 extern const int64_t scene_numerator, scene_denominator; /* of it as it is written; 0 for one of too many digits */
 extern const int64_t scene_failed, scene_none, scene_no_values; /* of the request: a unit's status times this; no unit; no convergence */
 extern const double scene_growth; /* of an output over its nominal value: no answer of a model any more */
 int32_t master_run_steps(double t, double h, int64_t block);
 int32_t master_initialize_groups(double t, double h, int64_t block);
+void scene_sample(double t, int64_t *cells); /* at the start and behind each macro step */
 
 int32_t scene_begin(double t, void *block, const Unit *unit);
 #endif

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import conversion
 from ...settings import ConnectionSettings, SceneSettings
 from ...settings.algorithms import ALGORITHMS
+from ...settings.study import RUNNING_KINDS, wanted
 from ...units import Interface, describe
 from ...units.interface import Signal
 from .bonds import Bond, bond
@@ -23,6 +25,15 @@ from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discre
 LONGEST_RECORDED = 100  # elements of an array that are recorded without being named
 SHOWN = 8  # names in a message
 SHOWN_CHARACTERS = 100  # of a unit of measure
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An input or output that the scene names; kind: of the figure of all macro steps, "" for the value itself."""
+
+    end: Endpoint
+    causality: Literal["input", "output"]
+    kind: str = ""
 
 
 @dataclass(frozen=True)
@@ -42,6 +53,7 @@ class Coupling:
     faults: tuple[tuple[Endpoint, ...], ...]  # inputs that each fault of the scene changes
     events: tuple[Endpoint, ...]  # outputs whose changes of sign are located
     bonds: tuple[Bond, ...]  # pairs of connections that carry power
+    shown: Mapping[str, Shown]  # what the FMU of the whole scene shows under names of the scene's own
 
     def order(self, wished: tuple[str, ...] = ()) -> tuple[str, ...]:
         """The units as Gauss-Seidel steps them: as the scene wishes, or else each group behind those that feed it."""
@@ -74,6 +86,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
             faults=tuple(_faults(scene, interfaces, connected)),
             events=tuple(_output(text, "master.events", interfaces) for text in scene.master.events),
             bonds=tuple(_bond(text, interfaces, links) for text in scene.master.bonds),
+            shown=dict(_shown(scene, interfaces, connected)),
         )
         _check_master(scene, coupling)
         return coupling
@@ -296,6 +309,34 @@ def _output(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpo
     if interfaces[unit].outputs[name].is_text:
         raise BadInput(where, f"{text!r}, a text", "a number")
     return end
+
+
+def _shown(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[str, Shown]]:
+    """What the scene names in [interface]."""
+    drivers = {link.target: ".".join(link.source) for link in links}
+    names: dict[Endpoint, str] = {}
+    for name, text in scene.interface.inputs.items():
+        where, end = f"interface.inputs.{name}", _endpoint(text, f"interface.inputs.{name}", interfaces)
+        if end[1] not in interfaces[end[0]].inputs:
+            raise _no_variable(where, end, "input", interfaces)
+        if end in drivers:
+            raise BadInput(where, text, f"an input that no connection drives; {drivers[end]} drives this one")
+        if end in names:
+            raise BadInput(where, f"{text}, which is {names[end]!r} already", "one name for each input")
+        names[end] = name
+        yield name, Shown(end, "input")
+    for name, text in scene.interface.outputs.items():
+        where, kind = f"interface.outputs.{name}", ""
+        signal = text
+        if "," in text and text.rpartition(",")[0].count("[") == text.rpartition(",")[0].count("]"):  # [1,2] is an element
+            of = wanted(text)
+            signal, kind = of.signal, of.kind
+            if kind not in RUNNING_KINDS or of.cutoff:
+                whole = f"{str(of).rpartition(', ')[2]!r}, which needs the whole signal"
+                raise BadInput(
+                    where, whole, "one of " + ", ".join(RUNNING_KINDS), "Show the output itself, and compute it behind the run."
+                )
+        yield name, Shown(_output(signal, where, interfaces), "output", kind)
 
 
 def _bond(text: str, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Bond:

@@ -10,6 +10,7 @@ from cosimo.fmus.native.build import own_target
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
+from cosimo.orchestrator.scene_fmu.variables import open_ports
 from cosimo.orchestrator.systems import load_scene, read_scene
 from fmpy.fmi2 import FMU2Slave
 
@@ -98,6 +99,71 @@ def test_a_step_of_many_digits_keeps_its_time(tmp_path):
     assert recorded["mass.base_x"] == pytest.approx(np.asarray(reference["mass.base_x"])[::100], abs=1e-12)
 
 
+INTERFACE = {
+    "inputs": {"force": "mass.base_torque"},
+    "outputs": {
+        "x": "mass.base_x",
+        "average": "mass.base_x, mean",
+        "spread": "mass.base_x, standard deviation",
+        "least": "mass.base_x, minimum",
+        "most": "mass.base_x, maximum",
+    },
+}
+
+
+def test_names_and_figures_of_the_interface(tmp_path):
+    """Figures are those of the recorded signal behind the transient; before it those of the present value."""
+    scene = load_scene("mass-on-spring").with_changes({"interface": INTERFACE, "analysis.transient": 0.05})
+    reference = run(short(scene, STEPS), in_process=True)
+    x, counts = np.asarray(reference["mass.base_x"]), reference.time >= 0.05 * (1.0 - 1e-12)
+    files = build_scene_fmu(scene, tmp_path, [own_target()], (2, 3))
+    for path in files:
+        names = {v.name: v.causality for v in fmpy.read_model_description(str(path)).modelVariables}
+        assert names["force"] == "input"
+        assert not {"mass.base_x", "mass.base_torque"} & names.keys()
+        recorded = outputs_of(path, STEPS, scene.master.step)
+        assert recorded["x"].tobytes() == x.tobytes()
+        first = recorded["average"][~counts]
+        assert first.tobytes() == x[~counts].tobytes()
+        kept = x[counts]
+        last = {name: recorded[name][-1] for name in ("average", "spread", "least", "most")}
+        expected = {"average": kept.mean(), "spread": kept.std(), "least": kept.min(), "most": kept.max()}
+        assert last == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"inputs": {"x": "mass.base_force_x"}}, "that no connection drives; spring.second_force_x drives this one"),
+        ({"inputs": {"x": "mass.base_x"}}, "expected an input of mass"),
+        ({"outputs": {"x": "mass.base_w"}}, "expected an output of mass"),
+        ({"outputs": {"x": "mass.base_x, mean below 5 Hz"}}, "needs the whole signal"),
+        ({"outputs": {"x": "mass.base_x, end"}}, "needs the whole signal"),
+        ({"outputs": {"a.b": "mass.base_x"}}, "a name of letters"),
+        ({"outputs": {"time": "mass.base_x"}}, "another name"),
+        ({"inputs": {"x": "mass.base_torque", "y": "mass.base_torque"}}, "one name for each input"),
+        ({"inputs": {"x": "mass.base_torque"}, "outputs": {"x": "mass.base_x"}}, "names that are unique"),
+    ],
+)
+def test_what_an_interface_cannot_be(table, message):
+    with pytest.raises(BadInput, match=message):
+        load_scene("mass-on-spring").with_changes({"interface": table})
+
+
+def test_ports_that_stay_open_are_terminals():
+    scene = read_scene(
+        {
+            "stop_time": 1.0,
+            "units": {"left": {"component": "DeepGrooveBearing"}},
+            "master": {"step": 1e-4},
+            "interface": {"inputs": {"sideways": "left.displacement_x"}},
+        }
+    )
+    ports = open_ports(scene)
+    assert ports["left.shaft"][:2] == ("sideways", "left.displacement_y")
+    assert open_ports(load_scene("rotor-bearings-heat")) == {}
+
+
 def test_options_that_a_scene_ignores_are_refused(capsys):
     for option in (["--effects", "gravity"], ["--derivatives"]):
         with pytest.raises(SystemExit) as end:
@@ -148,6 +214,10 @@ def test_a_state_is_taken_back_and_goes_to_another_instance(instances):
     steps(one, 0)
     state = one.getFMUstate()
     data = one.serializeFMUstate(state)
+    steps(two, 0)
+    same = two.getFMUstate()
+    assert two.serializeFMUstate(same) == data  # no address of this instance in it
+    two.freeFMUstate(same)
     expected = steps(one, 20)
     one.setFMUstate(state)
     assert steps(one, 20) == expected

@@ -1,0 +1,88 @@
+"""A scene as one FMU without Python: compiled, linked with the runtime, described and packed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from contextlib import ExitStack
+from pathlib import Path
+
+from ...components.core.contract import KernelComponent
+from ...components.core.errors import BadInput
+from ...fmus.native.build import SOURCES, Library, assembled, compiler, pack
+from ...fmus.native.machine_code import compile_entries
+from ...fmus.native.variables import with_sizes
+from ..engine.algorithms import master_of
+from ..open_units import open_units, read_in_every_step
+from ..scene.scene import Scene
+from ..units.component import ComponentSimulator
+from .layout import Layout
+from .tables import model_of
+from .variables import described, variables_of
+
+HOST = (
+    "This FMU needs no Python. It holds a scene: the components above, and the master algorithm that couples them. "
+    "Effects and structural parameters are constants, fixed when it was built; the other parameters can be set before the run. "
+    "A communication step is a whole multiple of the macro step, which the default experiment names; inputs are held over it."
+)
+
+
+def refuse_what_needs_python(scene: Scene) -> None:
+    """`BadInput` for a scene of which something is no kernel, with the names of all that is not."""
+    master = scene.master
+    reasons = [f"{name} (an FMU)" for name, unit in scene.units.items() if not unit.component]
+    reasons += [f"{name} (in a process of its own)" for name, unit in scene.units.items() if unit.isolation != "none"]
+    reasons += [f"{contact.name} (a contact)" for contact in scene.contacts]
+    reasons += ["step control"] * (master.control is not None) + ["faults"] * bool(scene.faults)
+    reasons += ["events of units"] * bool(scene.coupling.events) + ["texts between units"] * bool(scene.coupling.texts)
+    reasons += ["the correction of energy"] * bool(master.energy_correction)
+    if reasons:
+        raise _refusal(scene, ", ".join(reasons))
+
+
+def _refusal(scene: Scene, actual: str) -> BadInput:
+    return BadInput(
+        f"build {scene.name} --native",
+        actual,
+        "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)",
+        "Build its units one by one with --scene, or write the scene with cosimo ssp.",
+    )
+
+
+def scene_library(scene: Scene, targets: Iterable[str]) -> Library:
+    """Compile a scene for all targets; `BadInput` where something of it is no kernel, or no compiler is found."""
+    compilers = {target: compiler(target) for target in targets}
+    refuse_what_needs_python(scene)
+    shown = scene.coupling.shown.values()
+    with ExitStack() as stack:
+        simulators = open_units(scene, stack, True)
+        watched = (*read_in_every_step(scene), *(each.end for each in shown if each.causality == "output"))
+        master = master_of(scene, simulators, scene.coupling, watched)
+        if not master.in_batches:
+            raise _refusal(scene, f"the algorithm {scene.master.algorithm!r}, or an algebraic loop")
+        for node in master.nodes:
+            if not isinstance(node.unit, ComponentSimulator) or not isinstance(node.unit.component, KernelComponent):
+                raise _refusal(scene, f"{node.unit.name} (a component in plain Python)")
+        layout = Layout.of(scene, master)
+        variables = with_sizes(list(variables_of(scene, layout)))
+        same = {"canHandleVariableCommunicationStepSize": "true"}
+        return assembled(
+            re.sub(r"\W", "_", scene.name),
+            described(scene),
+            variables,
+            model_of(scene, layout),
+            [compile_entries(source) for source in layout.sources],
+            compilers,
+            abilities={
+                2: same | {"canInterpolateInputs": "false", "providesDirectionalDerivative": "false"},
+                3: same | {"fixedInternalStepSize": repr(scene.master.step), "providesDirectionalDerivatives": "false"},
+            },
+            host=HOST,
+            sources=(*SOURCES, "scene.c"),
+        )
+
+
+def build_scene_fmu(scene: Scene, directory: Path, targets: Iterable[str], standards: Iterable[int] = (2,)) -> list[Path]:
+    """Write directory/<scene>.fmu (FMI 2) and directory/<scene>.fmi3.fmu (FMI 3), as asked for, and return their paths."""
+    library = scene_library(scene, targets)
+    return [pack(library, directory, fmi, False, scene.name) for fmi in standards]

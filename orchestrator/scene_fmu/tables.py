@@ -1,0 +1,158 @@
+"""What the library of a scene holds beside compiled kernels: the block before initialization, and tables of C.
+
+`fmus/native/runtime/scene.c` calls the same kernels that a run in process calls, so that the numbers are bit-identical. Addresses in
+the block are placed when an instance begins (`Place`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from ...components.core.block import CELL
+from ...fmus.native.instance import Model, Places, image_of, reasons_of
+from ..engine.algorithms.initial_kernels import RUNAWAY
+from ..engine.algorithms.records import NOT_CONVERGED
+from ..scene.scene import Scene
+from ..units.call_names import FAILED, IN_MEMORY
+from ..units.component import ComponentSimulator
+from .layout import HEAD, Layout, PlacedUnit
+
+PER_UNIT = 1000  # statuses of unit k: PER_UNIT * (k + 1) + its own
+STATUSES = {"not_a_multiple": 1, "grown": 2, "not_converged": 3}  # of the model
+EXACT = 2**53  # whole numbers up to this are doubles
+NO_UNIT = -1  # in the request: no call has failed
+REQUEST = ("first", "last", "steps", "times", "begin", "whole", "rows", "sampled_count", "unit", "status")  # what scene.c writes
+
+
+def model_of(scene: Scene, layout: Layout) -> Model:
+    """The block before initialization, and the tables of scene.c."""
+    master, units, at = layout.master, layout.units, layout.at
+    block, memory = master.records.block, master.records.memory
+    image = np.zeros(layout.cells, dtype=np.uint64)
+    given: list[tuple[int, int]] = []
+    multiple = f"a step of %.9g s; expected a whole multiple of {scene.master.step!r} s, the macro step of the scene"
+    reasons: list[tuple[int, str, Sequence[int]]] = [
+        (STATUSES["not_a_multiple"], multiple, (HEAD.index("asked"),)),
+        (STATUSES["grown"], "an output has grown without bound. Reduce the macro step, or take another master algorithm", ()),
+        (
+            STATUSES["not_converged"],
+            "the initial values of units that feed one another did not converge. Give parameters closer to a common equilibrium",
+            (),
+        ),
+    ]
+    for k, unit in enumerate(units):
+        component, places = unit.component, Places(unit.component)
+        image[unit.first : unit.first + places.cells] = image_of(component).view(np.uint64)
+        u = unit.first + places.u
+        given += [(u, u + component.u.size), (unit.first + places.first_parameter, unit.first + places.saved)]
+        for status, text, cells in reasons_of(component):
+            reasons.append((PER_UNIT * (k + 1) + status, f"{unit.name}: {text}", [unit.first + cell for cell in cells]))
+    master.prepare_initial_signals()
+    memory.units["stop"] = np.inf  # the host says where it ends
+    places_text, cleared = _places(layout)
+    image[at : at + block.cells] = block.memory.view(np.uint64)
+    if layout.figures is not None:
+        image[layout.figures_at :] = layout.figures.memory.view(np.uint64)
+    image[cleared] = 0
+    times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
+    step = Fraction(repr(scene.master.step))
+    written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
+    numbers = {
+        "place_count": len(cleared),
+        "time_count": len(times),
+        "master": at,
+        "signals": at + block.cell("s", "signals"),
+        "inverse": at + block.cell("s", "inverse"),
+        "signal_count": memory.inverse.size,
+        **{name: cell for cell, name in enumerate(HEAD)},
+        **{f"request_{name}": at + master.records.place("request", 0, name) for name in REQUEST},
+    }
+    statuses = STATUSES | {"per_unit": PER_UNIT}
+    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"))}
+    code = "\n".join(
+        [
+            '#include "scene.h"',
+            *_entries(units),
+            f"const Place scene_places[] = {{\n{places_text}\n}};",
+            f"const uint32_t scene_times[] = {{{', '.join(map(str, times))}}};",
+            *(f"const uint32_t scene_{name}[2] = {{{first}, {last}}};" for name, (first, last) in rows.items()),
+            "const uint32_t " + ", ".join(f"scene_{name} = {value}" for name, value in numbers.items()) + ";",
+            "const int32_t " + ", ".join(f"scene_{name} = {value}" for name, value in statuses.items()) + ";",
+            f"const double scene_length = {scene.master.step.hex()};",
+            f"const int64_t scene_numerator = {written[0]}, scene_denominator = {written[1]};",
+            f"const int64_t scene_failed = {FAILED}, scene_none = {NO_UNIT}, scene_no_values = {NOT_CONVERGED};",
+            f"const double scene_growth = {RUNAWAY!r};",
+            *_sample(layout),
+        ]
+    )
+    return Model(image, reasons, given, image.size, code=code)
+
+
+def _sample(layout: Layout) -> Iterator[str]:
+    """What happens behind each macro step and at the start: figures take their samples."""
+    taken = ""
+    if layout.figures is not None:
+        yield "int32_t figures_take_figures(double t, double h, int64_t block);"
+        taken = f"figures_take_figures(t, 0.0, (int64_t)(intptr_t)(cells + {layout.figures_at})); "
+    yield f"void scene_sample(double t, int64_t *cells) {{ (void)t; (void)cells; {taken}}}"
+
+
+def _entries(units: Sequence[PlacedUnit]) -> Iterator[str]:
+    """Functions of one signature around the compiled entries of each layout, and what initializes each unit."""
+    for layout in range(max(unit.layout for unit in units) + 1):
+        yield f"int32_t layout{layout}_initialize(double t, int64_t block);"
+        yield f"int32_t layout{layout}_step(double t, double h, int64_t block);"
+        yield f"int32_t layout{layout}_outputs(double t, int64_t block);"
+        yield (
+            f"static int32_t step_{layout}(double t, double h, void *b) "
+            f"{{ return layout{layout}_step(t, h, (int64_t)(intptr_t)b); }}"
+        )
+        yield (
+            f"static int32_t outputs_{layout}(double t, double h, void *b) "
+            f"{{ (void)h; return layout{layout}_outputs(t, (int64_t)(intptr_t)b); }}"
+        )
+    for k, unit in enumerate(units):
+        places, component, block = Places(unit.component), unit.component, unit.component.block
+        assert block is not None
+        left = [(places.u, places.u + component.u.size), (places.first_parameter, places.saved)]
+        follows = sorted(ends for name in type(component).kept for ends in block.ranges(name))
+        if follows and follows[0][0] != block.cell("s", type(component).kept[0]):
+            follows = []  # the cell that says so has to be the first
+        for name, ranges in (("left", left), ("follows", follows)):
+            yield f"static const uint32_t {name}_{k}[][2] = {{{', '.join(f'{{{a}, {b}}}' for a, b in ranges or [(0, 0)])}}};"
+        numbers = unit.first, places.cells, *left[0], len(left), len(follows)
+        functions = f"layout{unit.layout}_initialize, layout{unit.layout}_outputs"
+        yield f"static const Unit unit_{k} = {{{', '.join(map(str, numbers))}, left_{k}, follows_{k}, {functions}}};"
+        yield f"static int32_t begin_{k}(double t, double h, void *b) {{ (void)h; return scene_begin(t, b, &unit_{k}); }}"
+
+
+def _places(layout: Layout) -> tuple[str, list[int]]:
+    """The rows of the table of addresses in scene.c, and the cells that they fill."""
+    rows: list[tuple[int, int, str]] = []
+    master, at = layout.master, layout.at
+    place, memory = master.records.place, master.records.memory
+    for k, unit in enumerate(layout.units):
+        simulator, component, called = unit.node.unit, unit.component, unit.node.called
+        assert component.block is not None
+        assert isinstance(simulator, ComponentSimulator)
+        memory.units["input_mode"][called], memory.units["row"][called] = IN_MEMORY, component.u.strides[0]
+        rows.append((at + place("units", k, "initialize"), 0, f"begin_{k}"))
+        rows += [(at + place("units", called, name), 0, f"{name}_{unit.layout}") for name in ("step", "outputs")]
+        rows.append((at + place("units", called, "argument"), unit.first, "0"))
+        inputs, outputs = simulator.addresses
+        first_link = int(memory.units["first_link"][called])
+        for i, address in enumerate(inputs):
+            rows.append(
+                (at + place("links", first_link + i, "at"), unit.first + (address - component.block.address) // CELL, "0")
+            )
+        for i, address in enumerate(outputs, unit.node.place.start):
+            cell = at + master.records.block.cell("s", "outputs_at") + i
+            rows.append((cell, unit.first + (address - component.block.address) // CELL, "0"))
+    if layout.figures is not None:
+        first = layout.figures_at + layout.figures.cell("s", "at")
+        rows += [(first + i, layout.output(end), "0") for i, end in enumerate(layout.signals)]
+    text = ",\n".join(f"{{{cell}, {target}, {function}}}" for cell, target, function in rows)
+    return text, [cell for cell, _, _ in rows]
