@@ -9,7 +9,7 @@ What stands here is the public interface; whatever it needs is imported when it 
     print(result["pantograph.contact_force"].max(), "N")
 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
-`summary`, `write_report`.
+`summary`, `write_report`, `delivered`.
 Many runs: `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .components.core.variables import choice, input_, integer, output, parameter
     from .fmus.build import build
     from .fmus.check import check
+    from .orchestrator.delivery import delivered
     from .orchestrator.harness.studies.accuracy import accuracy
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
@@ -63,6 +64,7 @@ _PLACES = {
     "components.core.variables": ("choice", "input_", "integer", "output", "parameter"),
     "fmus.build": ("build",),
     "fmus.check": ("check",),
+    "orchestrator.delivery": ("delivered",),
     "orchestrator.harness.studies.accuracy": ("accuracy",),
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
@@ -100,6 +102,7 @@ __all__ = [
     "check",
     "choice",
     "component_class",
+    "delivered",
     "design",
     "effects",
     "event_kernels",

@@ -26,7 +26,14 @@ from .recorders import Recorder, TextRecorder
 from .tables import INTERNAL, StoredTable, Table, joined, prepare
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
-DERIVED = ("report.html", "report" + SAMPLES_ENDING, PLOTLY, "summary.json")  # made of a result, and gone with it
+DERIVED = (
+    "report.html",
+    "report.pdf",
+    "report" + SAMPLES_ENDING,
+    PLOTLY,
+    "summary.json",
+    "summary.csv",
+)  # made of a result, and gone with it
 RESERVE = "reserve"  # a file to be removed where the disk is full, so that the outcome can still be written
 RESERVED = 1 << 16  # bytes
 CHUNK_ROWS, CHUNK_VALUES, CHUNK_SECONDS = 100_000, 1_000_000, 5.0  # a chunk is written when it has reached one of them

@@ -41,6 +41,7 @@ from .options import (
     Scheduler,
     ranges_of,
     refuse,
+    reports,
 )
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ dataset = group("dataset", "Data sets of simulated records.")
 
 
 @app.command()
+@reports
 def sweep(
     scene: SceneName,
     plan: OptionalPlanFile = None,
@@ -105,6 +107,7 @@ def sweep(
 
 
 @app.command()
+@reports
 def sensitivity(
     scene: SceneName,
     plan: PlanFile,
@@ -151,6 +154,7 @@ def sensitivity(
 
 
 @app.command()
+@reports
 def uncertainty(
     scene: SceneName,
     plan: PlanFile,
@@ -213,6 +217,7 @@ def uncertainty(
 
 
 @app.command()
+@reports
 def fit(
     scene: SceneName,
     plan: PlanFile,
@@ -244,6 +249,7 @@ def fit(
 
 
 @app.command()
+@reports
 def design(
     scene: SceneName,
     plan: PlanFile,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -12,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
+from ..delivery import PLACES, delivered
 from .completion import parameters, presets, scenes
 
 if TYPE_CHECKING:
@@ -81,6 +84,40 @@ Limits = Annotated[
     ),
 ]
 Conditions = Annotated[list[str] | None, Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
+
+
+Plotly = Annotated[
+    str,
+    Option(
+        "--plotly",
+        metavar="|".join(PLACES),
+        help="Where the report has the library of its figures: inside, so that it is one file; in a file beside it; or on a network.",
+    ),
+]
+Pdf = Annotated[bool, Option("--pdf", help="Print the report to report.pdf, too; needs Chromium, Chrome or Edge.")]
+
+
+def reports(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that writes a report, with the options --plotly and --pdf: how the report is delivered."""
+    more = {"plotly": (Plotly, PLACES[0]), "pdf": (Pdf, False)}
+
+    @wraps(command)
+    def delivering(*, plotly: str, pdf: bool, **given: Any) -> None:
+        if plotly not in PLACES:
+            raise BadInput("--plotly", repr(plotly), "one of " + ", ".join(PLACES))
+        if given["output"] is None:
+            refuse({"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf}, "-o DIR as well, for the report")
+        with delivered(plotly, pdf):
+            command(**given)
+
+    signature = inspect.signature(command, eval_str=True)
+    added = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in more.items()
+    ]
+    delivering.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *added])  # type: ignore[attr-defined]
+    delivering.__annotations__ = {name: p.annotation for name, p in delivering.__signature__.parameters.items()}  # type: ignore[attr-defined]
+    return delivering
 
 
 def refuse(given: Mapping[str, Any], expected: str, hint: str = "Remove it.") -> None:

@@ -10,7 +10,7 @@ from typer import Argument, Option
 
 from ...components.core.errors import BadInput
 from .common import group, loaded_scene, print_table, print_written, status_spinner, warn
-from .options import OptionalOutput, Output, listed, parameters_of, share
+from .options import OptionalOutput, Output, listed, parameters_of, reports, share
 
 if TYPE_CHECKING:
     from ...components.railway.line.form import Form
@@ -19,6 +19,7 @@ railway = group("railway", "Pantographs and overhead lines.")
 
 
 @railway.command()
+@reports
 def lumped(
     scene: Annotated[str, Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
     speeds: Annotated[str, Option(metavar="KM/H[,...]", help="Speeds at which both are run.")] = "20,50,100,150,200,250,300",
@@ -103,6 +104,7 @@ def show_line(form: Form, title: str) -> None:
 
 
 @railway.command("fit-pantograph")
+@reports
 def fit_pantograph(
     response: Annotated[
         Path,

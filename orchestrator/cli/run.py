@@ -36,6 +36,7 @@ from .options import (
     Stop,
     listed,
     refuse,
+    reports,
     share,
     verify_mode,
 )
@@ -48,6 +49,7 @@ CHECKPOINT = "checkpoint"  # file in the output directory
 
 
 @app.command()
+@reports
 def run(
     scene: SceneName,
     in_process: InProcess = False,

@@ -6,12 +6,13 @@ import sys
 from pathlib import Path
 
 from ...components.core.errors import BadInput, StepFailed
+from ..delivery import DELIVERY
 from ..harness import report
 from ..harness.report.trust import percent
-from ..harness.summary import Summary, pacing_rows, to_json, verification_text
+from ..harness.summary import Summary, pacing_rows, to_json, to_table, verification_text
 from ..judgement import advise
 from ..judgement.dry_run import first_part, lines, tables
-from ..output import ensure_directory, write_json
+from ..output import ensure_directory, write_json, write_table
 from ..results import HELD, Result
 from ..scene.scene import Scene
 from ..systems import SYSTEMS, summary
@@ -52,7 +53,8 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
     if numbers:
         try:
             write_json(output / "summary.json", to_json(numbers))
-            names.append("summary.json")
+            write_table(output, "summary.csv", *to_table(numbers))
+            names += ["summary.json", "summary.csv"]
         except OSError as error:
             print(f"cosimo: no summary.json: {error.strerror or error}", file=sys.stderr)
     if result.rows >= 2 and not result.held:
@@ -60,6 +62,7 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
     elif result.rows >= 2:
         try:
             names.append(report.for_run(result, output, SYSTEMS).name)
+            names += ["report.pdf"] if DELIVERY.get().browser else []
         except OSError as error:
             if result.outcome == "done":
                 raise

@@ -30,6 +30,7 @@ from .options import (
     preset_of,
     ranges_of,
     refuse,
+    reports,
     share,
 )
 
@@ -43,6 +44,7 @@ ComponentEffects = Annotated[
 
 
 @app.command()
+@reports
 def accuracy(
     what: Annotated[
         str,
@@ -136,6 +138,7 @@ def _print_front(measured: Accuracy) -> None:
 
 
 @app.command()
+@reports
 def effects(
     scene: SceneName,
     tolerance: Annotated[
@@ -217,6 +220,7 @@ def _print_effects(result: Effects) -> None:
 
 
 @app.command()
+@reports
 def stability(
     names: Annotated[
         list[str] | None,

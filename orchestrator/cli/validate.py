@@ -9,10 +9,11 @@ from typer import Argument, Option
 
 from .common import FAILED_CHECK, app, print_table, warn
 from .completion import cases
-from .options import AsJson, InProcess, NoVerify, Output, verify_mode
+from .options import AsJson, InProcess, NoVerify, Output, reports, verify_mode
 
 
 @app.command()
+@reports
 def validate(
     cases: Annotated[
         list[str] | None,

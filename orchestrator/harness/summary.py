@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from math import ceil, floor, isfinite, log10, nan
@@ -121,6 +121,15 @@ def pacing_rows(info: Mapping[str, Any]) -> Summary:
 def to_json(summary: Summary) -> dict[str, Any]:
     """The object of summary.json, by the rows' names."""
     return {row.name: row.to_json() for row in summary}
+
+
+COLUMNS = ("quantity", "value", "error", "unit", "text")
+
+
+def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, ...]]]:
+    """(names of the columns, rows) of summary.csv; an empty cell is a number that is not known."""
+    known = lambda number: number if isfinite(number) else ""  # noqa: E731
+    return COLUMNS, [(row.name, known(row.value), known(row.error), row.unit, row.text) for row in summary]
 
 
 def verification_text(verification: Mapping[str, Any]) -> str:

@@ -47,5 +47,11 @@ class System:
         name = f"{self.package}.summary"
         return import_module(name).summary if find_spec(name) else lambda result: ()
 
+    @property
+    def headline(self) -> tuple[str, ...]:
+        """Patterns of the quantities that a run of the system is judged by, as in "*_rms"; none for its first ones."""
+        name = f"{self.package}.summary"
+        return getattr(import_module(name), "HEADLINE", ()) if find_spec(name) else ()
+
 
 Systems = Mapping[str, System]  # by name

@@ -117,7 +117,7 @@ def papers() -> list[str]:
 def validate(
     names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False, verify: Wish = "auto"
 ) -> list[CaseResult]:
-    """Run cases by name, write `report.html` and `validation.json` to `directory`.
+    """Run cases by name, write `report.html`, `validation.json` and `validation.csv` to `directory`.
 
     No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
     verify: "auto" finds the errors of all numbers where the repetition takes at most 5 s of CPU time, "whole" always, "no" never.

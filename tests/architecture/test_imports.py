@@ -17,7 +17,14 @@ COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba", "llvmlite"}  # llvmlite is w
 FLOORS = (
     ("components",),
     ("fmus",),
-    ("orchestrator.output", "orchestrator.verified_file", "orchestrator.cache", "orchestrator.loading", "orchestrator.settings"),
+    (
+        "orchestrator.output",
+        "orchestrator.delivery",
+        "orchestrator.verified_file",
+        "orchestrator.cache",
+        "orchestrator.loading",
+        "orchestrator.settings",
+    ),
     ("orchestrator.units",),
     ("orchestrator.engine",),
     ("orchestrator.scene",),

@@ -55,13 +55,17 @@ class Facts:
 
 @dataclass(frozen=True)
 class Cells:
-    """A plain table; numbers are texts already. Columns named in `right` are set flush right."""
+    """A plain table; numbers are texts already. Columns named in `right` are set flush right.
+
+    folded: hidden until asked for on a screen, and open on paper.
+    """
 
     title: str
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
     right: frozenset[int] = frozenset()
+    folded: bool = False
     kind: str = "cells"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from ..summary import with_error, with_errors
+from ..summary import Summary, SummaryRow, with_error, with_errors
 from . import generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from ..system import Systems
     from ..validation.case import CaseResult, ClaimResult
 
-MOST_NUMBERS = 4  # of the summary at the top of a page; the tables have the others
+MOST_NUMBERS = 12  # of the summary at the top of a page; the table below them has all
+FIRST_NUMBERS = 4  # where the system does not say which of them a run is judged by
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
 
@@ -65,24 +67,47 @@ def _verdict(result: Result) -> str:
 
 
 def _answer(result: Result, systems: Systems) -> list[Block]:
-    """The first numbers of the system's summary; none of a run that has none."""
-    system = result.scene.analysis.system
-    if system not in systems or result.time.size < 2:
+    """The numbers that a run of its system is judged by, and a table of all; none of a run that has none."""
+    rows = _summary(result, systems)
+    if not rows:
         return []
-    try:
-        rows = with_errors(systems[system].summary(result)[:MOST_NUMBERS], result.info)
-    except BadInput:
-        return []  # the line in place of the figures says why
+    patterns = systems[result.scene.analysis.system].headline
+    first = [row for row in rows if any(fnmatch(row.name.rpartition(".")[2], pattern) for pattern in patterns)]
     numbers = [
-        (
-            f"{with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)} "
-            f"{row.unit if row.unit != '1' else ''}".rstrip(),
-            ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))),
-        )
-        for row in rows
+        (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))))
+        for row in (first or rows[:FIRST_NUMBERS])[:MOST_NUMBERS]
     ]
     unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
-    return [Answer(numbers), *([] if any(np.isfinite(row.error) for row in rows) else [unknown])] if numbers else []
+    known = any(np.isfinite(row.error) for row in rows)
+    return [Answer(numbers), _all_figures(rows), *([] if known else [unknown])]
+
+
+def _summary(result: Result, systems: Systems) -> Summary:
+    """The run in numbers; none of a run that is too short, or whose [analysis] asks for what it does not have."""
+    system = result.scene.analysis.system
+    if system not in systems or result.time.size < 2:
+        return ()
+    try:
+        return with_errors(systems[system].summary(result), result.info)
+    except BadInput:
+        return ()  # the line in place of the figures says why
+
+
+def _shown(row: SummaryRow, with_unit: bool = True) -> str:
+    """A number with its error and unit, as a page shows it."""
+    text = with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)
+    return f"{text} {row.unit if with_unit and row.unit != '1' else ''}".rstrip()
+
+
+def _all_figures(rows: Sequence[SummaryRow]) -> Cells:
+    """All numbers of the summary: a line for each quantity, a column for each unit that has it."""
+    units = list(dict.fromkeys(row.name.rpartition(".")[0] for row in rows))
+    lines: dict[tuple[str, str], dict[str, str]] = {}
+    for row in rows:
+        lines.setdefault((row.text, "" if row.unit == "1" else row.unit), {})[row.name.rpartition(".")[0]] = _shown(row, False)
+    cells = [(text, unit, *(values.get(name, "") for name in units)) for (text, unit), values in lines.items()]
+    right = frozenset(range(2, 2 + len(units)))
+    return Cells("All figures of this run", ("quantity", "unit", *units), cells, right=right, folded=True)
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
@@ -170,35 +195,33 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
             badge=result.outcome,
         )
     ]
-    sections += [_claim_section(c) for c in findings.claims]
     special = systems[case.system].figures if case.system in systems else None
     plain = [r for r in findings.rows if not r.reference.claim]
-    conditions = list(dict.fromkeys(r.reference.condition for r in plain))
+    for condition in dict.fromkeys(r.reference.condition for r in plain):  # the answer, before the figures that show it
+        rows = [r for r in plain if r.reference.condition == condition]
+        title = condition or case.title
+        sections[0].blocks.append(generic.range_table(title, rows, findings.settings.get(condition, "")))
+    sections += [_claim_section(c) for c in findings.claims]
+    settings: list[Block] = []
     for label, run in findings.runs.items():
         rows = [r for r in plain if r.reference.condition == label]
         blocks: list[Block] = []
         if run.outcome != "done":
             blocks.append(Text([f"This run {_ENDED[run.outcome]} and is shown as far as it went: {run.message}"], "warning"))
-        if rows:  # the answer, before the figures that show it
-            blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings.get(label, "")))
+        if not rows and (numbers := _summary(run, systems)):
+            blocks.append(_all_figures(numbers))
         of_system = special(run, rows) if special and run.outcome == "done" else []
-        blocks += of_system or generic.time_series(run)
-        blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))
-        sections.append(Section(label, [*blocks, *generic.run_blocks(run)], 3))
+        sections.append(Section(label, [*blocks, *(of_system or generic.time_series(run))], 3))
+        settings += [Text([f"{label}: {generic.run_line(run)}"]), *generic.run_blocks(run)]
     studies: list[Block] = [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in findings.charts]
     if studies:
         sections.append(Section("Studies", studies, 3))
-    rest = [c for c in conditions if c not in findings.runs]
-    if rest:
-        tables: list[Block] = []
-        for c in rest:
-            rows = [r for r in plain if r.reference.condition == c]
-            tables.append(generic.range_table(c, rows, findings.settings.get(c, "")))
-        sections.append(Section("Against the reference", tables, 3))
     if findings.unverified:
         sections.append(Section("Errors of these numbers", [Text([f"Not known: {findings.unverified}."], "note")], 3))
     if findings.notes:
         sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
+    if settings:
+        sections.append(Section("Settings", settings, 3))
     return sections
 
 

@@ -1,6 +1,7 @@
 """Figures as they stand in a page: no more points than the page has room for, and numbers as bytes instead of text.
 
-Lines that lose points there keep their samples in a file beside the page, from which they come where one zooms in.
+Lines that lose points there keep their samples in a part of the page of its own, or a file beside it, from which they come where
+one zooms in.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ import numpy as np
 from ..charts.style import SAMPLES, thin_out
 
 ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
-ROOM_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
+SAMPLES_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
+SAMPLES_INSIDE = 1_000_000  # numbers of samples in a page, compressed: at most about 5 MB
 LONG = 500  # points from which a line may be thinned, and the fewest that it then has
 PACKED = 50  # numbers from which an array becomes bytes
 
@@ -41,7 +43,7 @@ class Samples:
     points: int = 0
 
 
-def lost_samples(figures: Sequence[Spec], points: int) -> Samples:
+def lost_samples(figures: Sequence[Spec], points: int, room: int) -> Samples:
     """Samples of the lines that have fewer points in the page than there were. points: the most that a line has there."""
     lost = {
         (k, i): samples
@@ -49,7 +51,7 @@ def lost_samples(figures: Sequence[Spec], points: int) -> Samples:
         for i, trace in enumerate(figure["data"])
         if (samples := _samples(trace, points)) is not None and (np.diff(samples[0]) >= 0.0).all()
     }  # no orbits
-    most = _fitting([x.size for x, _ in lost.values()], ROOM_BESIDE)
+    most = _fitting([x.size for x, _ in lost.values()], room)
     arrays: list[Any] = []
     places: dict[bytes, int] = {}  # most lines share their times
     lines: dict[str, dict[str, tuple[int, ...]]] = {}

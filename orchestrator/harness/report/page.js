@@ -1,5 +1,12 @@
 // Figures are drawn when they come near the screen, and all of them before printing.
 "use strict";
+// A text that stands in the page as gzip; null where there is none.
+async function unpacked(id) {
+  const element = document.getElementById(id);
+  if (!element) return null;
+  const bytes = Uint8Array.from(atob(element.textContent), (c) => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
 const config = {
   displaylogo: false, responsive: true,
   showSendToCloud: false, plotlyServerURL: "", // Plotly offers to send the data to its makers; a report never does
@@ -23,18 +30,22 @@ function draw(element, dark = wantsDark.matches) {
   const spec = JSON.parse(dark ? recoloured(json) : json);
   const coarse = spec.data.map(({ x, y, xaxis = "x" }) => ({ x, y, xaxis })); // Plotly changes what it is given
   Plotly.newPlot(element, spec.data, spec.layout, config).then(() => {
+    element.querySelectorAll(".modebar-btn").forEach((button) => { button.tabIndex = -1; }); // Tab goes on to the text
     if (spec.frames) Plotly.addFrames(element, spec.frames);
-    if (samplesFile) element.on("plotly_relayout", () => refine(element, coarse));
+    if (samplesFile || document.getElementById("samples-inside")) element.on("plotly_relayout", () => refine(element, coarse));
   });
 }
 // Lines with fewer points than there were get them back where one zooms in, from the file beside the page.
 const samplesFile = document.getElementById("page").dataset.samples;
 const DRAWN = 4000; // points of a line in view; of more, the extremes of each of half as many pieces
 let loading;
-const samples = () => (loading ??= new Promise((done) => {
+const samples = () => (loading ??= samplesFile ? fromFile() : unpacked("samples-inside").then((json) => {
+  window.samples = JSON.parse(json); return true;
+}));
+const fromFile = () => new Promise((done) => {
   const file = Object.assign(document.createElement("script"), { src: samplesFile, onload: () => done(true), onerror: () => done(false) });
   document.head.append(file);
-}));
+});
 function numbers(packed) {
   if (packed.values) return packed.values;
   const bytes = Uint8Array.from(atob(packed.bdata), (c) => c.charCodeAt(0)).buffer;
@@ -78,19 +89,31 @@ async function refine(element, coarse) {
   }
   if (traces.length) await Plotly.restyle(element, { x: xs, y: ys }, traces);
 }
-if (typeof Plotly === "undefined" && document.getElementById("no-plotly")) document.getElementById("no-plotly").hidden = false;
-const plots = typeof Plotly === "undefined" ? [] : [...document.querySelectorAll(".plot")];
-const watcher = new IntersectionObserver((entries) => {
-  for (const entry of entries) if (entry.isIntersecting) { watcher.unobserve(entry.target); draw(entry.target); }
-}, { rootMargin: "1200px" });
-plots.forEach((p) => watcher.observe(p));
+const plots = [...document.querySelectorAll(".plot")];
 const drawAgain = () => plots.filter((p) => p.dataset.drawn).forEach((p) => draw(p));
-wantsDark.addEventListener("change", drawAgain);
-// On paper figures are light and nothing is folded.
+function showStills() { // in the place of figures that cannot be drawn
+  document.getElementById("no-plotly").hidden = false;
+  for (const plot of plots) { plot.innerHTML = document.getElementById(plot.id + "-still").textContent; plot.style.height = ""; }
+}
+async function start() {
+  try {
+    const library = await unpacked("plotly-inside");
+    if (library) document.head.append(Object.assign(document.createElement("script"), { textContent: library }));
+  } catch { /* a browser without DecompressionStream */ }
+  if (typeof Plotly === "undefined") return showStills();
+  if (location.hash === "#print") return plots.forEach((p) => draw(p, false));
+  const watcher = new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) { watcher.unobserve(entry.target); draw(entry.target); }
+  }, { rootMargin: "1200px" });
+  plots.forEach((p) => watcher.observe(p));
+  wantsDark.addEventListener("change", drawAgain);
+}
+if (plots.length) start();
+// On paper figures are light; what belongs to the answer is unfolded, settings stay as they are.
 let folded = [];
 window.addEventListener("beforeprint", () => {
-  plots.forEach((p) => draw(p, false));
-  folded = [...document.querySelectorAll("details:not([open])")];
+  if (typeof Plotly !== "undefined") plots.forEach((p) => draw(p, false));
+  folded = [...document.querySelectorAll("details[data-printed]:not([open])")];
   folded.forEach((d) => { d.open = true; });
 });
 window.addEventListener("afterprint", () => { drawAgain(); folded.forEach((d) => { d.open = false; }); });

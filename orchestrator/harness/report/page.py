@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gzip
 import json
+from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,13 +13,17 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
+from plotly.offline import get_plotlyjs, get_plotlyjs_version
 
 from ....components.core.store import replaced
+from ...delivery import DELIVERY, print_pdf
 from ...output import PLOTLY, SAMPLES_ENDING
 from ..charts.blocks import Block, Figure
+from ..charts.still import still
 from ..charts.style import DARK
-from .embed import embedded, lost_samples
+from .embed import SAMPLES_BESIDE, SAMPLES_INSIDE, embedded, lost_samples
+
+CDN = "https://cdn.plot.ly/plotly-{}.min.js"
 
 
 @dataclass(frozen=True)
@@ -59,13 +65,17 @@ def _asset(name: str) -> str:
 
 
 def write_page(page: Page, path: Path) -> Path:
-    """Render to `path`; beside it go Plotly, once for all pages of a directory, and samples of lines that have no room in it.
+    """Render to `path`, and to a PDF beside it where the delivery wants one.
 
-    Nothing is asked of any network.
+    The page is one file: figures with the library that draws them, a still picture of each for where no scripts run, and samples
+    of lines that have no room in a figure. With another delivery library and samples are files beside it, or the library comes
+    from its makers' network. Else nothing is asked of any network.
     """
+    delivery = DELIVERY.get()
     figures = [b for s in page.sections for b in s.blocks if isinstance(b, Figure)]
+    inside = delivery.plotly == "inside"
     specs, points = embedded([f.figure for f in figures])
-    samples = lost_samples([f.figure for f in figures], points)
+    samples = lost_samples([f.figure for f in figures], points, SAMPLES_INSIDE if inside else SAMPLES_BESIDE)
     beside = path.with_name(path.stem + SAMPLES_ENDING)
     html = (
         _environment()
@@ -74,26 +84,41 @@ def write_page(page: Page, path: Path) -> Path:
             page=page,
             figure_number={id(f): i for i, f in enumerate(figures, 1)},
             specs=specs,
+            stills=[still(f.figure, f"f{i}") for i, f in enumerate(figures, 1)],
             points=points,
-            samples=beside.name if samples.content else "",
+            samples="" if inside or not samples.content else beside.name,
+            samples_inside=_compressed(_as_json(samples.content)) if inside and samples.content else "",
             sample_points=samples.points,
             id=id,
             css=_asset("page.css"),
             dark=DARK,
             script=_asset("page.js"),
-            plotly=PLOTLY if figures else "",
+            plotly={"beside": PLOTLY, "cdn": CDN.format(get_plotlyjs_version())}.get(delivery.plotly, "") if figures else "",
+            plotly_inside=_compressed_plotly() if inside and figures else "",
         )
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     beside.unlink(missing_ok=True)
-    if samples.content:
+    if samples.content and not inside:
         with replaced(beside) as file:
             file.write(f"window.samples = {_as_json(samples.content)};\n")
-    if figures:
+    if figures and delivery.plotly == "beside":
         _put_plotly(path.with_name(PLOTLY))
     with replaced(path) as file:
         file.write(html)
+    if delivery.browser:
+        print_pdf(path, delivery.browser)
     return path
+
+
+def _compressed(text: str) -> str:
+    """A text as gzip in letters, which browsers unpack."""
+    return b64encode(gzip.compress(text.encode("utf-8"), 6, mtime=0)).decode("ascii")
+
+
+@cache
+def _compressed_plotly() -> str:
+    return _compressed(get_plotlyjs())
 
 
 def _put_plotly(path: Path) -> None:

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .case import Case, CaseResult, to_json
+from ...output import write_table
+from .case import Case, CaseResult, to_json, to_table
 from .questions import Evidence, Options, Question, Runs, done
 
 __all__ = ["Case", "CaseResult", "Evidence", "Options", "Question", "Runs", "done", "run_cases", "to_json"]
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def run_cases(
     cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool, verify: Wish = "auto"
 ) -> list[CaseResult]:
-    """Run the cases, with errors as `repeated.find` finds them; write `report.html` and `validation.json`."""
+    """Run the cases, with errors as `repeated.find` finds them; write `report.html`, `validation.json` and `validation.csv`."""
     from ..report import for_cases
     from .repeated import find
 
@@ -35,4 +36,5 @@ def run_cases(
     page = for_cases(results, directory, systems)
     results = [replace(r, report=page) for r in results]
     (directory / "validation.json").write_text(to_json(results), encoding="utf-8")
+    write_table(directory, "validation.csv", *to_table(results))
     return results

@@ -271,6 +271,17 @@ def _outside(row: Row) -> str:
     return f"above {high:.5g}" if high is not None and row.measured > high else "not a number"
 
 
+def to_table(results: list[CaseResult]) -> tuple[tuple[str, ...], list[tuple[str | float, ...]]]:
+    """(names of the columns, rows) of validation.csv: every row of every case with the case's outcome and its own answer."""
+    columns = ("quantity", "condition", "unit", "measured", "error", "low", "high", "standing", "confidence", "source")
+    rows = []
+    for result in results:
+        for row in result.findings.rows:
+            cells = row.to_json()
+            rows.append((result.case.name, result.outcome, *("" if cells[c] is None else cells[c] for c in columns), row.answer))
+    return ("case", "outcome", *columns, "inside"), rows
+
+
 def to_json(results: list[CaseResult]) -> str:
     """The document of `cosimo validate --json`."""
     return json.dumps({"cases": [r.to_json() for r in results]}, indent=2, ensure_ascii=False)

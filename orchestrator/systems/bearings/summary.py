@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ...results import Result
 
 LINES = {"cage": "cage (FTF)", "outer": "outer race (BPFO)", "inner": "inner race (BPFI)", "ball": "spin of a ball (BSF)"}
+HEADLINE = ("*_rms", "*_kurtosis", "ball_load_max")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

@@ -25,6 +25,7 @@ for _axis, _unit in UNITS.items():
         f"{_axis}_overshoot": (_unit, f"largest overshoot of a move of the {_axis}"),
         f"{_axis}_settling_time": ("s", f"longest settling time of a move of the {_axis}; NaN: one does not settle"),
     }
+HEADLINE = ("*_error_end", "*_overshoot", "*_settling_time")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

@@ -20,6 +20,7 @@ TEXTS = {
     "lost_energy": ("J", "energy lost after the transient"),
     "energy_per_metre": ("J/m", "energy of the exciter over the way"),
 }
+HEADLINE = ("mean_speed", "rest_share", "energy_per_metre")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

@@ -30,6 +30,7 @@ TEXTS = {
     "uplift_mm": ("mm", "maximum uplift at a support"),
 }
 OF_THE_WHOLE = ("arcs", "arcing", "longest_arc_ms")  # no arc burns at a strip or a wire while the other keeps contact
+HEADLINE = ("mean", "std", "max", "min", "loss_raw", "uplift_mm")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

@@ -13,6 +13,8 @@ from .records import RotorRecord, rotors
 if TYPE_CHECKING:
     from ...results import Result
 
+HEADLINE = ("displacement_max", "speed_at_max", "force_max", "ball_load_max")  # what a run is judged by
+
 
 def summary(result: Result) -> Summary:
     """Of every rotor whose speed was recorded, after the transient."""

@@ -22,6 +22,7 @@ TEXTS = {
     "thrust_max": ("N", "largest thrust of any thruster"),
     "limited_share": ("%", "share of the time in which a thruster is at its limit"),
 }
+HEADLINE = ("position_error_max", "attitude_error_max", "thrust_max", "limited_share", "drift_of_*")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

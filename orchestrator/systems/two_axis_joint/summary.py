@@ -12,6 +12,8 @@ from .records import JointRecord, joints
 if TYPE_CHECKING:
     from ...results import Result
 
+HEADLINE = ("*_angle_max", "*_change")  # what a run is judged by
+
 
 def summary(result: Result) -> Summary:
     """Of every joint whose angles and rates were recorded."""

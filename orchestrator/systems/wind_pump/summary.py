@@ -24,6 +24,7 @@ TEXTS = {
     "starts": ("1", "times the pump began to run"),
     "running_share": ("%", "share of the time in which the pump ran"),
 }
+HEADLINE = ("water", "transmission_efficiency", "mean_power_coefficient", "starts")  # what a run is judged by
 
 
 def summary(result: Result) -> Summary:

@@ -14,6 +14,8 @@ from .records import HAND, bundles, linkages, postures, wrists
 if TYPE_CHECKING:
     from ...results import Result
 
+HEADLINE = ("flexion_max", "flexion_min", "row_rule_share", "tension_max", "strain_max", "swing")  # what a run is judged by
+
 
 def summary(result: Result) -> Summary:
     """Of every wrist, ligament bundle and four-bar linkage that was recorded, after the transient."""

@@ -1,4 +1,4 @@
-"""A report in a browser, as a file: figures drawn by the library beside it, no other host asked, nothing folded in print."""
+"""A report in a browser, as a file: figures drawn without any host, still pictures without scripts, its answer on one sheet."""
 
 from __future__ import annotations
 
@@ -8,50 +8,104 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cosimo import load_scene, run, write_report
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.delivery import delivered
 from cosimo.orchestrator.harness.charts.blocks import Figure
 from cosimo.orchestrator.harness.charts.style import axis, dense_line, layout
+from cosimo.orchestrator.harness.report import for_cases
 from cosimo.orchestrator.harness.report.page import Page, Section, write_page
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
+from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.systems import SYSTEMS
 
 pytestmark = pytest.mark.full
 
 
-@pytest.fixture
-def page():
-    """A page of a Chromium."""
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium."""
     sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra 'docs')")
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     with sync_api.sync_playwright() as playwright:
         try:
-            browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+            started = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
         except sync_api.Error as error:
             pytest.skip(f"no browser starts: {error}")
-        yield browser.new_page()
-        browser.close()
+        yield started
+        started.close()
 
 
-def report(folder: Path) -> Path:
-    """Of a short run of a scene with many signals."""
-    return write_report(run(load_scene("mass-on-spring"), in_process=True), folder)
+@pytest.fixture
+def page(browser):
+    """A page of it."""
+    return browser.new_page()
 
 
-def test_a_report_draws_its_figures_and_prints_its_settings(page, tmp_path):
+def report(folder: Path, name: str = "mass-on-spring") -> Path:
+    """Of a short run of a scene."""
+    return write_report(run(load_scene(name), in_process=True), folder)
+
+
+def test_a_report_is_one_file_that_draws_its_figures_and_unfolds_its_answer_in_print(page, tmp_path):
     asked, errors = [], []
     page.on("request", lambda request: asked.append(request.url))
     page.on("pageerror", lambda error: errors.append(str(error)))
-    path = report(tmp_path)
+    path = report(tmp_path, "lumped-catenary")
     page.goto(path.as_uri())
     page.locator(".plot .main-svg").first.wait_for()
     curve = page.locator(".plot .scatterlayer path.js-line").first.get_attribute("d")
     assert curve.count("L") + curve.count("C") > 20  # bytes became a line
-    folded = page.locator("details:not([open])").count()
+    answer, settings = page.locator("details[data-printed]"), page.locator("details:not([data-printed]):not([open])")
+    folded = settings.count()
     assert folded > 0
+    assert answer.get_attribute("open") is None
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-    assert page.locator("details:not([open])").count() == 0
+    assert answer.get_attribute("open") is not None
+    assert settings.count() == folded
     page.evaluate("window.dispatchEvent(new Event('afterprint'))")
-    assert page.locator("details:not([open])").count() == folded
+    assert answer.get_attribute("open") is None
+    assert page.evaluate("[...document.querySelectorAll('.modebar-btn')].every((b) => b.tabIndex < 0)")
     assert errors == []
-    assert {url.partition("#")[0] for url in asked} == {path.as_uri(), path.with_name("plotly.min.js").as_uri()}
-    assert path.stat().st_size < 1_500_000
+    assert {url.partition("#")[0] for url in asked} == {path.as_uri()}
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert path.stat().st_size < 3_500_000
+
+
+@pytest.mark.parametrize("lost", ["scripts", "unpacking", "library"])
+def test_where_figures_cannot_be_drawn_there_are_still_pictures(browser, tmp_path, lost):
+    with delivered("beside" if lost == "library" else "inside"):
+        path = report(tmp_path)
+    path.with_name("plotly.min.js").unlink(missing_ok=True)
+    page = browser.new_context(java_script_enabled=lost != "scripts").new_page()
+    if lost == "unpacking":
+        page.add_init_script("delete window.DecompressionStream")
+    page.goto(path.as_uri())
+    still = page.locator("svg.still").first
+    still.wait_for()
+    assert still.bounding_box()["height"] > 100.0
+    assert page.locator("#no-plotly").is_visible() == (lost != "scripts")
+
+
+def test_a_case_is_printed_with_verdict_and_all_rows_on_its_first_sheet(page, tmp_path):
+    """An A4 sheet has 297 - 28 mm; 16 rows of two conditions."""
+    rows = compare(load_table("en50318-2002").rows, {})
+    case = Case("a-case", "A case", "Shows something.", ())
+    path = for_cases([CaseResult(case, Findings(rows))], tmp_path, SYSTEMS)
+    page.set_viewport_size({"width": 695, "height": 1000})
+    page.emulate_media(media="print")
+    page.goto(path.as_uri() + "#print")
+    last = page.locator("table.ranges tr").last.bounding_box()
+    assert len(rows) == 16
+    assert last["y"] + last["height"] < (297 - 28) / 25.4 * 96
+
+
+def test_a_report_is_printed_to_a_pdf(tmp_path):
+    try:
+        with delivered(pdf=True):
+            path = report(tmp_path)
+    except BadInput as error:
+        pytest.skip(str(error))
+    assert path.with_name("report.pdf").read_bytes().startswith(b"%PDF")
 
 
 def drawn_in(page, low, high):
@@ -65,7 +119,8 @@ def drawn_in(page, low, high):
     ).T
 
 
-def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path):
+@pytest.mark.parametrize("place", ["inside", "beside"])
+def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path, place):
     """With the mouse: a drag over a hundredth of the axis, then a double click."""
     asked, errors = [], []
     page.on("request", lambda request: asked.append(request.url))
@@ -75,7 +130,8 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path):
     trace, thinned = dense_line(x, y, "oscillation", "#0072b2")
     assert thinned
     figure = Figure("Dense", {"data": [trace], "layout": layout(400, xaxis=axis("time, s"), yaxis=axis("m"))})
-    path = write_page(Page("Dense lines", "", [Section("Signals", [figure])]), tmp_path / "page.html")
+    with delivered(place):
+        path = write_page(Page("Dense lines", "", [Section("Signals", [figure])]), tmp_path / "page.html")
     beside = path.with_name("page.samples.js")
     page.goto(path.as_uri())
     page.locator(".plot .main-svg").first.wait_for()
@@ -99,12 +155,5 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path):
     assert np.array_equal(drawn_in(page, 0.0, 100.0), coarse)
     assert page.evaluate("document.querySelector('.plot')._fullLayout.xaxis.range") == pytest.approx([0.0, 100.0], abs=1.0)
     assert errors == []
-    assert {url.partition("#")[0] for url in asked} == {p.as_uri() for p in (path, beside, path.with_name("plotly.min.js"))}
-
-
-def test_without_the_library_the_page_says_so(page, tmp_path):
-    path = report(tmp_path)
-    path.with_name("plotly.min.js").unlink()
-    page.goto(path.as_uri())
-    assert page.locator("#no-plotly").is_visible()
-    assert page.locator("table").count() > 0
+    files = (path, beside, path.with_name("plotly.min.js")) if place == "beside" else (path,)
+    assert {url.partition("#")[0] for url in asked} == {p.as_uri() for p in files}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -12,12 +11,10 @@ import numpy as np
 from .....components.core.errors import BadInput
 from ....harness.analysis.records import RecordedUnit
 from ....harness.analysis.signals import Filter
-from ....harness.charts.blocks import Block, Cells, Figure, Sketch, Text
-from ....harness.charts.style import number
+from ....harness.charts.blocks import Block, Figure, Sketch, Text
 from ....harness.report.windows import fault_windows, shaded
 from ..line import svg
 from ..records import Passage, analysis_window, passages, statistics
-from ..summary import TEXTS, shown
 from .force import force_figure, spectrum_figure
 from .passage import passage_figure
 from .wire import uplift_figure, waves_figure, wire_figure
@@ -31,11 +28,11 @@ SKETCH_WIDTH, MOST_DRAWN = 960.0, 500.0  # px, m
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
-    """The figures and, where no reference table takes its place, a table of the statistics."""
+    """The figures, with a line where the run does not reach the window of its statistics."""
     content: list[Block] = [*line_sketches(result), *figures(result, rows)]
     if content and not rows:
         try:
-            content.append(statistics_table(result))
+            statistics(result)
         except BadInput as error:
             content.append(Text([f"No statistics; the figures show the run as far as it goes: {error}"], "warning"))
     return content
@@ -56,17 +53,6 @@ def line_sketches(result: Result) -> list[Sketch]:
         line: Any = RecordedUnit(result, name).component
         sketches.append(Sketch("The line", svg(line.form(), f"{name} from {low:g} to {high:g} m", (low, high), SKETCH_WIDTH)))
     return sketches
-
-
-def statistics_table(result: Result) -> Cells:
-    """Statistics of every pantograph of a run, with their settings."""
-    all_passages = passages(result)
-    names = [p.pantograph for p in all_passages]
-    columns = [statistics(result, pantograph=i) for i in range(len(names))]
-    values = [shown(p, s) for p, s in zip(all_passages, columns, strict=True)]
-    rows = [(text, unit, *(number(v.get(name, math.nan)) for v in values)) for name, (unit, text) in TEXTS.items()]
-    right = frozenset(range(2, 2 + len(names)))
-    return Cells("Statistics in the analysis window", ("quantity", "unit", *names), rows, columns[0].settings + ".", right)
 
 
 def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = None) -> list[Figure]:
