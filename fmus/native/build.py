@@ -104,7 +104,7 @@ def assembled(
 
     texts: of entries, in LLVM's language; sources: of the runtime; others as of `Library`.
     """
-    objects = {target: tuple(object_code(text, target) for text in texts) for target in {*compilers, "linux64"}}
+    objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in {*compilers, "linux64"}}
     description = description2(name, described, variables, "", abilities=abilities.get(2, {}))
     digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), description)
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"

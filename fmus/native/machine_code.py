@@ -81,11 +81,14 @@ class Target:
     folder3: str  # and of FMI 3
     suffix: str
     also2: str = ""  # where hosts of FMI 2 look that know no other name; taken unless a target owns it
+    wide: str = ""  # features of processors for which a library has its code a second time; `model_wide` of the runtime says so
 
 
 TARGETS = {
-    "linux64": Target("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so"),
-    "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll"),
+    "linux64": Target(
+        "x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so", wide="+avx"
+    ),
+    "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll", wide="+avx"),
     # FMI 2.0 names no folder for it and refers, since 2.0.5, to those of FMI 3.0
     "linux-arm64": Target(
         "aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "generic", "aarch64-linux", "aarch64-linux", ".so", "linux64"
@@ -251,20 +254,20 @@ def _users(text: str, symbol: str, kernels: list[str]) -> str:
     return f" (in {', '.join(sorted(names, key=len)[-3:])})" if names else ""
 
 
-def _machine(target: Target) -> Any:
+def _machine(target: Target, features: str = "") -> Any:
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features="", opt=3, reloc="pic", codemodel="default"
+        cpu=target.cpu, features=features, opt=3, reloc="pic", codemodel="default"
     )
 
 
-def _optimize(module: Any, target: Target) -> Any:
+def _optimize(module: Any, target: Target, features: str = "") -> Any:
     import llvmlite.binding as llvm
 
-    machine = _machine(target)
+    machine = _machine(target, features)
     module.triple, module.data_layout = target.triple, str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization = options.slp_vectorization = False  # Numba has done it
@@ -274,17 +277,57 @@ def _optimize(module: Any, target: Target) -> Any:
 
 
 @lru_cache(maxsize=16)
-def object_code(text: str, target: str) -> bytes:
-    """The object file of entries for a target; they are hidden from other libraries of the process."""
+def object_code(text: str, target: str) -> tuple[bytes, ...]:
+    """The object files of entries for a target; they are hidden from other libraries of the process.
+
+    Where the target has a wide form, too: those of both forms, and of entries that choose. No operations are fused in either, so
+    that both give the same numbers.
+    """
+    to = TARGETS[target]
+    if not to.wide:
+        return (_object(text, to),)
+    entries = _entries(text)
+    choices = "\n".join(_choice(name, times) for name, times in entries)
+    forms = [_object(text, to, features, suffix) for features, suffix in (("", "_base"), (to.wide, "_wide"))]
+    return (*forms, _object(f"@model_wide = external hidden global i32\n{choices}", to))
+
+
+def _object(text: str, target: Target, features: str = "", suffix: str = "") -> bytes:
     import llvmlite.binding as llvm
 
     module = llvm.parse_assembly(text)
-    machine = _optimize(module, TARGETS[target])
+    machine = _optimize(module, target, features)
     for function in module.functions:
         if not function.is_declaration and function.linkage.name == "external":
             function.visibility = "hidden"
+            function.name += suffix
     module.verify()
-    return machine.emit_object(module)
+    return machine.emit_object(module)  # type: ignore[no-any-return]
+
+
+def _entries(text: str) -> list[tuple[str, int]]:
+    """Names of the entries, and how many times they are given."""
+    import llvmlite.binding as llvm
+
+    functions = llvm.parse_assembly(text).functions
+    return [(f.name, len(list(f.arguments)) - 1) for f in functions if not f.is_declaration and f.linkage.name == "external"]
+
+
+def _choice(name: str, times: int) -> str:
+    """An entry that calls its wide form where the processor has it."""
+    values = [f"double %t{k}" for k in range(times)] + ["i64 %block"]
+    given, kinds = ", ".join(values), ", ".join(value.split()[0] for value in values)
+    return f"""
+declare hidden i32 @{name}_base({kinds})
+declare hidden i32 @{name}_wide({kinds})
+define i32 @{name}({given}) {{
+%wide = load i32, ptr @model_wide
+%has = icmp ne i32 %wide, 0
+%form = select i1 %has, ptr @{name}_wide, ptr @{name}_base
+%status = tail call i32 %form({given})
+ret i32 %status
+}}
+"""
 
 
 def refusal(name: str, error: Exception) -> BadInput:

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
 from .instance import Model, Places
@@ -79,11 +81,12 @@ def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> s
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
     rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
     reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}" for status, text, cells in model.reasons]
-    cells = [f"{value:#x}u" for value in model.image.tolist()]
+    runs, cells = _runs(model.image)
     numbers = {
         "variable_count": len(variables),
         "reason_count": len(reasons),
         "cells": model.image.size,
+        "run_count": len(runs),
         "saved": model.saved,
         "parameters": model.parameters[0],
         "parameters_size": model.parameters[1] - model.parameters[0],
@@ -100,7 +103,8 @@ def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> s
             "const Reason model_reasons[] = {",
             ",\n".join(reasons),
             "};",
-            "const uint64_t model_image[] = {",
+            "const Run model_runs[] = {" + ", ".join(f"{{{first}, {count}}}" for first, count in runs or [(0, 0)]) + "};",
+            "const uint64_t model_values[] = {",
             *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)),
             "};",
             "const uint32_t model_given[][2] = {" + ", ".join(f"{{{first}, {last}}}" for first, last in model.given) + "};",
@@ -111,6 +115,15 @@ def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> s
             "",
         ]
     )
+
+
+def _runs(image: np.ndarray) -> tuple[list[tuple[int, int]], list[str]]:
+    """What of a block is not zero: first cells and lengths of its runs, and the numbers of all runs."""
+    filled = np.flatnonzero(image)
+    starts = np.flatnonzero(np.diff(filled, prepend=-2) > 1)
+    lengths = np.diff(starts, append=filled.size)
+    values = [f"{value:#x}u" for value in image[filled].tolist()]
+    return list(zip(filled[starts].tolist(), lengths.tolist(), strict=True)), values or ["0"]
 
 
 def _row(name: str, kind: str, variable: NativeVariable) -> str:

@@ -13,6 +13,18 @@
 static const char *const CATEGORY[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError"};
 static const char *const PHASE[] = {"before initialization", "initialization mode", "step mode", "after a failure", "terminated"};
 
+#if defined(__x86_64__)
+#include <cpuid.h>
+
+int32_t model_wide; /* whether the processor and the system have AVX: then the entries take their wide form */
+__attribute__((constructor)) static void look(void) {
+    unsigned a, b, c, d, enabled = 0, high;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE) || !(c & bit_AVX)) return;
+    __asm__("xgetbv" : "=a"(enabled), "=d"(high) : "c"(0));
+    model_wide = (enabled & 6) == 6;
+}
+#endif
+
 int report(const Instance *m, int status, const char *format, ...) {
     char text[1024];
     va_list values;
@@ -35,12 +47,21 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
 
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 
+void begin_cells(void *cells, uint32_t first, uint32_t end) {
+    const uint64_t *values = model_values;
+    memset((uint64_t *)cells + first, 0, 8 * (size_t)(end - first));
+    for (uint32_t k = 0; k < model_run_count; values += model_runs[k++].count) {
+        const uint32_t from = model_runs[k].first, a = from > first ? from : first;
+        const uint32_t to = from + model_runs[k].count, b = to < end ? to : end;
+        if (a < b) memcpy((uint64_t *)cells + a, values + (a - from), 8 * (size_t)(b - a));
+    }
+}
 /* The block of the build; inputs and parameters are kept unless the instance begins anew. */
 static void fill(Instance *m, int anew) {
     uint32_t k = 0;
     for (uint32_t i = 0; i <= model_given_count; i++) {
         const uint32_t end = anew || i == model_given_count ? model_cells : model_given[i][0];
-        if (k < end) memcpy(m->block + k, model_image + k, 8 * (size_t)(end - k));
+        if (k < end) begin_cells(m->block, k, end);
         if (anew) break;
         if (i < model_given_count) k = model_given[i][1];
     }

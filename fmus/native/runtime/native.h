@@ -26,14 +26,16 @@ typedef struct {
     double low, high;          /* limits of a parameter */
     const char *text;          /* of a constant String */
 } Variable;
+typedef struct { uint32_t first, count; } Run; /* of cells */
 typedef struct { int32_t status; const char *text; uint32_t cells[4]; } Reason; /* a format, and numbers of the block for it */
 
 /* ---- written at build ---- */
 extern const Variable model_variables[];
 extern const Reason model_reasons[];
-extern const uint64_t model_image[]; /* the block before initialization */
+extern const Run model_runs[];       /* of the block before initialization, whose other cells are zero, */
+extern const uint64_t model_values[]; /* and their numbers */
 extern const char model_token[];
-extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_parameters, model_parameters_size;
+extern const uint32_t model_run_count, model_variable_count, model_reason_count, model_cells, model_saved, model_parameters, model_parameters_size;
 extern const uint32_t model_given[][2], model_given_count; /* ranges of cells that the host sets: inputs and parameters */
 extern const uint32_t model_row; /* from an input to its derivative; 0: inputs are held */
 extern const bool model_whole; /* a state is the whole block, with what follows from parameters */
@@ -58,6 +60,7 @@ struct Instance {
 };
 enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, FAILED = 8, TERMINATED = 16, EVERY = 31 };
 
+void begin_cells(void *cells, uint32_t first, uint32_t end); /* the cells from `first` on to before `end`, as the build has them */
 int report(const Instance *m, int status, const char *format, ...);
 Instance *create(const char *name, const char *token, int logging, int fmi3, Logger log, void *environment, void *callback);
 void discard_instance(void *m);

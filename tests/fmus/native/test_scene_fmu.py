@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
 import fmpy
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.fmus.native.build import own_target
+from cosimo.fmus.native.build import compiler, own_target
+from cosimo.fmus.native.machine_code import TARGETS, object_code
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
@@ -60,6 +65,37 @@ def test_bit_identical_to_the_run_in_process(name, built):
         assert len(common) > 2
         for column in common:
             assert recorded[column].tobytes() == np.asarray(reference[column]).tobytes(), (path.name, column)
+
+
+@pytest.mark.full
+@pytest.mark.skipif(own_target() != "linux64", reason="the host is a program for Linux")
+@pytest.mark.parametrize("name", ["mass-on-spring", "en50318-2002"])
+def test_a_host_in_c_with_an_empty_environment(name, built, tmp_path):
+    """It loads the library by itself, finds neither Python nor a variable of the environment, and gets the same bits."""
+    scene, path, program = load_scene(name), built(name)[0], tmp_path / "host"
+    subprocess.run([*compiler("linux64"), "-w", "-o", program, Path(__file__).parent / "bare_host.c", "-ldl"], check=True)
+    described = fmpy.read_model_description(str(path))
+    library = Path(fmpy.extract(str(path), tmp_path / "fmu"), "binaries", "linux64", f"{described.modelName}.so")
+    references = {v.name: str(v.valueReference) for v in described.modelVariables if v.causality == "output"}
+    arguments = [library, described.guid, str(STEPS), repr(scene.master.step), *references.values()]
+    done = subprocess.run([program, *arguments], env={}, cwd="/", capture_output=True, text=True, check=True)
+    rows = np.array([[float.fromhex(value) for value in line.split()] for line in done.stdout.splitlines()])
+    reference = run(short(scene, STEPS), in_process=True)
+    for k, column in enumerate(references):
+        assert rows[:, k].tobytes() == np.asarray(reference[column]).tobytes(), column
+
+
+@pytest.mark.full
+@pytest.mark.skipif(own_target() not in ("linux64", "win64"), reason="other targets have one form")
+def test_both_forms_of_the_code_give_the_same_bits(built, tmp_path, monkeypatch):
+    """An FMU has its code twice, for processors with AVX and for all others."""
+    scene, narrow = load_scene("en50318-2002"), replace(TARGETS[own_target()], wide="")
+    monkeypatch.setitem(TARGETS, own_target(), narrow)
+    object_code.cache_clear()
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    object_code.cache_clear()
+    recorded = [outputs_of(file, STEPS, scene.master.step) for file in (path, built("en50318-2002")[0])]
+    assert recorded[0].tobytes() == recorded[1].tobytes()
 
 
 def test_a_step_of_the_host_is_several_macro_steps(built):

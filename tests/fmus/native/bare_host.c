@@ -1,0 +1,42 @@
+/* A host without Python: loads the library of an FMU (FMI 2.0), takes steps, and prints every bit of some outputs behind each.
+   Arguments: library, GUID, number of steps, step (s), value references. */
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct {
+    void (*logger)(void *, const char *, int, const char *, const char *, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void *step_finished, *environment;
+} Callbacks;
+static void logger(void *e, const char *n, int s, const char *c, const char *m, ...) { fprintf(stderr, "%d: %s\n", s, m); }
+
+int main(int argc, char **argv) {
+    void *library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+    if (!library) return fprintf(stderr, "%s\n", dlerror()), 2;
+    void *(*instantiate)(const char *, int, const char *, const char *, const Callbacks *, int, int) = dlsym(library, "fmi2Instantiate");
+    int (*setup)(void *, int, double, double, int, double) = dlsym(library, "fmi2SetupExperiment");
+    int (*enter)(void *) = dlsym(library, "fmi2EnterInitializationMode"), (*leave)(void *) = dlsym(library, "fmi2ExitInitializationMode");
+    int (*step)(void *, double, double, int) = dlsym(library, "fmi2DoStep");
+    int (*get)(void *, const unsigned *, size_t, double *) = dlsym(library, "fmi2GetReal");
+    int (*terminate)(void *) = dlsym(library, "fmi2Terminate");
+    void (*release)(void *) = dlsym(library, "fmi2FreeInstance");
+    const Callbacks callbacks = {logger, calloc, free, NULL, NULL};
+    const int steps = atoi(argv[3]), n = argc - 5;
+    const double h = strtod(argv[4], NULL);
+    void *unit = instantiate("unit", 1, argv[2], "", &callbacks, 0, 1);
+    if (!unit || setup(unit, 0, 0.0, 0.0, 0, 0.0) || enter(unit) || leave(unit)) return 3;
+    for (int k = 0; k <= steps; k++) {
+        if (k && step(unit, (k - 1) * h, h, 1)) return 4;
+        for (int i = 0; i < n; i++) {
+            const unsigned reference = (unsigned)atoi(argv[5 + i]);
+            double value;
+            if (get(unit, &reference, 1, &value)) return 5;
+            printf("%a%c", value, i + 1 < n ? ' ' : '\n');
+        }
+    }
+    if (terminate(unit)) return 6;
+    release(unit);
+    return 0;
+}
