@@ -1,15 +1,22 @@
-"""The units of a scene, started for a run, or to be asked something."""
+"""The units of a scene, started for a run, for many, or to be asked something."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
+from ..components.core.component import Component
+from ..components.core.contract import KernelComponent
+from .engine.algorithms import master_of
 from .engine.algorithms.contact import ContactSimulator
 from .engine.coupling import Endpoint
+from .engine.stepping.adaptive import clock_for
+from .engine.stepping.faults import edges
 from .scene.scene import Scene
 from .units import Simulator, open_unit
+from .units.component import ComponentSimulator
 from .units.exit_guard import ExitGuard
 
 if TYPE_CHECKING:
@@ -40,3 +47,83 @@ def read_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
     record, master = scene.record, scene.master
     each = record.interval is None or (record.interval == master.step and master.control is None)
     return scene.coupling.signals if each else ()
+
+
+class OpenScene:
+    """A scene whose units are started, with the master on them and the clock: for one run, or for many that differ in numbers.
+
+    watched: outputs that the master reads in every step.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        stack: ExitStack,
+        in_process: bool,
+        rescue: Callable[[str], None] | None = None,
+        native: Mapping[str, NativeFmu] | None = None,
+    ):
+        intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
+        self.scene = scene
+        self.clock = clock_for(scene, scene.coupling, *intervals, *edges(scene.faults))
+        self.units = open_units(scene, stack, in_process, rescue, native)
+        self.watched = read_in_every_step(scene)
+        self.master = master_of(scene, self.units, scene.coupling, (*self.watched, *scene.coupling.events))
+        self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
+
+    def takes(self, changes: Mapping[str, Any]) -> bool:
+        """Whether changes of the scene, by dotted place, are numbers that units can be begun anew with, see `begin_anew`."""
+        return self._able and all(self._number(place) is not None for place in changes)
+
+    @cached_property
+    def _able(self) -> bool:
+        """Whether all units can be begun anew: whatever a run changes of them lies in the blocks of kernels."""
+        scene, master = self.scene, self.master
+        kernels = all(
+            isinstance(unit, ComponentSimulator) and isinstance(unit.component, KernelComponent) for unit in self.units.values()
+        )
+        inherited = ("set", "initialize", "_prepare", "_parameters")
+        own = [type(u.component) for n, u in self.units.items() if ":" in scene.units[n].component] if kernels else []  # type: ignore[attr-defined]
+        return (
+            kernels
+            and master.in_batches
+            and not (scene.faults or scene.contacts or scene.master.control or scene.master.energy_correction)
+            and all(getattr(c, name) is getattr(KernelComponent, name) for c in own for name in (*inherited, "_initialize"))
+            and all(c.stepped is Component.stepped for c in own)
+        )
+
+    def _number(self, place: str) -> tuple[str, str] | None:
+        """The unit and the name of a parameter whose value is a number in a block; None for every other setting."""
+        first, _, rest = place.partition(".")
+        unit, within = self.scene.split(rest) if first == "units" else ("", "")
+        kind, _, name = within.partition(".")
+        if kind != "parameters" or unit not in self.units:
+            return None
+        component = self.units[unit].component  # type: ignore[attr-defined]
+        known = type(component).variables.get(name)
+        whole = name.partition("[")[0]
+        if name not in component.parameters or known.structural or (whole != name and whole in self.scene.units[unit].parameters):
+            return None
+        return unit, name
+
+    def begin_anew(self, changes: Mapping[str, Any]) -> Scene:
+        """The scene with such changes; units and master are as they were before its first run, with these numbers.
+
+        Raises `BadInput`.
+        """
+        if self._begin is None:
+            components = [unit.component for unit in self.units.values()]  # type: ignore[attr-defined]
+            self._begin = self.master.records.block.memory.copy(), [(c, dict(c.parameters), c.u.copy()) for c in components]
+        cells, starts = self._begin
+        self.master.begin_anew(cells)
+        for component, parameters, u in starts:
+            component.parameters.update(parameters)
+            component.u[:], component.y[:] = u, 0.0
+        units = dict(self.scene.units)
+        for place, value in changes.items():
+            unit, name = self._number(place)  # type: ignore[misc]
+            self.units[unit].component.set(name, value)  # type: ignore[attr-defined]
+            units[unit] = units[unit].model_copy(update={"parameters": {**units[unit].parameters, name: value}})
+        for unit, settings in units.items():
+            self.units[unit].component.refuse_unused(settings.parameters)  # type: ignore[attr-defined]
+        return self.scene.model_copy(update={"units": units})

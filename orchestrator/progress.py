@@ -58,6 +58,29 @@ class Interrupt(BatchObserver):
             raise KeyboardInterrupt
 
 
+class Stop(BatchObserver):
+    """Ends runs between two batches of macro steps, when a thread calls `set`."""
+
+    taken: signal.Signals | None = None  # what has ended a run
+
+    def __init__(self) -> None:
+        self._event = threading.Event()
+
+    def set(self) -> None:
+        """End the runs that are under way, and all that begin later."""
+        self._event.set()
+
+    @property
+    def wanted(self) -> bool:
+        """Whether runs are to end."""
+        return self._event.is_set()
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._event.is_set():
+            self.taken = signal.SIGINT
+            raise KeyboardInterrupt
+
+
 class Progress(BatchObserver):
     """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
 

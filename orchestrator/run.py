@@ -17,20 +17,19 @@ from typing import TYPE_CHECKING
 
 from ..components.core.errors import BadInput, StepFailed
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
-from .engine.algorithms import master_of
 from .engine.algorithms.energy import EnergyAccount
 from .engine.algorithms.master import Runaway, Unstable
 from .engine.coupling import Coupling
-from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
-from .engine.stepping.faults import Faults, edges
+from .engine.stepping.adaptive import AdaptiveStepping, stepping_of
+from .engine.stepping.faults import Faults
 from .engine.stepping.loop import Observer
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
-from .open_units import open_units, read_in_every_step
+from .open_units import OpenScene
 from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
-from .progress import Interrupt, Progress
+from .progress import Interrupt, Progress, Stop
 from .recorders import Recorder, TextRecorder, reading
 from .recording import OutputFailed, ResultFiles, Spool
 from .results import Result, result_of
@@ -111,16 +110,22 @@ class Run:
         files: ResultFiles | None = None,
         real_time: bool = False,
         windows: WindowsWish | None = None,
+        again: OpenScene | None = None,
+        stop: Stop | None = None,
     ):
-        self._wish = windows
+        """again: the scene, opened before.  stop: what may end the run from another thread. A run with it leaves alone what all
+        threads share: signals, the list of warnings, the working directory."""
+        self._wish, self._opened, self._stop = windows, again, stop
         self.windows: Windows | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
         self.pacing = Pacing() if real_time else None
         self.started = perf_counter()
-        self._folder, self._moved = _working_directory(), False
+        self._folder, self._moved = _working_directory() if stop is None else "", False
         stack.callback(self._return)
-        self.compiling = stack.enter_context(CompileTime(announce=progress))
+        self.compiling = CompileTime(announce=progress)
+        if stop is None:
+            stack.enter_context(self.compiling)
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message, self.log = "failed", "", ""
         self.checkpoints: Checkpoints | None = None
@@ -128,19 +133,18 @@ class Run:
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
         scene, coupling, stack = self.scene, self.coupling, self.stack
-        intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
-        self.clock = clock_for(scene, coupling, *intervals, *edges(scene.faults))
-        units = open_units(scene, stack, self.in_process, self._rescue, self._native_fmus())
+        if (opened := self._opened) is None:
+            opened = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
+        self.clock, self.units, self.master, self._watched = opened.clock, opened.units, opened.master, opened.watched
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
-        self._own = [u for n, u in units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
-        self.units = units
-        self._watched = read_in_every_step(scene)
-        self.master = master_of(scene, self.units, coupling, (*self._watched, *coupling.events))
+        self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
         correction = scene.master.energy_correction
         self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
         # warnings of components, in FMUs too: they share this interpreter
-        self._caught_warnings = stack.enter_context(warnings.catch_warnings(record=True))
-        warnings.simplefilter("always", UserWarning)
+        self._caught_warnings = []
+        if self._stop is None:
+            self._caught_warnings = stack.enter_context(warnings.catch_warnings(record=True))
+            warnings.simplefilter("always", UserWarning)
         self.faults = Faults(scene.faults, coupling, self.master, self.clock)
         self.stepping = stepping_of(scene, coupling, self.master, self.account, self.clock, self.faults.stops())
 
@@ -183,7 +187,7 @@ class Run:
             name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
             table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
             self.arrays[name] = Spool(recorder, table, beside=beside)
-        self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
+        self._interrupt = self._stop or stack.enter_context(Interrupt(self.stepping.halt))
         recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
         recorders[:0] = [texts] if texts else []  # first: an interrupt leaves them no row behind
         self.observers: list[Observer] = [*recorders, self._interrupt]

@@ -45,10 +45,14 @@ def shorter_steps(parts: int) -> Iterator[None]:
         _parts.reset(token)
 
 
+def parts_of_step() -> int:
+    """In how many parts each macro step is."""
+    return _parts.get()
+
+
 def asked_for(scene: Scene) -> Scene:
     """The scene as it is to be run: as it is, or with the shorter steps of `shorter_steps`."""
-    parts = _parts.get()
-    return scene if parts == 1 else scene.with_changes(shorter(scene, parts, denser=False))
+    return scene if (parts := parts_of_step()) == 1 else scene.with_changes(shorter(scene, parts, denser=False))
 
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:

@@ -12,7 +12,7 @@ into. The same text serves this process, where the address of the kernel stands 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from math import prod
 from typing import Any, NamedTuple
@@ -70,8 +70,10 @@ class Block:
                 self._place(("s", name), getattr(s, name))
         self.memory = np.zeros(self.cells)
         self.address = self.memory.ctypes.data
-        self._begin = s  # also the order of its fields
+        self._fields = s._fields
         self.s = type(s)(*(self._with_contents(("s", n), getattr(s, n)) for n in s._fields))
+        self._initial = self.memory.copy()
+        self._anew: dict[tuple[str, ...], list[slice]] = {}  # what begins anew, by what does not
 
     def _place(self, path: tuple[str | int, ...], value: Any) -> None:
         if isinstance(value, tuple):
@@ -138,15 +140,17 @@ class Block:
         first = self.addresses_at + len(self.entries)
         self.memory[first:] = cells[first:]
 
-    def begin_anew(self, but: Collection[str] = ()) -> None:
+    def begin_anew(self, but: tuple[str, ...] = ()) -> None:
         """All as it was at the beginning, tables with their contents; inputs stay, and the arrays named in `but`."""
-        for name in self._begin._fields:
-            if name not in ("u", "y", *but):
-                self._with_contents(("s", name), getattr(self._begin, name))
+        if but not in self._anew:
+            ends = [r for n in self._fields if n not in ("u", "y", *but) for r in self.ranges(n)]
+            self._anew[but] = [slice(*r) for r in joined(ends)]
+        for part in self._anew[but]:
+            self.memory[part] = self._initial[part]
 
     def in_order(self) -> Iterator[Leaf]:
         """The leaves in the order of a kernel's arguments `s`, `p`, `e`."""
-        for name in self._begin._fields:
+        for name in self._fields:
             yield from (leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name))
         for part in ("p", "e"):
             yield from (leaf for path, leaf in self._leaves.items() if path[0] == part)
@@ -197,6 +201,17 @@ class Block:
         """The address of an entry of this layout, which finds its kernel in the block from now on."""
         self.memory.view(np.int64)[self.addresses_at + list(self.entries).index(name)] = entry.kernel
         return entry.function
+
+
+def joined(ranges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Ranges of cells in their order, those that follow one another as one."""
+    parts: list[tuple[int, int]] = []
+    for first, end in sorted(ranges):
+        if parts and parts[-1][1] == first:
+            parts[-1] = parts[-1][0], end
+        else:
+            parts.append((first, end))
+    return parts
 
 
 def callable_of(address: int) -> Callable[[float, float, int], int]:

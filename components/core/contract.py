@@ -17,6 +17,7 @@ import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from threading import Lock
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ STANDARD = ("u", "y", "x", "counts")  # fields of every `s`
 
 IMAGES = 8  # memories that are held, of components whose initialization is long
 _IMAGES: dict[tuple[Any, ...], np.ndarray] = {}
+_LOCK = Lock()  # of the images: threads initialize instances of their own
 
 
 class Kernels(NamedTuple):
@@ -120,7 +122,7 @@ class KernelComponent(Component):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
         self.block = block = Block(cls.Memory(**contents), p, e)
-        self._structure, self._calls = self._present_structure(), dict[str, Any]()
+        self._structure, self._calls, self._written = self._present_structure(), dict[str, Any](), tuple[Any, ...]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
         block.s.u[...], block.s.y[...] = self.u, self.y
         self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
@@ -160,13 +162,16 @@ class KernelComponent(Component):
         if self.block is None or self._structure != self._present_structure():
             self._lay_out()
         assert self.block is not None
-        p, e = self._parameters()
         block, kept = self.block, type(self).kept
-        before = block.parameters.tobytes()
-        self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
+        values = tuple(self.parameters.values())
+        if not (same := self._written == values):
+            p, e = self._parameters()
+            before = block.parameters.tobytes()
+            self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
+            same, self._written = block.parameters.tobytes() == before, values
         if not kept:
             block.begin_anew()
-        elif not (getattr(block.s, kept[0])[0] and block.parameters.tobytes() == before):
+        elif not (getattr(block.s, kept[0])[0] and same):
             image = _IMAGES.get(self._image_key())
             if image is not None:
                 block.take_arrays(image)
@@ -184,9 +189,10 @@ class KernelComponent(Component):
         block = self._prepare()
         status = self.call("initialize", t)
         if status == DONE and type(self).kept and (key := self._image_key()) not in _IMAGES:
-            _IMAGES[key] = block.memory.copy()
-            while len(_IMAGES) > IMAGES:
-                del _IMAGES[next(iter(_IMAGES))]
+            with _LOCK:
+                _IMAGES[key] = block.memory.copy()
+                while len(_IMAGES) > IMAGES:
+                    del _IMAGES[next(iter(_IMAGES))]
         if status == DONE and not np.isfinite(self.x).all():
             raise ArithmeticError("the initial state is not finite")
         return status

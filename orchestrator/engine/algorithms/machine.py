@@ -208,6 +208,10 @@ class Machine:
         self._watched = np.array([*self._watched, *addresses], dtype=np.int64)
         return slice(first, self._watched.size)
 
+    def watch_nothing(self) -> None:
+        """Forget what was watched."""
+        self._watched = self._watched[:0]
+
     def given(self) -> np.ndarray:
         """What bonded inputs were given in the last step, (B, 4), as of `Steps`."""
         links = self.records.memory.links[self.records.memory.bonded]

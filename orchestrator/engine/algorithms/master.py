@@ -353,6 +353,12 @@ class Master:
         self.check_finite(t)
         self.perform("push", t, 0.0)
 
+    def begin_anew(self, cells: np.ndarray) -> None:
+        """Before another run, as it was when its block was copied to `cells`."""
+        self.records.begin_anew(cells)
+        self.machine.watch_nothing()
+        self._take_counts(0, [None] * len(self.loops))
+
     def prepare_initial_signals(self) -> None:
         """Put what units go by that are initialized before their sources into the table of signals."""
         signals, inputs = self.signals, self.coupling.interfaces

@@ -129,6 +129,12 @@ class Records:
             raise ValueError(f"a master of {state.size} cells, not {self._changing.size}")
         self.block.memory.view(np.int64)[self._changing] = state
 
+    def begin_anew(self, cells: np.ndarray) -> None:
+        """As they were when the block was copied to `cells`; kernels stay where they are."""
+        block = self.block
+        first, end = block.addresses_at, block.addresses_at + len(block.entries)
+        block.memory[:first], block.memory[end:] = cells[:first], cells[end:]
+
     @property
     def _changing(self) -> np.ndarray:
         """Places of these cells, (n,)."""

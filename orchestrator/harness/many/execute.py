@@ -14,8 +14,9 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...progress import Interrupt
-from .executors import BatchRows, Cluster, Executor, Here, Pool, cores
+from .executors import BatchRows, Cluster, Executor, Here, Pool, Threads, cores
 from .measures import Row, Task
+from .point_runs import in_threads
 from .plan import Points
 from .store import Store, table_of
 
@@ -165,8 +166,9 @@ def _error(future: Future[BatchRows]) -> BaseException | None:
 class Computing:
     """Who computes the runs of a sweep or of a search, from when they are needed; a context that ends their processes.
 
-    jobs: processes of this machine, 1: this one, None: others where it pays, after some seconds in this one.  scheduler: address
-    of a Dask cluster instead.  Neither changes a number.  Raises `BadInput`.
+    jobs: threads of this process for a scene of kernels alone, of the catalogue's components; else processes of this machine, 1:
+    this one, None: others where it pays, after some seconds in this one.  scheduler: address of a Dask cluster instead.  Neither
+    changes a number.  Raises `BadInput`.
     """
 
     def __init__(self, jobs: int | None, scheduler: str = "", observe: Observe = lambda rows, workers: None):
@@ -192,14 +194,16 @@ class Computing:
 
         if missing.size == 1 or (not self._scheduler and (self._jobs or cores()) == 1):
             return run(Here(), missing)
-        if not self._scheduler and self._jobs is None and self._seconds < ALONE:
+        threads = not self._scheduler and in_threads(task)
+        if not self._scheduler and self._jobs is None and self._seconds < ALONE and not threads:
             # what is short is done before other processes have started, and compiled for them
             if (stopped := run(Here(), missing, ALONE - self._seconds)) is not None:
                 return stopped
             if not (missing := missing[store.places(digests[missing]) < 0]).size:
                 return None
         if self._others is None:
-            self._others = Cluster(self._scheduler) if self._scheduler else Pool(self._jobs or cores())
+            local = Threads if threads else Pool
+            self._others = Cluster(self._scheduler) if self._scheduler else local(self._jobs or cores())
         if (stopped := run(self._others, missing)) is not None:
             self._others = None
         return stopped

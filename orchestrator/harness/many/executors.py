@@ -6,8 +6,9 @@ import multiprocessing
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Sequence
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,8 +19,9 @@ from time import perf_counter
 from typing import Any, Protocol
 
 from ....components.core.errors import BadInput
-from ...progress import Interrupt
-from .measures import Row, Task, measure
+from ...progress import Interrupt, Stop
+from .measures import Row, Task
+from .point_runs import runs_of
 from .store import table_of
 
 CONNECT = 15.0  # s to wait for a scheduler, and for its first worker: a nanny needs some to start a killed one again
@@ -39,17 +41,19 @@ class BatchRows:
     stopped: Signals | None = None
 
 
-def run_batch(task: Task, points: Sequence[Point], give_up: Callable[[], bool] = lambda: False) -> BatchRows:
-    """Run points one after the other; a signal, or `give_up`, ends the batch early."""
+def run_batch(
+    task: Task, points: Sequence[Point], give_up: Callable[[], bool] = lambda: False, stop: Stop | None = None
+) -> BatchRows:
+    """Run points one after the other; a signal, or `give_up`, ends the batch early, `stop` also a run that is under way."""
     rows: list[tuple[int, Row]] = []
     seconds, stopped = 0.0, None
     with Interrupt(lambda: None) as interrupt:  # between two runs; a run has its own
-        scene = task.scene()
+        runs = runs_of(task, stop)
         for digest, values in points:
             if give_up():
                 break
             since = perf_counter()
-            row = measure(scene, values, task)
+            row = runs.row(values)
             seconds += perf_counter() - since
             if row.stopped is None:
                 rows.append((digest, row))
@@ -98,6 +102,35 @@ class Here:
     def stop(self) -> None: ...
 
     def close(self) -> None: ...
+
+
+class Threads:
+    """Threads of this process, for scenes of kernels alone, whose steps need no interpreter."""
+
+    def __init__(self, count: int):
+        self.count, self.in_flight = count, 3 * count
+        self._stop = Stop()
+        # the list of warnings is one for all threads
+        self._quiet = warnings.catch_warnings()
+        self._quiet.__enter__()
+        warnings.simplefilter("ignore", UserWarning)
+        self._executor = ThreadPoolExecutor(count, "cosimo-point")
+
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
+        return self._executor.submit(run_batch, task, points, lambda: self._stop.wanted, self._stop)
+
+    def crashed(self, error: BaseException) -> bool:
+        raise error
+
+    def restart(self) -> None: ...
+
+    def stop(self) -> None:
+        self._stop.set()
+        self.close()
+
+    def close(self) -> None:
+        self._executor.shutdown(wait=True, cancel_futures=True)
+        self._quiet.__exit__(None, None, None)
 
 
 class Pool:

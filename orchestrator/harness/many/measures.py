@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -20,18 +19,15 @@ from ....components.core.errors import BadInput, nearest
 from ....components.core.store import digest_of
 from ...checkpoint import digest as scene_digest
 from ...results import Result
-from ...run import run
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
 from ..analysis.records import KINDS, after_transient
 from ..analysis.sections import section as section_of
 from ..code_digests import components_digest
-from .plan import changes
 
 if TYPE_CHECKING:
     from ..summary import Summary
 
-log = logging.getLogger("cosimo")
 OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 
 
@@ -88,8 +84,11 @@ class Task:
         return cls(scene.settings(), scene.name, scene._models, keep, summarize, base)
 
     def scene(self) -> Scene:
-        """The scene, read anew."""
-        return read_scene(self.data, self.name, analysis=self.models)
+        """The scene, read anew, without the snapshots, which nothing but a function of one's own can read."""
+        scene = read_scene(self.data, self.name, analysis=self.models)
+        if self.keep.functions or not scene.record.snapshots:
+            return scene
+        return scene.with_changes({"record.snapshots": (), "record.snapshot_interval": None})
 
 
 def _source(text: str) -> str:
@@ -142,28 +141,8 @@ def function_of(text: str) -> Callable[[Result], Any]:
     return function
 
 
-def measure(scene: Scene, values: Mapping[str, Any], task: Task) -> Row:
-    """Run the scene with the values of a point; every failure is a row with its reason."""
-    return measured_run(scene, values, task)[0]
-
-
-def measured_run(scene: Scene, values: Mapping[str, Any], task: Task) -> tuple[Row, Result | None]:
-    """The same with the run itself, as far as there is one."""
-    result = None
-    try:
-        result = run(scene.with_changes(changes(scene, values)) if values else scene, in_process=True)
-        if result.outcome == "stopped":
-            return Row("not run", stopped=Signals[result.info["signal"]]), result
-        return _row(result, task) if result.outcome == "done" else Row(result.outcome, result.message), result
-    except BadInput as error:  # a value with which this point cannot start
-        return Row("refused", str(error)), result
-    except Exception as error:  # of a user's own code: one point, not all of them
-        log.debug("point %s", values, exc_info=True)
-        return Row("failed", f"{type(error).__name__}: {error}"), result
-
-
-def _row(result: Result, task: Task) -> Row:
-    """Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured fails the point,
+def row_of_result(result: Result, task: Task) -> Row:
+    """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured fails the point,
     and leaves the others of its numbers."""
     row = Row("done")
     for part in (_statistics, _summary, _quantities, _functions):

@@ -16,13 +16,16 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
+from ...run import run
 from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .limits import recalled, with_rows
-from .measures import Row, Task, measure
+from .measures import Row, Task
+from .point_runs import row_of
+from .point_runs import row_of
 from .plan import plan_settings
 from .repetition import blurred
 
@@ -291,7 +294,7 @@ def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:
 
 
 def _row(scene: Scene, task: Task) -> Row:
-    row = measure(scene, {}, task)
+    row = row_of(lambda: run(scene, in_process=True), task)
     if row.outcome != "done":
         raise BadInput("uncertainty: effects", f"a run that is {row.outcome}: {row.reason}", "runs that come to their end")
     return row

@@ -1,0 +1,128 @@
+"""The runs of points, one after the other in one thread: units are opened once for all points that differ in numbers alone."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from signal import Signals
+from threading import local
+from typing import Any
+
+from ....components.catalogue import component_class
+from ....components.core.errors import BadInput
+from ...open_units import OpenScene
+from ...progress import Stop
+from ...results import Result
+from ...run import Run, run
+from ...scene.scene import Scene
+from ...shorter_steps import asked_for, parts_of_step
+from .measures import Row, Task, row_of_result
+from .plan import changes
+
+log = logging.getLogger("cosimo")
+_here = local()  # the runs of this thread
+
+
+def runs_of(task: Task, stop: Stop | None = None) -> PointRuns:
+    """The runs of a task in this thread: those of its last batch, where it was of the same task."""
+    key = task.base, parts_of_step()
+    if getattr(_here, "key", None) != key:
+        close_runs()
+        _here.key, _here.runs = key, PointRuns(task, stop)
+    runs: PointRuns = _here.runs
+    return runs
+
+
+def in_threads(task: Task) -> bool:
+    """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
+    runs = runs_of(task)
+    catalogue = all(unit.component and ":" not in unit.component for unit in runs.scene.units.values())
+    return catalogue and not task.keep.functions and runs.opened({}) is not None
+
+
+def row_of(run: Callable[[], Result], task: Task) -> Row:
+    """What is kept of a run; every failure is a row with its reason."""
+    try:
+        result = run()
+        if result.outcome == "stopped":
+            return Row("not run", stopped=Signals[result.info["signal"]])
+        return row_of_result(result, task) if result.outcome == "done" else Row(result.outcome, result.message)
+    except BadInput as error:  # a value with which this point cannot start
+        return Row("refused", str(error))
+    except Exception as error:  # of a user's own code: one point, not all of them
+        log.debug("a point of %s", task.name, exc_info=True)
+        return Row("failed", f"{type(error).__name__}: {error}")
+
+
+def close_runs() -> None:
+    """Close what the runs of this thread have left open."""
+    if hasattr(_here, "runs"):
+        _here.runs.close()
+        del _here.key, _here.runs
+
+
+class PointRuns:
+    """Runs of a task's scene. Where a scene is kernels alone, other parameters are written into the blocks of its units; every
+    number is that of a scene that is read and opened for the point, bit by bit.
+
+    stop: what ends runs from another thread.
+    """
+
+    def __init__(self, task: Task, stop: Stop | None = None):
+        self._task, self._stop, self.scene = task, stop, task.scene()
+        self._stack, self._key = ExitStack(), ""
+        self._opened: OpenScene | None = None
+
+    def close(self) -> None:
+        """Close the units."""
+        self._stack.close()
+        self._key, self._opened = "", None
+
+    def row(self, values: Mapping[str, Any]) -> Row:
+        """What is kept of the run with the values of a point; every failure is a row with its reason."""
+        return row_of(lambda: self.result(values), self._task)
+
+    def result(self, values: Mapping[str, Any]) -> Result:
+        """The run with the values of a point; raises `BadInput` for one that cannot start."""
+        changed = changes(self.scene, values)
+        numbers = {place: value for place, value in changed.items() if self._number(place)}
+        opened = self.opened({place: value for place, value in changed.items() if place not in numbers})
+        if opened is None or not opened.takes(numbers):
+            return self._anew(changed)
+        try:
+            scene = opened.begin_anew(numbers)
+        except BadInput:
+            return self._anew(changed)  # which refuses it as a scene
+        with ExitStack() as stack:
+            current = Run(scene, stack, in_process=True, native=False, progress=False, again=opened, stop=self._stop)
+            current.prepare()
+            current.observe(None, None, None)
+            current.execute(None)
+            return current.conclude(None)
+
+    def opened(self, changed: Mapping[str, Any]) -> OpenScene | None:
+        """The scene with such changes, opened, those of the last point if they were the same; None where it cannot be run again."""
+        key = json.dumps(changed, sort_keys=True, default=str) + "."
+        if key != self._key:
+            self.close()
+            scene = self.scene.with_changes(changed) if changed else self.scene
+            if all(unit.component and unit.isolation == "none" for unit in scene.units.values()):
+                opened = OpenScene(asked_for(scene), self._stack, in_process=True)
+                self._opened = opened if opened.takes({}) else None
+            self._key = key
+        return self._opened
+
+    def _anew(self, changed: Mapping[str, Any]) -> Result:
+        return run(self.scene.with_changes(changed) if changed else self.scene, in_process=True)
+
+    def _number(self, place: str) -> bool:
+        """Whether a setting is, by its name, a parameter that no layout depends on."""
+        if not place.startswith("units."):
+            return False
+        unit, key = self.scene.split(place.removeprefix("units."))
+        if not key.startswith("parameters.") or not (settings := self.scene.units[unit]).component:
+            return False
+        variable = component_class(settings.component, unit).variables.get(key.removeprefix("parameters."))
+        return variable is not None and not variable.structural
