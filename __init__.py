@@ -10,7 +10,7 @@ What stands here is the public interface; whatever it needs is imported when it 
 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
 `summary`, `write_report`, `delivered`.
-Many runs: `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
+Many runs: `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene, write_scene
     from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
-    from .orchestrator.systems.many import design, fit, sensitivity, sweep, uncertainty
+    from .orchestrator.systems.many import design, fit, run_many, sensitivity, sweep, uncertainty
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -68,7 +68,7 @@ _PLACES = {
     "orchestrator.harness.studies.accuracy": ("accuracy",),
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
-    "orchestrator.systems.many": ("design", "fit", "sensitivity", "sweep", "uncertainty"),
+    "orchestrator.systems.many": ("design", "fit", "run_many", "sensitivity", "sweep", "uncertainty"),
     "orchestrator.results": ("Result",),
     "orchestrator.judgement.verification": ("run",),
     "orchestrator.scene.build": ("unit",),
@@ -119,6 +119,7 @@ __all__ = [
     "read_result",
     "read_scene",
     "run",
+    "run_many",
     "sampled_kernels",
     "sensitivity",
     "smooth_kernels",

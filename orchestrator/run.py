@@ -115,7 +115,7 @@ class Run:
     ):
         """again: the scene, opened before.  stop: what may end the run from another thread. A run with it leaves alone what all
         threads share: signals, the list of warnings, the working directory."""
-        self._wish, self._opened, self._stop = windows, again, stop
+        self._wish, self._open_scene, self._stop = windows, again, stop
         self.windows: Windows | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
@@ -133,9 +133,14 @@ class Run:
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
         scene, coupling, stack = self.scene, self.coupling, self.stack
-        if (opened := self._opened) is None:
-            opened = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
-        self.clock, self.units, self.master, self._watched = opened.clock, opened.units, opened.master, opened.watched
+        if (open_scene := self._open_scene) is None:
+            open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
+        self.clock, self.units, self.master, self._watched = (
+            open_scene.clock,
+            open_scene.units,
+            open_scene.master,
+            open_scene.watched,
+        )
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
         correction = scene.master.energy_correction

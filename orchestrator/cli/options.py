@@ -71,8 +71,7 @@ Quantities = Annotated[
     ),
 ]
 Jobs = Annotated[
-    int | None,
-    Option("--jobs", help="Processes; default: one for each core, where the points take longer than processes take to start."),
+    int | None, Option("--jobs", help="Threads, or processes where steps need Python; default: one for each core, where it pays.")
 ]
 Scheduler = Annotated[str, Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
 Limits = Annotated[

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..harness import sweep as sweeps
+from ..harness.many.plan import from_columns
 from ..harness.sweep import Sweep
 from ..scene.scene import Scene
-from ..settings.plan import PlanSettings
+from ..settings.plan import KeepSettings, PlanSettings
 from . import summary
 
 if TYPE_CHECKING:
@@ -39,9 +40,9 @@ def sweep(
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `directory`: where the points,
-    the table and the data set go; what is there of the same scene is not run again. `jobs`: processes of this machine, 1: this
-    one, None: all cores where it pays; `scheduler`: address of a Dask cluster. `add`: further points of a sampled plan. `retry`:
-    failed points run again. `limits`: a validation table, or the file of one, whose rows are limits, under these `conditions`.
+    the table and the data set go; what is there of the same scene is not run again. `jobs`: workers, 1: this thread alone, None:
+    one for each core where it pays; they are threads, or processes where a step of the scene needs Python. `scheduler`: address of a
+    Dask cluster. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or the file of one, whose rows are limits, under these `conditions`.
     `verify`: some points run again with half of every macro step, for the errors of the numbers. A script that uses several
     processes keeps its own calls behind `if __name__ == "__main__":`.
     Raises `BadInput`.
@@ -60,6 +61,25 @@ def sweep(
         conditions=conditions,
         verify=verify,
     )
+
+
+def run_many(
+    scene: Scene,
+    table: Mapping[str, Iterable[Any]],
+    directory: str | Path | None = None,
+    *,
+    threads: int | None = None,
+    keep: KeepSettings | Mapping[str, Any] | None = None,
+    verify: bool = True,
+) -> Sweep:
+    """Run a scene once for each row of a table: a sweep whose points are listed.
+
+    `table`: "unit.parameter" -> values, (n,) each, as a mapping or a data frame. `threads`: default: one for each core. `keep`:
+    what is kept of each run, as [keep] of a plan; default: statistics of all recorded signals and the figures of the system.
+    The rest is that of `sweep`. Raises `BadInput`.
+    """
+    plan = from_columns(table) | ({} if keep is None else {"keep": keep})
+    return sweep(scene, plan, directory, jobs=threads, verify=verify)
 
 
 def sensitivity(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:

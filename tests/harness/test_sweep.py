@@ -10,7 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.many import measures
+from cosimo.orchestrator.harness.many import point_runs
 from cosimo.orchestrator.harness.sweep import points, sweep
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
@@ -197,7 +197,7 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
         assert [row["outcome"] for row in csv.DictReader(file)] == ["done", "done", "not run", "not run"]
     (next((out / "points").iterdir()) / "torn.arrow").write_bytes(b"ARROW1")  # as a failing disk leaves it
     runs = []
-    monkeypatch.setattr(measures, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
+    monkeypatch.setattr(point_runs, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
     with pytest.raises(SystemExit) as end:
         main(["sweep", str(path), "-o", str(out), "--no-verify"])
     assert not end.value.code

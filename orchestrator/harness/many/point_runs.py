@@ -39,7 +39,7 @@ def in_threads(task: Task) -> bool:
     """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
     runs = runs_of(task)
     catalogue = all(unit.component and ":" not in unit.component for unit in runs.scene.units.values())
-    return catalogue and not task.keep.functions and runs.opened({}) is not None
+    return catalogue and not task.keep.functions and runs.open_scene({}) is not None
 
 
 def row_of(run: Callable[[], Result], task: Task) -> Row:
@@ -73,12 +73,12 @@ class PointRuns:
     def __init__(self, task: Task, stop: Stop | None = None):
         self._task, self._stop, self.scene = task, stop, task.scene()
         self._stack, self._key = ExitStack(), ""
-        self._opened: OpenScene | None = None
+        self._open_scene: OpenScene | None = None
 
     def close(self) -> None:
         """Close the units."""
         self._stack.close()
-        self._key, self._opened = "", None
+        self._key, self._open_scene = "", None
 
     def row(self, values: Mapping[str, Any]) -> Row:
         """What is kept of the run with the values of a point; every failure is a row with its reason."""
@@ -88,31 +88,31 @@ class PointRuns:
         """The run with the values of a point; raises `BadInput` for one that cannot start."""
         changed = changes(self.scene, values)
         numbers = {place: value for place, value in changed.items() if self._number(place)}
-        opened = self.opened({place: value for place, value in changed.items() if place not in numbers})
-        if opened is None or not opened.takes(numbers):
+        open_scene = self.open_scene({place: value for place, value in changed.items() if place not in numbers})
+        if open_scene is None or not open_scene.takes(numbers):
             return self._anew(changed)
         try:
-            scene = opened.begin_anew(numbers)
+            scene = open_scene.begin_anew(numbers)
         except BadInput:
             return self._anew(changed)  # which refuses it as a scene
         with ExitStack() as stack:
-            current = Run(scene, stack, in_process=True, native=False, progress=False, again=opened, stop=self._stop)
+            current = Run(scene, stack, in_process=True, native=False, progress=False, again=open_scene, stop=self._stop)
             current.prepare()
             current.observe(None, None, None)
             current.execute(None)
             return current.conclude(None)
 
-    def opened(self, changed: Mapping[str, Any]) -> OpenScene | None:
+    def open_scene(self, changed: Mapping[str, Any]) -> OpenScene | None:
         """The scene with such changes, opened, those of the last point if they were the same; None where it cannot be run again."""
         key = json.dumps(changed, sort_keys=True, default=str) + "."
         if key != self._key:
             self.close()
             scene = self.scene.with_changes(changed) if changed else self.scene
             if all(unit.component and unit.isolation == "none" for unit in scene.units.values()):
-                opened = OpenScene(asked_for(scene), self._stack, in_process=True)
-                self._opened = opened if opened.takes({}) else None
+                open_scene = OpenScene(asked_for(scene), self._stack, in_process=True)
+                self._open_scene = open_scene if open_scene.takes({}) else None
             self._key = key
-        return self._opened
+        return self._open_scene
 
     def _anew(self, changed: Mapping[str, Any]) -> Result:
         return run(self.scene.with_changes(changed) if changed else self.scene, in_process=True)

@@ -1,0 +1,115 @@
+"""Points whose units are opened once: every number is that of a scene which is read and opened for the point alone."""
+
+import random
+from concurrent.futures import wait
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import Kind
+from cosimo.orchestrator.harness.many.executors import Here, Threads
+from cosimo.orchestrator.harness.many.measures import Task
+from cosimo.orchestrator.harness.many.plan import changes
+from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.settings.plan import KeepSettings
+from cosimo.orchestrator.systems import load_scene, read_scene, summary
+from cosimo.orchestrator.systems.many import run_many, sweep
+from cosimo.tests.harness.many.points import scene as doubler
+from cosimo.tests.short_run import full_but
+
+STEPS = 40
+FACTORS = (1.03, 0.9, 1e9)  # the last one is refused, fails or grows without bound in many scenes: the next point must not notice
+SPRING = {"stop_time": 0.2}
+
+
+def short(name, **more):
+    """A shipped scene of a few steps."""
+    scene = load_scene(name)
+    return scene.with_changes({"stop_time": STEPS * scene.master.step, "analysis.transient": 0.0} | more)
+
+
+def task_of(scene):
+    return Task.of(scene, KeepSettings(), summary)
+
+
+def content(get):
+    """All that a run gives but its timing; of a refusal its text."""
+    try:
+        result = get()
+    except BadInput as error:
+        return str(error)
+    info = {key: str(value) for key, value in result.info.items() if key != "timing"}
+    columns = {name: column.tobytes() for name, column in result.columns.items()}
+    return result.outcome, result.message, result.time.tobytes(), columns, info
+
+
+@pytest.mark.parametrize("name", full_but(("mass-on-spring",), scene_files()))
+def test_a_point_has_the_bits_of_a_run_of_its_own(name):
+    try:
+        scene = short(name)
+    except BadInput as error:
+        pytest.skip(f"cannot be shortened: {error}")
+    runs = PointRuns(task_of(scene))
+    if (open_scene := runs.open_scene({})) is None:
+        pytest.skip("needs Python in a step")
+    numbers = [
+        (f"{unit}.{parameter}", value)
+        for unit, simulator in open_scene.units.items()
+        for parameter, value in simulator.component.parameters.items()
+        if value and (known := type(simulator.component).variables[parameter]).kind is Kind.REAL and not known.structural
+    ]
+    for parameter, value in random.Random(name).sample(numbers, min(4, len(numbers))):
+        for factor in FACTORS:
+            point = {parameter: factor * value}
+            own = content(lambda: run(runs.scene.with_changes(changes(runs.scene, point)), in_process=True))  # noqa: B023
+            assert content(lambda: runs.result(point)) == own, point  # noqa: B023
+    assert runs.open_scene({}) is open_scene
+    runs.close()
+
+
+def test_units_are_opened_once_for_all_points_of_the_same_effects(monkeypatch):
+    opened = []
+    begin = PointRuns.open_scene
+    monkeypatch.setattr(PointRuns, "open_scene", lambda self, changed: opened.append(begin(self, changed)) or opened[-1])
+    scene = short("mass-on-spring")
+    vary = {"master.step": [1e-2, 5e-3], "spring.stiffness": [80.0, 90.0, 100.0, 110.0]}
+    result = sweep(scene, {"vary": vary}, verify=False)
+    assert set(result.outcomes) == {"done"}
+    assert len({id(one) for one in opened if one is not None}) <= 3  # of each macro step, and of the scene itself
+    assert len(set(result.measures["mass.base_x, maximum"].tolist())) == 8
+
+
+def test_threads_give_the_same_rows_and_stop_when_they_are_told_to():
+    close_runs()
+    scene = short("mass-on-spring", stop_time=2.0)
+    task = task_of(scene)
+    assert in_threads(task)
+    points = [(k, {"spring.stiffness": 50.0 + k}) for k in range(12)]
+    threads = Threads(3)
+    futures = [threads.submit(task, points[k : k + 2]) for k in range(0, 12, 2)]
+    wait(futures)
+    assert [f.result().table.slice(i, 1).to_pylist() for f in futures for i in range(2)] == [
+        Here().submit(task, [point]).result().table.to_pylist() for point in points
+    ]
+    endless = task_of(scene.with_changes({"stop_time": 1e5}))
+    begun = [threads.submit(endless, points) for _ in range(2)]
+    threads.stop()
+    assert all(f.done() and (f.cancelled() or f.result().table.num_rows == 0) for f in begun)
+
+
+def test_scenes_that_need_python_in_a_step_run_in_processes():
+    assert not in_threads(task_of(read_scene(doubler())))
+    assert not in_threads(task_of(load_scene("jaw-crusher")))
+
+
+def test_a_table_of_points_in_python():
+    scene = load_scene("mass-on-spring").with_changes(SPRING)
+    stiffness = np.array([90.0, 100.0, 110.0])
+    result = run_many(scene, {"spring.stiffness": stiffness}, threads=2)
+    assert result.varied["spring.stiffness"].tolist() == stiffness.tolist()
+    alone = [run(scene.with_changes({"units.spring.parameters.stiffness": k}), in_process=True) for k in stiffness.tolist()]
+    assert result.measures["mass.base_x, maximum"].tolist() == [one["mass.base_x"].max() for one in alone]
+    with pytest.raises(BadInput, match="lists of one length"):
+        run_many(scene, {"spring.stiffness": [90.0, 100.0], "spring.damping": [1.0]})
