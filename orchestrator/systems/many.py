@@ -41,10 +41,11 @@ def sweep(
 
     `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `directory`: where the points,
     the table and the data set go; what is there of the same scene is not run again. `jobs`: workers, 1: this thread alone, None:
-    one for each core where it pays; they are threads, or processes where a step of the scene needs Python. `scheduler`: address of a
-    Dask cluster. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or the file of one, whose rows are limits, under these `conditions`.
-    `verify`: some points run again with half of every macro step, for the errors of the numbers. A script that uses several
-    processes keeps its own calls behind `if __name__ == "__main__":`.
+    one for each core where it pays; they are threads, or processes where a step of the scene needs Python. `scheduler`: address
+    of a Dask cluster. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or
+    the file of one, whose rows are limits, under these `conditions`. `verify`: some points run again with half of every macro
+    step, for the errors of the numbers. A script that uses several processes keeps its own calls behind
+    `if __name__ == "__main__":`.
     Raises `BadInput`.
     """
     return sweeps.sweep(

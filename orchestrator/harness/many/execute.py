@@ -16,8 +16,8 @@ from ....components.core.errors import BadInput
 from ...progress import Interrupt
 from .executors import BatchRows, Cluster, Executor, Here, Pool, Threads, cores
 from .measures import Row, Task
-from .point_runs import in_threads
 from .plan import Points
+from .point_runs import in_threads
 from .store import Store, table_of
 
 BATCH_SECONDS = 1.0  # of work, at least: three orders above what a scheduler needs for a batch

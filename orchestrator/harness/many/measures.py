@@ -142,8 +142,8 @@ def function_of(text: str) -> Callable[[Result], Any]:
 
 
 def row_of_result(result: Result, task: Task) -> Row:
-    """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured fails the point,
-    and leaves the others of its numbers."""
+    """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured
+    fails the point, and leaves the others of its numbers."""
     row = Row("done")
     for part in (_statistics, _summary, _quantities, _functions):
         try:

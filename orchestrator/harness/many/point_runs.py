@@ -16,7 +16,6 @@ from ...open_units import OpenScene
 from ...progress import Stop
 from ...results import Result
 from ...run import Run, run
-from ...scene.scene import Scene
 from ...shorter_steps import asked_for, parts_of_step
 from .measures import Row, Task, row_of_result
 from .plan import changes

@@ -24,9 +24,8 @@ from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .limits import recalled, with_rows
 from .measures import Row, Task
-from .point_runs import row_of
-from .point_runs import row_of
 from .plan import plan_settings
+from .point_runs import row_of
 from .repetition import blurred
 
 CONTENT, CONFIDENCE = 0.95, 0.95
