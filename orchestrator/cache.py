@@ -19,6 +19,7 @@ KINDS = {
     "fmus": "FMUs of components",
     "bundles": "sources of FMUs, unpacked",
     "native": "native FMUs of components",
+    "zig": "what the compiler of native FMUs has compiled",
     "ssp": "FMUs out of .ssp files",
     "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",

@@ -4,6 +4,7 @@ same file, byte for byte."""
 from __future__ import annotations
 
 import inspect
+import os
 import platform
 import shutil
 import subprocess
@@ -30,10 +31,15 @@ from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_
 from .variables import NativeVariable, native_variables, tables
 
 RUNTIME = Path(__file__).parent / "runtime"
-SOURCES = ("native.c", "fmi2.c", "fmi3.c")
 # contraction would form fused products, and other bits than those of the component in process
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-s")
-HERE = {("Linux", "x86_64"): "linux64", ("Windows", "AMD64"): "win64", ("Linux", "aarch64"): "linux-arm64"}
+FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden")
+HERE = {
+    ("Linux", "x86_64"): "linux64",
+    ("Windows", "AMD64"): "win64",
+    ("Linux", "aarch64"): "linux-arm64",
+    ("Darwin", "arm64"): "macos-arm64",
+    ("Darwin", "x86_64"): "macos-x64",
+}
 
 
 @dataclass(frozen=True)
@@ -98,11 +104,11 @@ def assembled(
     component: Any = None,
     abilities: Mapping[int, Mapping[str, str]] = MappingProxyType({}),
     host: str = HOST,
-    sources: Sequence[str] = SOURCES,
+    sources: Sequence[str] = (),
 ) -> Library:
     """The libraries of a model for the targets of some compilers.
 
-    texts: of entries, in LLVM's language; sources: of the runtime; others as of `Library`.
+    texts: of entries, in LLVM's language; sources: of the runtime, beside those of each FMU; others as of `Library`.
     """
     objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in {*compilers, "linux64"}}
     description = description2(name, described, variables, "", abilities=abilities.get(2, {}))
@@ -190,12 +196,13 @@ def _linked(name: str, target: str, command: list[str], model: str, codes: Seque
     with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:
         objects = write_sources(Path(folder), model, codes)
         result = name + TARGETS[target].suffix
-        dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later
+        flags, runtime = TARGETS[target].flags, TARGETS[target].runtime
         done = subprocess.run(
-            [*command, *FLAGS, *dense, *sources, "model.c", *objects, "-o", result, "-lm"],
+            [*command, *FLAGS, *flags, "native.c", *runtime, *sources, "model.c", *objects, "-o", result, "-lm"],
             cwd=folder,
             capture_output=True,
             text=True,
+            env=_environment(),
         )
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["no message"]
@@ -206,6 +213,16 @@ def _linked(name: str, target: str, command: list[str], model: str, codes: Seque
                 "Check its installation.",
             )
         return Path(folder, result).read_bytes()
+
+
+def _environment() -> dict[str, str]:
+    """Of a compiler: zig keeps what it has compiled in the cache of cosimo, unless the user has set its own variables."""
+    folder = Path(cache_root()) / "zig"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return dict(os.environ)
+    return {"ZIG_GLOBAL_CACHE_DIR": str(folder), "ZIG_LOCAL_CACHE_DIR": str(folder)} | os.environ
 
 
 def build_native(
@@ -220,7 +237,16 @@ def build_native(
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.
     """
+    targets, standards = list(targets), list(standards)
+    check_versions(targets, standards)
     return [pack(done, directory, fmi, derivatives) for done in [library(name, make, targets)] for fmi in standards]
+
+
+def check_versions(targets: Iterable[str], standards: Iterable[int]) -> None:
+    """`BadInput` for a target whose libraries have no place in an FMU of a version of FMI."""
+    for target in targets:
+        if target in TARGETS and not TARGETS[target].folder2 and 2 in standards:
+            raise BadInput("build --native", f"target {target!r} with FMI 2", "FMI 3, whose functions it has", "Add --fmi 3.")
 
 
 def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True, file: str = "") -> Path:
@@ -229,11 +255,12 @@ def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True, fil
     present = [v for _, v in listed(done.variables, derivatives)]
     scalars = tuple(v.scalar for v in present)
     ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
+    notes = dict.fromkeys(TARGETS[target].note for target in done.binaries if TARGETS[target].note)
     members = {
         "modelDescription.xml": describe(
             done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
         ),
-        "documentation/index.html": documentation(done.name, described, scalars, done.host),
+        "documentation/index.html": documentation(done.name, described, scalars, " ".join([done.host, *notes])),
         **shared_files(done.name, described, ends, fmi),
     }
     for folder, (target, content) in _folders(done.binaries, fmi).items():

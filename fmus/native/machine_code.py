@@ -20,6 +20,7 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
 from .kept_code import digest_of, load, save
+from .wide_pointers import widened
 
 NATIVE = "kernels that allocate nothing and call only functions of libm"
 ALLOWED = {
@@ -70,28 +71,83 @@ ALLOWED = {
 }
 
 
+SHARED = ("-shared", "-s")
+NEVER_RUN = "Its libraries for macOS were built and never run: no such machine was at hand."
+WITHOUT_GAPS = ("-fPIC", "-Wl,-z,defs")  # a missing symbol is an error here, not a crash later
+
+
 @dataclass(frozen=True)
 class Target:
     """A machine and its C runtime."""
 
     triple: str  # for LLVM
-    zig: str  # for zig's C compiler; the oldest glibc whose symbols are enough
+    zig: str  # for zig's C compiler; the oldest glibc or macOS whose symbols are enough
     cpu: str
-    folder2: str  # under binaries/ of FMI 2
+    folder2: str  # under binaries/ of FMI 2; "" where there is none
     folder3: str  # and of FMI 3
     suffix: str
     also2: str = ""  # where hosts of FMI 2 look that know no other name; taken unless a target owns it
     wide: str = ""  # features of processors for which a library has its code a second time; `model_wide` of the runtime says so
+    flags: tuple[str, ...] = SHARED  # of the C compiler
+    runtime: tuple[str, ...] = ("fmi2.c", "fmi3.c")
+    features: str = ""  # of the processor
+    short_pointers: bool = False  # of 32 bits
+    note: str = ""  # for the documentation of an FMU
 
 
 TARGETS = {
     "linux64": Target(
-        "x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so", wide="+avx"
+        "x86_64-unknown-linux-gnu",
+        "x86_64-linux-gnu.2.17",
+        "x86-64",
+        "linux64",
+        "x86_64-linux",
+        ".so",
+        wide="+avx",
+        flags=SHARED + WITHOUT_GAPS,
     ),
     "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll", wide="+avx"),
     # FMI 2.0 names no folder for it and refers, since 2.0.5, to those of FMI 3.0
     "linux-arm64": Target(
-        "aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "generic", "aarch64-linux", "aarch64-linux", ".so", "linux64"
+        "aarch64-unknown-linux-gnu",
+        "aarch64-linux-gnu.2.17",
+        "generic",
+        "aarch64-linux",
+        "aarch64-linux",
+        ".so",
+        "linux64",
+        flags=SHARED + WITHOUT_GAPS,
+    ),
+    "macos-arm64": Target(
+        "arm64-apple-macosx11.0.0",
+        "aarch64-macos.11.0",
+        "generic",
+        "aarch64-darwin",
+        "aarch64-darwin",
+        ".dylib",
+        "darwin64",
+        note=NEVER_RUN,
+    ),
+    "macos-x64": Target(
+        "x86_64-apple-macosx11.0.0", "x86_64-macos.11.0", "x86-64", "darwin64", "x86_64-darwin", ".dylib", note=NEVER_RUN
+    ),
+    # zig puts the stack first in memory: a kernel that needs more of it ends with an error, and overwrites nothing
+    "wasm32": Target(
+        "wasm32-unknown-wasi",
+        "wasm32-wasi",
+        "generic",
+        "",
+        "wasm32-unknown",
+        ".wasm",
+        flags=(
+            "-mexec-model=reactor",
+            "-msimd128",
+            "-mbulk-memory",
+            "-Wl,--strip-all,--export-dynamic,--export=malloc,--export=free,-z,stack-size=1048576",
+        ),
+        runtime=("fmi3.c", "wasm.c"),
+        features="+simd128,+bulk-memory",
+        short_pointers=True,
     ),
 }
 
@@ -260,7 +316,7 @@ def _machine(target: Target, features: str = "") -> Any:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.cpu, features=features, opt=3, reloc="pic", codemodel="default"
+        cpu=target.cpu, features=features or target.features, opt=3, reloc="pic", codemodel="default"
     )
 
 
@@ -295,7 +351,7 @@ def object_code(text: str, target: str) -> tuple[bytes, ...]:
 def _object(text: str, target: Target, features: str = "", suffix: str = "") -> bytes:
     import llvmlite.binding as llvm
 
-    module = llvm.parse_assembly(text)
+    module = llvm.parse_assembly(widened(text) if target.short_pointers else text)
     machine = _optimize(module, target, features)
     for function in module.functions:
         if not function.is_declaration and function.linkage.name == "external":

@@ -29,7 +29,11 @@ def build(
     output: Annotated[Path, Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
     native: Annotated[bool, Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
     target: Annotated[
-        str, Option(help="With --native: linux64, win64, linux-arm64, separated by commas; default: this machine.")
+        str,
+        Option(
+            help="With --native: linux64, win64, linux-arm64, macos-arm64 and macos-x64 (built, never run), wasm32 (with --fmi 3), "
+            "separated by commas; default: this machine."
+        ),
     ] = "",
     fmi: Annotated[str, Option(help="With --native: 2, 3 or both; default: 2.")] = "",
     effects: Annotated[str, Option(help="With --native: effects that are on, separated by commas.")] = "",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
-from ...fmus.native.build import SOURCES, Library, assembled, compiler, pack
+from ...fmus.native.build import Library, assembled, check_versions, compiler, pack
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.algorithms import master_of
@@ -78,11 +78,13 @@ def scene_library(scene: Scene, targets: Iterable[str]) -> Library:
                 3: same | {"fixedInternalStepSize": repr(scene.master.step), "providesDirectionalDerivatives": "false"},
             },
             host=HOST,
-            sources=(*SOURCES, "scene.c"),
+            sources=("scene.c",),
         )
 
 
 def build_scene_fmu(scene: Scene, directory: Path, targets: Iterable[str], standards: Iterable[int] = (2,)) -> list[Path]:
     """Write directory/<scene>.fmu (FMI 2) and directory/<scene>.fmi3.fmu (FMI 3), as asked for, and return their paths."""
+    targets, standards = list(targets), list(standards)
+    check_versions(targets, standards)
     library = scene_library(scene, targets)
     return [pack(library, directory, fmi, False, scene.name) for fmi in standards]

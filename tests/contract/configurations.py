@@ -41,10 +41,10 @@ class Configuration(NamedTuple):
         return component_class(self.component)(self.effects, self.parameters)
 
 
-def compatible(cls: type[Component]) -> tuple[str, ...]:
-    """As many effects as go together, the earlier declared ones first."""
+def compatible(cls: type[Component], first: Iterable[str] = ()) -> tuple[str, ...]:
+    """As many effects as go together: `first`, then the earlier declared ones first."""
     on: tuple[str, ...] = ()
-    for effect in cls.effects:
+    for effect in (*first, *cls.effects):
         group = with_required(cls, effect)
         if not any(a in cls.effects[b].excludes or b in cls.effects[a].excludes for a in group for b in on):
             on = tuple(n for n in cls.effects if n in {*on, *group})

@@ -41,10 +41,10 @@ def opened(found, folder, version=2, guid=""):
     return fmu, {v.name: v.valueReference for v in description.modelVariables}
 
 
-def amplitudes(component, start):
+def amplitudes(component, start, share=SHARE):
     """By how much each input moves around its start value."""
     scalars = {s.name: s for s in interface(type(component))}
-    return [SHARE * max(abs(u), 0.1 * scalars[n].nominal) for n, u in zip(component.inputs, start, strict=True)]
+    return [share * max(abs(u), 0.1 * scalars[n].nominal) for n, u in zip(component.inputs, start, strict=True)]
 
 
 def driven(component, start, moved, k, h):
@@ -56,11 +56,11 @@ def driven(component, start, moved, k, h):
     return values, slopes, curves
 
 
-def in_process(component, h, steps):
+def in_process(component, h, steps, share=SHARE):
     """Outputs after initialization and after each step, (steps + 1, outputs)."""
     component.initialize(0.0)
     start = component.u[0].copy()
-    moved = amplitudes(component, start)
+    moved = amplitudes(component, start, share)
     rows = [component.y.copy()]
     for k in range(steps):
         component.u[0], component.u[1], curves = driven(component, start, moved, k, h)

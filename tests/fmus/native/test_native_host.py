@@ -11,13 +11,16 @@ import numpy as np
 import pytest
 from cosimo.fmus.native.build import library
 from cosimo.fmus.native.machine_code import ALLOWED, TARGETS
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene_fmu import scene_library
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.machines import HERE, OTHERS, environment, possible, program
 from cosimo.tests.fmus.native.railway_pair import in_process, run_host
 from cosimo.tests.fmus.native.support import amplitudes, driven, maker
 from cosimo.tests.fmus.native.support import in_process as alone
+from cosimo.tests.fmus.native.web_assembly import EXACT
 
 pytestmark = [pytest.mark.full, pytest.mark.skipif(not possible, reason="needs Linux and a C compiler")]
-EXACT = {"ceil", "copysign", "fabs", "floor", "fma", "fmod", "frexp", "ldexp", "nearbyint", "rint", "round", "sqrt", "trunc"}
 STEPS = 300
 
 
@@ -49,19 +52,37 @@ def test_driven_components_on_another_machine(target, name, effects, tmp_path):
     assert (worst <= 1e-12 * np.abs(expected).max(axis=0)).all(), worst
 
 
+@pytest.mark.parametrize("target", OTHERS)
+@pytest.mark.parametrize("name", ["mass-on-spring", "en50318-2002", "gimbal-rotor"])
+def test_scenes_on_another_machine(target, name, tmp_path):
+    scene = load_scene(name)
+    found, h = scene_library(scene, [target]), scene.master.step
+    reference = run(scene.with_changes({"stop_time": STEPS * h, "record.interval": None}), in_process=True)
+    outputs = [v.scalar.name for v in found.variables if v.role == "OUTPUT" and v.scalar.name in reference.columns]
+    expected = np.column_stack([np.asarray(reference[name]) for name in outputs])
+    numbers = outputs_on_another_machine(found, target, tmp_path, h, [], outputs, [[]] * STEPS)
+    worst = np.abs(numbers - expected).max(axis=0) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
+    print(f"{name} for {target}: differences over the size of an output up to {worst.max():.1e}")
+    assert (worst <= 1e-12).all(), worst
+
+
 def on_another_machine(found, target, folder, h):
     """Outputs after initialization and after each step of a component that is driven as the one in process."""
-    file = folder / (found.name + TARGETS[target].suffix)
-    file.write_bytes(found.binaries[target])
-    references = {v.scalar.name: k for k, v in enumerate(found.variables)}
-    inputs, outputs = found.component.inputs, found.component.outputs
-    forms = [form.format(name) for form in ("{}", "der({})", "der({},2)") for name in inputs]
+    inputs = [form.format(name) for form in ("{}", "der({})", "der({},2)") for name in found.component.inputs]
     start = found.component.u[0].copy()
     moved = amplitudes(found.component, start)
     rows = [[v for row in driven(found.component, start, moved, k, h) for v in row] for k in range(STEPS)]
+    return outputs_on_another_machine(found, target, folder, h, inputs, found.component.outputs, rows)
+
+
+def outputs_on_another_machine(found, target, folder, h, inputs, outputs, rows):
+    """Outputs after initialization and after each step; rows: values of the inputs in each step."""
+    file = folder / (found.name + TARGETS[target].suffix)
+    file.write_bytes(found.binaries[target])
+    references = {v.scalar.name: k for k, v in enumerate(found.variables)}
     lines = [
-        f"{len(forms)} {len(outputs)} {STEPS}",
-        " ".join(str(references[n]) for n in [*forms, *outputs]),
+        f"{len(inputs)} {len(outputs)} {len(rows)}",
+        " ".join(str(references[n]) for n in [*inputs, *outputs]),
         *(" ".join(struct.pack(">d", v).hex() for v in row) for row in rows),
     ]
     command = [*program("driven.c", folder, target), str(file), found.token, repr(h)]

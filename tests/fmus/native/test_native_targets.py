@@ -1,6 +1,7 @@
 """Libraries for other machines: where they lie in an FMU, and that their machine code keeps the operations of the kernels."""
 
 import re
+import struct
 import zipfile
 from dataclasses import replace
 from importlib.util import find_spec
@@ -28,6 +29,10 @@ pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="runs on Linux
     (2, ["linux-arm64", "linux64"], {"aarch64-linux": "linux-arm64", "linux64": "linux64"}),
     (3, ["linux-arm64", "linux64"], {"aarch64-linux": "linux-arm64", "x86_64-linux": "linux64"}),
     (3, ["linux-arm64"], {"aarch64-linux": "linux-arm64"}),
+    (2, ["macos-arm64"], {"aarch64-darwin": "macos-arm64", "darwin64": "macos-arm64"}),
+    (2, ["macos-arm64", "macos-x64"], {"aarch64-darwin": "macos-arm64", "darwin64": "macos-x64"}),
+    (3, ["macos-arm64", "macos-x64", "wasm32"],
+     {"aarch64-darwin": "macos-arm64", "x86_64-darwin": "macos-x64", "wasm32-unknown": "wasm32"}),
 ])  # fmt: skip
 def test_each_library_lies_where_hosts_look_for_it(fmi, targets, folders, tmp_path):
     found = replace(compiled(NAME), binaries={target: target.encode() for target in targets})
@@ -67,3 +72,16 @@ def test_a_library_for_arm_is_small_and_reproducible():
     needed = set(re.findall(rb"[\w.+-]+\.so[.\d]*", content)) - {f"{NAME}.so".encode()}
     assert needed <= {b"libc.so.6", b"libm.so.6", b"ld-linux-aarch64.so.1"}, needed
     assert first.token == compiled(NAME).token  # one model for all targets
+
+
+@pytest.mark.full
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="needs the compiler of the extra `native`")
+@pytest.mark.parametrize(("target", "processor"), [("macos-arm64", 0x0100000C), ("macos-x64", 0x01000007)])
+def test_a_library_for_macos_is_built_and_called_never_run(target, processor, tmp_path):
+    first, second = (library(NAME, maker(NAME), [target]) for _ in range(2))
+    content = first.binaries[target]
+    assert content == second.binaries[target]
+    assert content[:8] == struct.pack("<2I", 0xFEEDFACF, processor)
+    assert set(re.findall(rb"/[\w/.]+\.dylib", content)) == {b"/usr/lib/libSystem.B.dylib"}
+    with zipfile.ZipFile(pack(first, tmp_path, 3)) as file:
+        assert "built and never run" in file.read("documentation/index.html").decode()
