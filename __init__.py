@@ -43,11 +43,10 @@ if TYPE_CHECKING:
     from .orchestrator.harness.studies.accuracy import accuracy
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
-    from .orchestrator.judgement.verification import run
     from .orchestrator.results import Result
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene, write_scene
-    from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
+    from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, run, summary, validate, write_report
     from .orchestrator.systems.many import design, fit, run_many, sensitivity, sweep, uncertainty
 
 _PLACES = {
@@ -70,10 +69,18 @@ _PLACES = {
     "orchestrator.harness.studies.stability": ("stability",),
     "orchestrator.systems.many": ("design", "fit", "run_many", "sensitivity", "sweep", "uncertainty"),
     "orchestrator.results": ("Result",),
-    "orchestrator.judgement.verification": ("run",),
     "orchestrator.scene.build": ("unit",),
     "orchestrator.scene.scene": ("Scene", "write_scene"),
-    "orchestrator.systems": ("build_scene", "load_scene", "read_result", "read_scene", "summary", "validate", "write_report"),
+    "orchestrator.systems": (
+        "build_scene",
+        "load_scene",
+        "read_result",
+        "read_scene",
+        "run",
+        "summary",
+        "validate",
+        "write_report",
+    ),
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 

@@ -13,7 +13,7 @@ import html
 import inspect
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -161,7 +161,9 @@ def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int 
     ends = [s for s in listed if not s.order]
     picture = icon(name, *(sum(s.causality == c for s in ends) for c in ("input", "output")))
     return {
-        FILE: terminals_and_icons((s.name for s in ends), component.ports, (s.name for s in listed if s.order)),
+        FILE: terminals_and_icons(
+            (s.name for s in ends), component.ports, component.port_members, (s.name for s in listed if s.order)
+        ),
         ICON: picture,
         **({"model.png": picture} if fmi == 2 else {}),
         "documentation/licenses/license.txt": LICENSE.read_bytes(),
@@ -271,29 +273,33 @@ OTHERS = "signals"
 FILE, ICON = "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"
 
 
-def terminals(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+def terminals(
+    names: Iterable[str], declared: Declared, members: Mapping[str, str], companions: Iterable[str] = ()
+) -> dict[str, dict[str, str]]:
     """Names of terminals -> member -> variable; only what has two members and more.
 
-    declared: ports of the component.  companions: derivatives of inputs.
+    declared, members: ports of the component, and what signals are called in them.  companions: derivatives of inputs.
     """
-    groups = {port or OTHERS: members for port, members in gathered(names, declared).items()}
+    groups = {port or OTHERS: signals for port, signals in gathered(names, declared, members).items()}
     if listed := list(companions):
         groups["derivatives"] = {name: name for name in listed}
-    return {group: members for group, members in groups.items() if len(members) > 1}
+    return {group: signals for group, signals in groups.items() if len(signals) > 1}
 
 
-def terminals_and_icons(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> bytes:
+def terminals_and_icons(
+    names: Iterable[str], declared: Declared, members: Mapping[str, str], companions: Iterable[str] = ()
+) -> bytes:
     """The file, for an icon as wide as high."""
     root = ET.Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     graphics = ET.SubElement(root, "GraphicalRepresentation")
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     ET.SubElement(graphics, "CoordinateSystem", {**corners, "suggestedScalingFactorTo_mm": "0.1"})
     ET.SubElement(graphics, "Icon", corners)
-    if groups := terminals(names, declared, companions):
+    if groups := terminals(names, declared, members, companions):
         parent = ET.SubElement(root, "Terminals")
-        for group, members in groups.items():
+        for group, signals in groups.items():
             terminal = ET.SubElement(parent, "Terminal", {"name": group, "matchingRule": "bus"})
-            for member, variable in members.items():
+            for member, variable in signals.items():
                 ET.SubElement(
                     terminal, "TerminalMemberVariable", {"variableName": variable, "memberName": member, "variableKind": "signal"}
                 )

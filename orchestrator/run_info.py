@@ -87,7 +87,11 @@ class CompileTime:
 
 def scene_info(scene: Scene) -> dict[str, Any]:
     """All settings of a scene, as run.json has them."""
-    return {"name": scene.name, **scene.model_dump(mode="json")}
+    settings = scene.model_dump(mode="json")
+    named = [
+        a for c in settings["connections"] for a in (scene.arrows_of(c) if isinstance(c, str) else [c])
+    ]  # what ports stood for
+    return {"name": scene.name, **settings, "connections": named}
 
 
 def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator], master: Master) -> dict[str, Any]:

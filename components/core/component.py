@@ -110,6 +110,7 @@ class Component:
     start_inputs: ClassVar[tuple[str, ...] | None] = None
 
     ports: ClassVar[Declared] = {}  # signals that go to one partner together
+    port_members: ClassVar[Mapping[str, str]] = {}  # names of signals that are others within a port
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}
     variables: ClassVar[Mapping[str, Variable]] = {}  # every scalar, of effects too, by full name

@@ -7,7 +7,8 @@ them on its class, own signals by name and all those of an effect as "effect.*":
 
     ports = {"shaft": ("displacement_x", "displacement_y", "linearisation.*")}
 
-What no declared port takes is a port of its effect; own signals that are left over are the port "".
+What no declared port takes is a port of its effect; own signals that are left over are the port "". Where a partner calls a
+signal otherwise, the component says what it is called within its ports: `port_members = {"wire_compliance": "contact_compliance"}`.
 """
 
 from __future__ import annotations
@@ -147,9 +148,15 @@ def port_of(signal: str, declared: Declared) -> str:
     return effect
 
 
-def gathered(signals: Iterable[str], declared: Declared) -> dict[str, dict[str, str]]:
-    """Port -> member -> signal, each in the order of the signals. A member is what a signal is called within its port."""
+def member_of(signal: str, members: Mapping[str, str]) -> str:
+    """What a signal is called within its port. members: own names that are others there."""
+    name, bracket, index = signal.rpartition(".")[2].partition("[")
+    return members.get(name, name) + bracket + index
+
+
+def gathered(signals: Iterable[str], declared: Declared, members: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    """Port -> member -> signal, each in the order of the signals; declared, members: of the component."""
     ports: dict[str, dict[str, str]] = {}
     for signal in signals:
-        ports.setdefault(port_of(signal, declared), {})[signal.rpartition(".")[2]] = signal
+        ports.setdefault(port_of(signal, declared), {})[member_of(signal, members)] = signal
     return ports

@@ -122,7 +122,7 @@ class Catenary(HungLine):
         "diagonals",
         "solver",
     )
-    ports = {"contact": ("contact_position", "contact_force", "wire_height")}
+    ports = {"contact": ("contact_position", "contact_force", "wire_height", "contact_compliance")}
     counters = ("steps", "solves", "factorizations")
 
     dropper_slackening = DropperSlackening

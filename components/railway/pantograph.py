@@ -86,7 +86,8 @@ class Pantograph(OdeComponent):
         "actuator.command",
         "base_excitation.height",
     )
-    ports = {"contact": ("contact_position", "contact_force", "wire_height")}
+    ports = {"contact": ("contact_position", "contact_force", "wire_height", "wire_compliance")}
+    port_members = {"wire_compliance": "contact_compliance"}  # as the wire calls it
     default_stop = 2.0
 
     contact_loss = ContactLoss

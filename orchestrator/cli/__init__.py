@@ -7,6 +7,7 @@ Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulat
 
 from __future__ import annotations
 
+import os
 import sys
 
 TYPE_CHECKING = False  # without the import of typing
@@ -25,6 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
+    sys.path.append(os.getcwd())  # module:Class on the command line
     try:
         app(arguments)
     except BadInput as error:

@@ -200,9 +200,8 @@ README = """# $title
 
 `$name` in `$module.py` is a component of cosimo: `m x'' = F - k x - c x' - k3 x³`. Change it, and `test_$module.py` with it.
 
-The folder of `$module.py` must be on `PYTHONPATH`:
+In the folder of `$module.py`:
 
-    export PYTHONPATH=$$PWD                       # PowerShell: $$env:PYTHONPATH = $$PWD
     pytest                                       # what the component promises
     cosimo show $module:$name                    # variables, effects, presets
     cosimo run $module.toml -o out               # out/report.html

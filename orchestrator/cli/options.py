@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 COMPONENT = "component:"  # before the name of a component that is studied alone
 TOLERANCE = "1%"
 
-SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
+SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipped scene, a scene file, an FMU, or a component")]
 Output = Annotated[Path, Option("-o", "--output", help="Directory for the tables and the report.")]
 OptionalOutput = Annotated[Path | None, Option("-o", "--output", help="Directory for the results.")]
 Stop = Annotated[float | None, Option(help="End of the run, s.")]

@@ -13,7 +13,7 @@ from .common import app, print_table, print_written, status_spinner
 from .completion import anything
 from .options import AsJson, Changes, Presets, parameters_of
 
-FILES = (".toml", ".ssd", ".ssp")
+FILES = (".toml", ".ssd", ".ssp", ".fmu")
 
 
 @app.command()
@@ -22,7 +22,7 @@ def show(
         str,
         Argument(
             autocompletion=anything,
-            help="a component, module:Class, a shipped scene or case by its name, a scene file, or the table of an overhead line",
+            help="a component, module:Class, a shipped scene or case by its name, a scene file, an FMU, or the table of an overhead line",
         ),
     ],
     effects: Annotated[

@@ -19,6 +19,7 @@ from ..judgement.dry_run import stepping_path
 from ..scene.drawing import Drawing
 from ..scene.scene import read_toml, scene_files
 from ..systems import cases
+from ..units.description import read
 from .common import changes_of, fail, loaded_scene, switched_on
 from .options import listed, parameters_of, preset_of
 
@@ -153,6 +154,22 @@ def reference_rows(name: str) -> list[dict[str, Any]]:
     ]
 
 
+def fmu_variables(path: str) -> list[dict[str, Any]]:
+    """Inputs, outputs and parameters of an FMU, as its model description has them."""
+    return [
+        {
+            "name": name,
+            "is": scalar.variable.causality,
+            "type": scalar.variable.type,
+            "unit": scalar.variable.unit or "",
+            "start": scalar.start,
+            "text": scalar.variable.description or "",
+        }
+        for name, scalar in read(path, "show").scalars.items()
+        if scalar.variable.causality in ("input", "output", "parameter")
+    ]
+
+
 def of_scene(
     name: str, effects: list[str] | None, values: list[str] | None, presets: list[str] | None
 ) -> tuple[dict[str, Any], Drawing]:
@@ -178,6 +195,7 @@ def of_scene(
             }
             for unit, settings in scene.units.items()
         ],
+        **({"variables": fmu_variables(next(iter(scene.units.values())).fmu)} if name.endswith(".fmu") else {}),
         "connections": [
             {"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
             for link in scene.coupling.links

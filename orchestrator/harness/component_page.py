@@ -213,7 +213,7 @@ def _effect(name: str, effect: type[Effect], states: int | None) -> EffectRow:
 
 def _ports(signals: Mapping[str, Causality], cls: type[Component]) -> Iterator[Port]:
     ends = [name for name, causality in signals.items() if causality is not Causality.PARAMETER]
-    for port, members in gathered(ends, cls.ports).items():
+    for port, members in gathered(ends, cls.ports, cls.port_members).items():
         inputs, outputs = (tuple(n for n in members.values() if signals[n] is c) for c in (Causality.INPUT, Causality.OUTPUT))
         yield Port(port, inputs, outputs)
 

@@ -10,10 +10,12 @@ from typing import Any
 from pydantic import ValidationError
 
 from ...components.core.errors import BadInput, nearest
+from ..engine.coupling.ports import JOINED
 from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
 from .files import read_file, read_text, scene_path
+from .modules import find_beside
 
 PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
 
@@ -96,7 +98,8 @@ def _part(
 def _prefixed(connection: Any, entry: str) -> Any:
     """A connection of a subsystem as the scene around it names its ends."""
     if isinstance(connection, str):
-        return " -> ".join(f"{entry}.{end.strip()}" for end in connection.split("->"))
+        arrow = JOINED if JOINED in connection else "->"
+        return f" {arrow} ".join(f"{entry}.{end.strip()}" for end in connection.split(arrow))
     return connection | {end: f"{entry}.{connection[end]}" for end in ("source", "target")}
 
 
@@ -107,9 +110,11 @@ def _touching(contact: Mapping[str, Any], entry: str) -> dict[str, Any]:
 
 
 def _located(unit: Any, folder: Path | None) -> Any:
-    """A unit with absolute paths, and with the contents of the files that parameters name."""
+    """A unit with absolute paths, and with the contents of the files that parameters name; its module, beside them, is found."""
     if folder is None or not isinstance(unit, Mapping):
         return unit
+    if isinstance(component := unit.get("component"), str) and ":" in component:
+        find_beside(component, folder, "component")
     if isinstance(unit.get("fmu"), str):
         return {**unit, "fmu": str(folder.resolve() / unit["fmu"])}
     if isinstance(parameters := unit.get("parameters"), Mapping):

@@ -16,7 +16,8 @@ from pydantic import PrivateAttr, ValidationError
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import port_of
-from ..engine.coupling import Coupling, resolve_coupling
+from ..engine.coupling import Coupling, expanded_connection, resolve_coupling
+from ..engine.coupling.ports import JOINED
 from ..loading import loading
 from ..output import ensure_directory
 from ..settings import AnalysisKeys, SceneSettings
@@ -63,6 +64,18 @@ class Scene(SceneSettings):
     def views(self) -> Any:
         """What sums up and draws results of this scene: `results.Views`; None where it was read without knowledge of systems."""
         return getattr(self._models, "views", None)
+
+    @property
+    def arrows(self) -> tuple[str, ...]:
+        """Every connection as "unit.output -> unit.input", joined ports by their members."""
+        return tuple(arrow for text in super().arrows for arrow in self.arrows_of(text))
+
+    def arrows_of(self, text: str) -> list[str]:
+        """All that one connection stands for."""
+        if JOINED not in text:
+            return [text]
+        pairs = expanded_connection(text, self.coupling.interfaces, self.units)
+        return [f"{'.'.join(source)} -> {'.'.join(target)}" for source, target in pairs]
 
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""

@@ -32,6 +32,7 @@ def described(scene: Scene) -> SimpleNamespace:
         default_step=scene.master.step,
         variables={},
         ports=open_ports(scene),
+        port_members={},
         start_inputs=None,
         needs_scipy=False,
         drawing=str(scene.show()),

@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.errors import BadInput, nearest
+from ..judgement.verification import run as run_verified
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
+from ..units.description import default_experiment
 
 if TYPE_CHECKING:
     from ..harness.summary import SummaryTable
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from ..results import Result
     from ..scene.scene import Scene
 
+FMU_ALONE = "fmu"  # the unit of a scene that is one FMU
 NAMES = ("railway", "bearings", "rotor", "rov", "two_axis_joint", "wind_pump", "friction_drive", "pipe_robot", "wrist")
 SYSTEMS: Systems = {name: import_module(f".{name}", __name__).SYSTEM for name in NAMES}
 
@@ -49,9 +52,14 @@ ANALYSIS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.it
 def load_scene(name_or_path: str | Path) -> Scene:
     """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`.
 
-    A component of the catalogue or "module:Class" is a scene of it alone, over the run and with the step that it declares.
+    A component of the catalogue, "module:Class" or an FMU is a scene of it alone, over the run and with the step that it declares.
     """
     name = str(name_or_path)
+    if name.endswith(".fmu"):
+        path = Path(name)
+        stop, step, remarks = default_experiment(path)
+        data = scene_data({FMU_ALONE: path.name}, (), stop, step, {}, {"title": path.name})
+        return read_scene(data, path.stem, path.parent, remarks)
     if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
         cls = component_class(name, "scene")
         data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
@@ -90,6 +98,20 @@ def read_result(directory: str | Path) -> Result:
     from ..results import Result
 
     return Result.read(directory, ANALYSIS)
+
+
+def scene_of(scene: Scene | str | Path) -> Scene:
+    """A scene, or what `load_scene` reads by its name or path."""
+    return scene if isinstance(scene, scenes.Scene) else load_scene(scene)
+
+
+def run(scene: Scene | str | Path, **options: Any) -> Result:
+    """Simulate a scene, given as such, by its name or by its path, from 0 to its stop_time, and find the error of each number.
+
+    options, with their defaults: those of `judgement.verification.run`: verify ("auto", "whole", "full", "no"), in_process, native,
+    progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.
+    """
+    return run_verified(scene_of(scene), **options)
 
 
 @cache

@@ -11,7 +11,7 @@ from ..harness.many.plan import from_columns
 from ..harness.sweep import Sweep
 from ..scene.scene import Scene
 from ..settings.plan import KeepSettings, PlanSettings
-from . import summary
+from . import scene_of, summary
 
 if TYPE_CHECKING:
     from ..harness.many.design import Design
@@ -24,7 +24,7 @@ PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
 
 def sweep(
-    scene: Scene,
+    scene: Scene | str | Path,
     plan: PlanLike | None = None,
     directory: str | Path | None = None,
     *,
@@ -49,7 +49,7 @@ def sweep(
     Raises `BadInput`.
     """
     return sweeps.sweep(
-        scene,
+        scene_of(scene),
         plan,
         directory,
         jobs=jobs,
@@ -65,7 +65,7 @@ def sweep(
 
 
 def run_many(
-    scene: Scene,
+    scene: Scene | str | Path,
     table: Mapping[str, Iterable[Any]],
     directory: str | Path | None = None,
     *,
@@ -83,33 +83,39 @@ def run_many(
     return sweep(scene, plan, directory, jobs=threads, verify=verify)
 
 
-def sensitivity(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:
+def sensitivity(scene: Scene | str | Path, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:
     """Which parameters matter: as `harness.many.sensitivity`, with the figures of the scene's system among the quantities."""
     from ..harness.many.sensitivity import sensitivity as answer
 
-    return answer(scene, plan, directory, summarize=summary, **options)
+    return answer(scene_of(scene), plan, directory, summarize=summary, **options)
 
 
-def uncertainty(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Uncertainty:
+def uncertainty(scene: Scene | str | Path, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Uncertainty:
     """Distributions of quantities: as `harness.many.uncertainty`, with the figures of the scene's system among them."""
     from ..harness.many.uncertainty import uncertainty as answer
 
-    return answer(scene, plan, directory, summarize=summary, **options)
+    return answer(scene_of(scene), plan, directory, summarize=summary, **options)
 
 
 def fit(
-    scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, **options: Any
+    scene: Scene | str | Path,
+    settings: FitSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    **options: Any,
 ) -> SceneFit:
     """Parameters from measurements: as `harness.many.fitting`, with the figures of the scene's system among the targets."""
     from ..harness.many.fitting import fit as answer
 
-    return answer(scene, settings, directory, summarize=summary, **options)
+    return answer(scene_of(scene), settings, directory, summarize=summary, **options)
 
 
 def design(
-    scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, **options: Any
+    scene: Scene | str | Path,
+    settings: DesignSettings | Mapping[str, Any] | str | Path,
+    directory: str | Path | None = None,
+    **options: Any,
 ) -> Design:
     """Parameters for a small or large quantity: as `harness.many.design`, with the figures of the scene's system."""
     from ..harness.many.design import design as answer
 
-    return answer(scene, settings, directory, summarize=summary, **options)
+    return answer(scene_of(scene), settings, directory, summarize=summary, **options)

@@ -103,7 +103,9 @@ def test_a_rotor_and_a_bearing_match_member_by_member():
         n: [s for s in interface(component_class(n)) if s.causality != "parameter" and not s.order]
         for n in ("BeamRotor", "DeepGrooveBearing")
     }
-    rotor, bearing = (terminals((s.name for s in group), component_class(n).ports) for n, group in ends.items())
+    rotor, bearing = (
+        terminals((s.name for s in group), component_class(n).ports, component_class(n).port_members) for n, group in ends.items()
+    )
     causality = {n: {s.name: s.causality for s in group} for n, group in ends.items()}
     port = rotor["bearing_a"]
     given = {m for m, v in port.items() if causality["BeamRotor"][v] == "output"}
@@ -117,7 +119,9 @@ def test_a_rotor_and_a_bearing_match_member_by_member():
 def test_a_pantograph_and_a_catenary_match_member_by_member():
     pantograph, catenary = ({s.name: s.causality for s in interface(component_class(n))} for n in ("Pantograph", "Catenary"))
     ends = [
-        terminals((n for n, c in i.items() if c != "parameter"), component_class(name).ports)["contact"]
+        terminals((n for n, c in i.items() if c != "parameter"), component_class(name).ports, component_class(name).port_members)[
+            "contact"
+        ]
         for name, i in (("Pantograph", pantograph), ("Catenary", catenary))
     ]
     assert set(ends[0]) == set(ends[1]) == {"contact_position", "contact_force", "wire_height"}

@@ -1,6 +1,6 @@
 """Which output feeds which input: connections, contacts, bonds and faults of a scene as one graph, checked before a run."""
 
 from .graph import Endpoint, Link
-from .resolve import Coupling, resolve_coupling
+from .resolve import Coupling, expanded_connection, resolve_coupling
 
-__all__ = ["Coupling", "Endpoint", "Link", "resolve_coupling"]
+__all__ = ["Coupling", "Endpoint", "Link", "expanded_connection", "resolve_coupling"]

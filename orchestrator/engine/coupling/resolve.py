@@ -12,7 +12,7 @@ from typing import Literal
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import conversion
-from ...settings import ConnectionSettings, SceneSettings
+from ...settings import ConnectionSettings, SceneSettings, UnitSettings
 from ...settings.algorithms import ALGORITHMS
 from ...settings.study import RUNNING_KINDS, wanted
 from ...units import Interface, describe
@@ -21,6 +21,7 @@ from .bonds import Bond, bond
 from .checks import check_stepping, targets
 from .contacts import check_contacts, connections, describe_contact
 from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discrete, smooth
+from .ports import JOINED, port_pairs
 
 LONGEST_RECORDED = 100  # elements of an array that are recorded without being named
 SHOWN = 8  # names in a message
@@ -111,7 +112,7 @@ def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[L
     named += [item for contact in scene.contacts for item in connections(contact).items()]
     for where, connection in named:
         text = connection if isinstance(connection, str) else connection.text
-        for source, target in _pairs(text, where, interfaces):
+        for source, target in _pairs(text, where, interfaces, scene.units):
             outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
             if source[1] not in outputs:
                 raise _no_variable(where, source, "output", interfaces)
@@ -170,20 +171,36 @@ def _article(kind: str) -> str:
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 
-def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
-    """(source, target) of one connection, or with * at both ends of all that agree in what stands for it."""
-    ends = [end.strip() for end in text.split("->")]
+def expanded_connection(
+    text: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]
+) -> list[tuple[Endpoint, Endpoint]]:
+    """(source, target) of all that one connection of a scene stands for."""
+    return _pairs(text, f"connection {text!r}", interfaces, units)
+
+
+def _pairs(
+    text: str, where: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]
+) -> list[tuple[Endpoint, Endpoint]]:
+    """(source, target) of one connection, of joined ports, or with * at both ends of all that agree in what stands for it."""
+    joined = JOINED in text
+    ends = [end.strip() for end in text.split(JOINED if joined else "->")]
     stars = [end.count("*") for end in ends]
     if (
         len(ends) != 2
         or not all("." in e and " " not in e for e in ends)
         or stars not in ([0, 0], [1, 1])
-        or (stars[0] and not all(e.endswith("*") for e in ends))
+        or (stars[0] and (joined or not all(e.endswith("*") for e in ends)))
     ):
-        raise BadInput("connections", repr(text), '"unit.output -> unit.input", or "unit.* -> unit.*" for all of the same name')
+        raise BadInput(
+            "connections",
+            repr(text),
+            '"unit.output -> unit.input", "unit.port <-> unit.port", or "unit.* -> unit.*" for all of the same name',
+        )
     source, target = (_endpoint(end, where, interfaces) for end in ends)
     if source[0] == target[0]:
         raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
+    if joined:
+        return port_pairs((source, target), where, interfaces, units)
     if not stars[0]:
         return [(source, target)]
     before, after = source[1][:-1], target[1][:-1]

@@ -164,7 +164,7 @@ def _with_lumped(scene: Scene, catenary: str, fit: SpanFit, reference: float | N
     def known(name: str) -> bool:
         return not name.startswith(f"{catenary}.") or name in kept
 
-    data["connections"] = [c for c in data["connections"] if all(known(part.strip()) for part in c.split("->"))]
+    data["connections"] = [c for c in scene.arrows if all(known(part.strip()) for part in c.split("->"))]
     if data["record"].get("signals"):
         data["record"]["signals"] = [s for s in data["record"]["signals"] if known(s)]
     data["analysis"] = {k: v for k, v in data["analysis"].items() if k != "spans"} | {"window": list(place)}
