@@ -124,7 +124,7 @@ def test_a_pantograph_and_a_catenary_match_member_by_member():
         ]
         for name, i in (("Pantograph", pantograph), ("Catenary", catenary))
     ]
-    assert set(ends[0]) == set(ends[1]) == {"contact_position", "contact_force", "wire_height"}
+    assert set(ends[0]) == set(ends[1]) == {"contact_position", "contact_force", "wire_height", "contact_compliance"}
     assert all({pantograph[ends[0][m]], catenary[ends[1][m]]} == {"input", "output"} for m in ends[0])
 
 
