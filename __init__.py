@@ -11,7 +11,7 @@ What stands here is the public interface; whatever it needs is imported when it 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
 `summary`, `write_report`, `delivered`.
 Many runs: `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
-Judging them: `validate`, `accuracy`, `stability`, `effects`.
+Judging them: `validate`, `compare`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
 their kinds `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent` with `ode_kernels`,
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from .orchestrator.results import Result
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene, write_scene
-    from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, run, summary, validate, write_report
+    from .orchestrator.systems import build_scene, compare, load_scene, read_result, read_scene, run, summary, validate, write_report
     from .orchestrator.systems.many import design, fit, run_many, sensitivity, sweep, uncertainty
 
 _PLACES = {
@@ -73,6 +73,7 @@ _PLACES = {
     "orchestrator.scene.scene": ("Scene", "write_scene"),
     "orchestrator.systems": (
         "build_scene",
+        "compare",
         "load_scene",
         "read_result",
         "read_scene",
@@ -108,6 +109,7 @@ __all__ = [
     "build_scene",
     "check",
     "choice",
+    "compare",
     "component_class",
     "delivered",
     "design",

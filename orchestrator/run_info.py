@@ -123,3 +123,14 @@ def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator
         "initial_values": [asdict(group) for group in master.initialization],
         "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
     }
+
+
+def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
+    """Nested settings as rows of dotted name and text."""
+    if isinstance(value, Mapping):
+        return [row for key, v in value.items() for row in flattened(v, f"{prefix}.{key}" if prefix else str(key))]
+    if isinstance(value, list | tuple):
+        if any(isinstance(v, Mapping) for v in value):
+            return [row for i, v in enumerate(value, 1) for row in flattened(v, f"{prefix}[{i}]")]
+        return [(prefix, ", ".join(str(v) for v in value) or "none")]
+    return [(prefix, f"{value:.6g}" if isinstance(value, float) else str(value))]

@@ -19,6 +19,7 @@ from ..scene.build import scene_data, snake_case
 from ..units.description import default_experiment
 
 if TYPE_CHECKING:
+    from ..harness.compare import Comparison
     from ..harness.summary import SummaryTable
     from ..harness.system import Systems
     from ..harness.validation.case import Case, CaseResult
@@ -112,6 +113,26 @@ def run(scene: Scene | str | Path, **options: Any) -> Result:
     progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.
     """
     return run_verified(scene_of(scene), **options)
+
+
+def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress: bool = False) -> Comparison:
+    """Runs beside the first: changed settings, figures with their errors, signals, and the time that the runs took.
+
+    `runs`: results, directories of results, or scenes, their names and their files, which are run in this process; two or more.
+    `comparison.report("out")` writes a page. Raises `BadInput` for what cannot be read, or has nothing in common.
+    """
+    from ..harness.compare import compared
+    from ..results import Result
+
+    results, names = [], []
+    for one in runs:
+        if isinstance(one, str | Path) and Path(one).is_dir():
+            one = read_result(one)
+        if not isinstance(one, Result):
+            one = run(one, in_process=True, verify=verify, progress=progress)
+        names.append(one.directory.name if one.directory is not None else one.scene.name)
+        results.append(one)
+    return compared(results, names)
 
 
 @cache

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...run_info import flattened
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.style import CYCLE, axis, dense_line, layout, number
@@ -143,17 +144,6 @@ def _panels(unit: str, signals: Mapping[str, np.ndarray]) -> list[tuple[str, lis
         panels[-1].append(name)
     order = list(signals)
     return [(unit, sorted(panel, key=order.index)) for panel in panels]
-
-
-def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
-    """Nested settings as rows of dotted name and text."""
-    if isinstance(value, Mapping):
-        return [row for key, v in value.items() for row in flattened(v, f"{prefix}.{key}" if prefix else str(key))]
-    if isinstance(value, list | tuple):
-        if any(isinstance(v, Mapping) for v in value):
-            return [row for i, v in enumerate(value, 1) for row in flattened(v, f"{prefix}[{i}]")]
-        return [(prefix, ", ".join(str(v) for v in value) or "none")]
-    return [(prefix, f"{value:.6g}" if isinstance(value, float) else str(value))]
 
 
 def effect_rows(effects: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -1,0 +1,343 @@
+"""Runs beside one another: which settings, figures and signals differ, by how much, and whether that is more than their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...components.core.errors import BadInput
+from ..judgement.comparison import differences
+from ..results import Result
+from ..run_info import flattened
+from .charts.blocks import Answer, Block, Cells, Text
+from .charts.chart import Chart, Panel, Series
+from .charts.charts import draw_chart
+from .charts.style import number
+from .report.page import Page, Section, write_page
+from .summary import SummaryTable, with_error
+
+MOST_PANELS = 8  # signals that are drawn: those that differ most
+MOST_NUMBERS = 4  # of the answer at the top
+NOT_SETTINGS = ("name", "title", "sweep", "study")
+ABSENT = "–"
+
+
+@dataclass(frozen=True)
+class FigureDifference:
+    """A figure of several runs. values, errors: (n,) in its unit, NaN where a run does not have it, or the error is not known."""
+
+    name: str
+    unit: str
+    text: str
+    values: np.ndarray
+    errors: np.ndarray
+
+    @property
+    def difference(self) -> float:
+        """The largest difference from the first run; NaN where only one has the figure."""
+        gaps = np.abs(self.values[1:] - self.values[0])
+        return float(np.nanmax(gaps)) if np.isfinite(gaps).any() else nan
+
+    @property
+    def share(self) -> float:
+        """The same over the largest size of the figure; 0 where all are 0."""
+        size = float(np.nanmax(np.abs(self.values)))
+        return self.difference / size if size else 0.0 * self.difference
+
+    @property
+    def within_errors(self) -> bool:
+        """Whether the numerical errors of the runs are as large as their differences."""
+        sums = self.errors[1:] + self.errors[0]
+        return bool(np.all(np.abs(self.values[1:] - self.values[0]) <= np.where(np.isfinite(sums), sums, 0.0)))
+
+    def shown(self, k: int) -> str:
+        """The number of a run with its error."""
+        return with_error(float(self.values[k]), float(self.errors[k])) if isfinite(self.values[k]) else ABSENT
+
+    def to_json(self) -> dict[str, Any]:
+        """A row of compare.json; numbers that are not known are null."""
+        numbers = {"values": self.values.tolist(), "errors": self.errors.tolist()}
+        known = {key: [v if isfinite(v) else None for v in values] for key, values in numbers.items()}
+        ends = {"difference": self.difference, "share": self.share}
+        return (
+            {"unit": self.unit, "text": self.text}
+            | known
+            | {k: v if isfinite(v) else None for k, v in ends.items()}
+            | {"within errors": self.within_errors}
+        )
+
+
+@dataclass(frozen=True)
+class SignalDifference:
+    """A recorded signal of several runs: differences from the first, (n - 1,) each, in parts of the signal's deviation."""
+
+    name: str
+    unit: str
+    rms: np.ndarray
+    largest: np.ndarray
+
+    @property
+    def share(self) -> float:
+        """The largest rms difference."""
+        return float(self.rms.max())
+
+    def to_json(self) -> dict[str, Any]:
+        """A row of compare.json."""
+        return {"unit": self.unit, "rms": self.rms.tolist(), "max": self.largest.tolist()}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Several runs beside the first.
+
+    names: of the runs, all different.  figures, signals: those that differ most first; signals are those that all runs have, over
+    the time that all have.  settings: place -> its text in each run, of settings and parameters that are not the same.
+    missing: signals that some run has not.  seconds: CPU time for stepping of each run, s.
+    """
+
+    names: tuple[str, ...]
+    results: tuple[Result, ...]
+    figures: tuple[FigureDifference, ...]
+    signals: tuple[SignalDifference, ...]
+    settings: Mapping[str, tuple[str, ...]]
+    missing: tuple[str, ...]
+    seconds: tuple[float, ...]
+
+    def beyond(self, within: float, signals: Sequence[str] = ()) -> list[str]:
+        """What differs by more than this share, as sentences: figures, and these signals; without figures all signals. Figures
+        that only some of the runs have, and runs that did not come to their end, count as different. Raises `BadInput`."""
+        known = {signal.name: signal for signal in self.signals}
+        for name in signals:
+            if name not in known:
+                raise BadInput("--signal", repr(name), "a recorded signal of all runs: " + (", ".join(known) or "there is none"))
+        texts = [f"{n}: {r.outcome}" for n, r in zip(self.names, self.results, strict=True) if r.outcome != "done"]
+        for one in self.figures:
+            if not isfinite(one.share) or np.isnan(one.values).any():
+                texts.append(f"{one.name}: only some runs have it")
+            elif one.share > within:
+                texts.append(f"{one.name} by {100.0 * one.share:.2g} %")
+        wanted = [known[name] for name in signals] if signals or self.figures else self.signals
+        return texts + [f"{s.name} by {100.0 * s.share:.2g} % of its deviation" for s in wanted if not s.share <= within]
+
+    def undecided(self, within: float) -> list[str]:
+        """Figures of which the numerical errors leave open whether they differ by more than this share."""
+        return [
+            one.name
+            for one in self.figures
+            if abs(one.difference - within * float(np.nanmax(np.abs(one.values)))) < np.nansum(np.sort(one.errors)[-2:])
+        ]
+
+    def to_json(self) -> dict[str, Any]:
+        """What compare.json holds."""
+        return {
+            "runs": [{"name": n, "outcome": r.outcome, "cpu": s} for n, r, s in zip(self.names, self.results, self.seconds)],  # noqa: B905
+            "settings": {place: list(texts) for place, texts in self.settings.items()},
+            "figures": {one.name: one.to_json() for one in self.figures},
+            "signals": {one.name: one.to_json() for one in self.signals},
+            "missing signals": list(self.missing),
+        }
+
+    def report(self, directory: str | Path) -> Path:
+        """Write report.html to the directory; returns its path."""
+        return _write(self, Path(directory))
+
+    def __repr__(self) -> str:
+        return "\n".join(
+            [f"<Comparison of {', '.join(self.names)}>"]
+            + [f"{place}: {' | '.join(texts)}" for place, texts in self.settings.items()]
+            + [
+                f"{one.name}: {' | '.join(one.shown(k) for k in range(len(self.names)))} {one.unit if one.unit != '1' else ''}".rstrip()
+                for one in self.figures
+            ]
+        )
+
+
+def compared(results: Sequence[Result], names: Sequence[str]) -> Comparison:
+    """The runs beside the first; raises `BadInput` for fewer than two, or for runs that have nothing in common."""
+    if len(results) < 2:
+        raise BadInput("compare", f"{len(results)} run", "at least two")
+    common = [n for n in results[0].columns if all(n in other.columns for other in results[1:])]
+    every = dict.fromkeys(n for result in results for n in result.columns)
+    tables = [result.summary if result.rows > 1 else SummaryTable() for result in results]
+    figures = _figures(tables)
+    if not common and not any(isfinite(one.share) for one in figures):
+        raise BadInput("compare", "runs without a signal or a figure in common", "runs of one scene, or of like ones")
+    return Comparison(
+        _different(names),
+        tuple(results),
+        tuple(sorted(figures, key=lambda one: -one.share if isfinite(one.share) else -1.0)),
+        _signals(results, common),
+        _settings(results),
+        tuple(n for n in every if n not in common),
+        tuple(float(result.info.get("timing", {}).get("cpu", nan)) for result in results),
+    )
+
+
+def _different(names: Sequence[str]) -> tuple[str, ...]:
+    """Names of which none is twice."""
+    return tuple(n if names.count(n) == 1 else f"{n} ({names[: k + 1].count(n)})" for k, n in enumerate(names))
+
+
+def _figures(tables: Sequence[SummaryTable]) -> list[FigureDifference]:
+    """Figures of any of the runs, in the order of the first."""
+    rows = [{row.name: row for row in table} for table in tables]
+    first = {name: row for of_run in reversed(rows) for name, row in of_run.items()}
+    order = dict.fromkeys(name for of_run in rows for name in of_run)
+    return [
+        FigureDifference(
+            name,
+            first[name].unit,
+            first[name].text,
+            np.array([of_run[name].value if name in of_run else nan for of_run in rows]),
+            np.array([of_run[name].error if name in of_run else nan for of_run in rows]),
+        )
+        for name in order
+    ]
+
+
+def _signals(results: Sequence[Result], names: Sequence[str]) -> tuple[SignalDifference, ...]:
+    """Differences of these signals from the first run, over the time that both have."""
+    if not names or any(result.rows < 2 for result in results):
+        return ()
+    first, parts = results[0], []
+    for other in results[1:]:
+        kept = first.time <= other.time[-1] * (1.0 + 1e-12)
+        here = replace(first, time=first.time[kept], columns={n: first.columns[n][kept] for n in names}, texts={})
+        parts.append(differences(here, replace(other, columns={n: other.columns[n] for n in names}, texts={})))
+    rows = [
+        SignalDifference(
+            name,
+            first.measures.get(name, ""),
+            np.array([part[name].rms for part in parts]),
+            np.array([part[name].largest for part in parts]),
+        )
+        for name in names
+    ]
+    return tuple(sorted(rows, key=lambda row: -row.share))
+
+
+def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:
+    """Settings of the scenes, and parameters of the units, that are not the same in all runs."""
+    tables = [_flat(result.info) for result in results]
+    places = dict.fromkeys(place for table in tables for place in table)
+    texts = {place: tuple(table.get(place, ABSENT) for table in tables) for place in places}
+    return {place: values for place, values in texts.items() if len(set(values)) > 1}
+
+
+def _flat(info: Mapping[str, Any]) -> dict[str, str]:
+    """Settings by place: those of the scene, effects that are on, and of every unit the parameters that the run had."""
+    scene = {key: value for key, value in info.get("scene", {}).items() if key not in (*NOT_SETTINGS, "units")}
+    units = {}
+    for name, unit in info.get("scene", {}).get("units", {}).items():
+        units[name] = {key: value for key, value in unit.items() if key not in ("parameters", "effects", "preset") and value}
+        units[name]["effects"] = sorted(info.get("effects", {}).get(name, {}).get("on", unit.get("effects", ())))
+        units[name]["parameters"] = info.get("units", {}).get(name, {}).get("parameters", unit.get("parameters", {}))
+    return dict(flattened(scene)) | dict(flattened({"units": units}))
+
+
+def _write(comparison: Comparison, directory: Path) -> Path:
+    """report.html of a comparison."""
+    names = comparison.names
+    changed = Cells(
+        "Changed settings",
+        ("setting", *names),
+        [(place.removeprefix("units."), *texts) for place, texts in comparison.settings.items()],
+        "" if comparison.settings else "All settings are the same.",
+    )
+    sections = [Section("Answer", [*_answer(comparison), changed])]
+    if comparison.figures:
+        sections.append(Section("Figures", [_figure_cells(comparison)]))
+    if comparison.signals:
+        sections.append(Section("Signals", [*_charts(comparison), _signal_cells(comparison)]))
+    title = f"{names[0]} beside {', '.join(names[1:])}"
+    costs = "; ".join(f"{n}: {number(s)} s" for n, s in zip(names, comparison.seconds, strict=True) if isfinite(s))
+    return write_page(Page(title, f"CPU time of the steps: {costs}." if costs else "", sections), directory / "report.html")
+
+
+def _answer(comparison: Comparison) -> list[Block]:
+    """The figures that differ most beyond their errors, and runs that did not come to their end."""
+    ended = [
+        f"{name}: {result.outcome}, {result.message}"
+        for name, result in zip(comparison.names, comparison.results, strict=True)
+        if result.outcome != "done"
+    ]
+    blocks: list[Block] = [Text(ended, "warning")] if ended else []
+    apart = [one for one in comparison.figures if isfinite(one.share) and one.share and not one.within_errors][:MOST_NUMBERS]
+    if apart:
+        return [*blocks, Answer([(f"{number(100.0 * one.share)} %", f"{_what(one)}: {_ends(one)}") for one in apart])]
+    if comparison.figures:
+        return [*blocks, Text(["No figure differs by more than its numerical error."], "note")]
+    return blocks
+
+
+def _what(one: FigureDifference) -> str:
+    return one.text or one.name
+
+
+def _ends(one: FigureDifference) -> str:
+    """The first number and the one that is farthest from it."""
+    k = 1 + int(np.nanargmax(np.abs(one.values[1:] - one.values[0])))
+    return f"{one.shown(0)} and {one.shown(k)} {one.unit if one.unit != '1' else ''}".rstrip()
+
+
+def _figure_cells(comparison: Comparison) -> Cells:
+    count = len(comparison.names)
+    rows = [
+        (
+            one.name,
+            one.unit if one.unit != "1" else "",
+            *(one.shown(k) for k in range(count)),
+            f"{number(100.0 * one.share)} %" if isfinite(one.share) else "–",
+            "the errors are as large" if one.within_errors and one.share else "",
+        )
+        for one in comparison.figures
+    ]
+    caption = "The difference is the largest from the first run, in parts of the figure's size; ± are the numerical errors."
+    return Cells(
+        "All figures", ("figure", "unit", *comparison.names, "difference", ""), rows, caption, frozenset(range(2, count + 3))
+    )
+
+
+def _signal_cells(comparison: Comparison) -> Cells:
+    others = comparison.names[1:]
+    rows = [
+        (one.name, *(f"{number(100.0 * x)} %" for pair in zip(one.rms, one.largest, strict=True) for x in pair))
+        for one in comparison.signals
+    ]
+    header = [f"{name}, {kind}" for name in others for kind in ("rms", "largest")]
+    caption = f"In parts of the signal's standard deviation, from {comparison.names[0]}, over the time that both runs have."
+    if comparison.missing:
+        caption += f" Recorded by some runs only: {', '.join(comparison.missing)}."
+    return Cells("Differences of signals", ("signal", *header), rows, caption, frozenset(range(1, 2 * len(others) + 1)))
+
+
+def _charts(comparison: Comparison) -> list[Block]:
+    """Signals over one another, and their differences from the first run."""
+    shown = [one for one in comparison.signals if one.share][:MOST_PANELS]
+    if not shown:
+        return [Text(["All signals are the same."], "note")]
+    runs = list(zip(comparison.names, comparison.results, strict=True))
+    first = runs[0][1]
+    over, apart = [], []
+    for one in shown:
+        label = f"{one.name.rpartition('.')[2].replace('_', ' ')}{f', {one.unit}' if one.unit not in ('', '1') else ''}"
+        lines = tuple(Series(name, run.time, np.asarray(run.columns[one.name], dtype=float)) for name, run in runs)
+        gaps = []
+        for name, run in runs[1:]:
+            kept = first.time <= run.time[-1] * (1.0 + 1e-12)
+            t = first.time[kept]
+            gaps.append(Series(name, t, np.interp(t, run.time, run.columns[one.name]) - first.columns[one.name][kept]))
+        over.append(Panel(label, lines, title=one.name))
+        apart.append(Panel(label, tuple(gaps), title=one.name))
+    left = len(comparison.signals) - len(shown)
+    text = f"The {len(shown)} signals that differ most; {left} more are in the table." if left > 0 else ""
+    charts = (
+        Chart("Signals over one another", "time, s", tuple(over), text),
+        Chart(f"Differences from {comparison.names[0]}", "time, s", tuple(apart)),
+    )
+    return [draw_chart(chart) for chart in charts]
