@@ -46,7 +46,17 @@ if TYPE_CHECKING:
     from .orchestrator.results import Result
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene, write_scene
-    from .orchestrator.systems import build_scene, compare, load_scene, read_result, read_scene, run, summary, validate, write_report
+    from .orchestrator.systems import (
+        build_scene,
+        compare,
+        load_scene,
+        read_result,
+        read_scene,
+        run,
+        summary,
+        validate,
+        write_report,
+    )
     from .orchestrator.systems.many import design, fit, run_many, sensitivity, sweep, uncertainty
 
 _PLACES = {
