@@ -1,6 +1,7 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
 import gc
+import os
 import signal
 from collections import Counter
 from pathlib import Path
@@ -30,7 +31,14 @@ LONG = (
 
 
 def pytest_configure(config):
-    """Tests that were started in the background or by `nohup` inherit ignored signals, which every run would respect."""
+    """One thread for BLAS, and signals that end a run.
+
+    Two processes share the cores. Threads of BLAS wait for one another by spinning: `expm` of a matrix of nine rows takes 2 ms of
+    CPU and 10 ms in all, with one thread 16 us. Workers of xdist and processes that tests start inherit the variables.
+    Tests that were started in the background or by `nohup` inherit ignored signals, which every run would respect.
+    """
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     for number in STOPPING:
         if signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)

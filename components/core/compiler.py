@@ -11,6 +11,9 @@ Kernels that neither make arrays nor give any back count no references to them, 
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from numba.core import ir, types
@@ -88,6 +91,18 @@ class KernelCompiler(CompilerBase):
         return [passes]
 
 
+@contextmanager
+def seldom_collected() -> Iterator[None]:
+    """Python looks for garbage seldom: the compiler makes millions of objects, few of them garbage. A tenth of what it takes."""
+    before = gc.get_threshold()
+    if before[0]:  # 0: Python looks for none
+        gc.set_threshold(max(before[0], 50_000), 20, 50)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
+
+
 class KernelDispatcher(CPUDispatcher):
     """Compiles for Python where Python calls first, else for kernels; a second time where Python calls after all."""
 
@@ -113,7 +128,8 @@ class KernelDispatcher(CPUDispatcher):
         self.targetoptions["no_cpython_wrapper"] = self._cache.for_kernels = self._for_kernels
         self.targetoptions["_nrt"] = self._counts
         try:
-            return super().compile(sig)
+            with seldom_collected():
+                return super().compile(sig)
         except NumbaError:
             if self._counts:
                 raise
