@@ -74,7 +74,7 @@ class Scene(SceneSettings):
         """All that one connection stands for."""
         if JOINED not in text:
             return [text]
-        pairs = expanded_connection(text, self.coupling.interfaces, self.units)
+        pairs = expanded_connection(text, self.coupling.interfaces)
         return [f"{'.'.join(source)} -> {'.'.join(target)}" for source, target in pairs]
 
     def show(self) -> Drawing:

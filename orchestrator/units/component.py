@@ -42,6 +42,8 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         },
         effects={e: named.get(e) or by_preset.get(e, "") for e in cls.effects},
         set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
+        ports=cls.ports,
+        port_members=cls.port_members,
     )
 
 

@@ -63,6 +63,8 @@ class Interface:
     may_return_early: bool = False  # events inside a step are reported by `event`
     recordable: Mapping[str, Signal] = field(default_factory=dict)  # what is no output and may be recorded by its name
     arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of what is an array of FMI 3
+    ports: Mapping[str, Any] = field(default_factory=dict)  # ports of a component, and what variables are called in them, as
+    port_members: Mapping[str, str] = field(default_factory=dict)  # the attributes of its class have them
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 

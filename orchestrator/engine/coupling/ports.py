@@ -10,10 +10,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ....components.catalogue import component_class
 from ....components.core.errors import BadInput, nearest
 from ....components.core.variables import member_of, port_of
-from ...settings import UnitSettings
 from ...units import Interface
 from .graph import Endpoint
 
@@ -31,13 +29,13 @@ class _Port:
 
 
 def port_pairs(
-    ends: tuple[Endpoint, Endpoint], where: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]
+    ends: tuple[Endpoint, Endpoint], where: str, interfaces: Mapping[str, Interface]
 ) -> list[tuple[Endpoint, Endpoint]]:
     """(source, target) of every pair of members, those from the first port to the second before those back.
 
     ends: unit and port of both sides. Raises `BadInput` for ports that a unit does not have, or without a pair.
     """
-    first, second = (_port(end, where, interfaces, units) for end in ends)
+    first, second = (_port(end, where, interfaces[end[0]]) for end in ends)
     pairs = [
         ((one.unit, name), (other.unit, other.inputs[member]))
         for one, other in ((first, second), (second, first))
@@ -55,15 +53,12 @@ def port_pairs(
     return pairs
 
 
-def _port(end: Endpoint, where: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]) -> _Port:
+def _port(end: Endpoint, where: str, interface: Interface) -> _Port:
     unit, port = end
     matched = _INDEX.fullmatch(port)
     assert matched is not None
     name, index = matched[1], (matched[2] or "").replace(" ", "")
-    component = units[unit].component if unit in units else ""
-    cls = component_class(component) if component else None
-    declared, members = (cls.ports, cls.port_members) if cls is not None else ({}, {})
-    interface = interfaces[unit]
+    declared, members = interface.ports, interface.port_members
 
     def within(variables: Mapping[str, object]) -> dict[str, str]:
         chosen = {}

@@ -12,7 +12,7 @@ from typing import Literal
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import conversion
-from ...settings import ConnectionSettings, SceneSettings, UnitSettings
+from ...settings import ConnectionSettings, SceneSettings
 from ...settings.algorithms import ALGORITHMS
 from ...settings.study import RUNNING_KINDS, wanted
 from ...units import Interface, describe
@@ -112,7 +112,7 @@ def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[L
     named += [item for contact in scene.contacts for item in connections(contact).items()]
     for where, connection in named:
         text = connection if isinstance(connection, str) else connection.text
-        for source, target in _pairs(text, where, interfaces, scene.units):
+        for source, target in _pairs(text, where, interfaces):
             outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
             if source[1] not in outputs:
                 raise _no_variable(where, source, "output", interfaces)
@@ -171,16 +171,12 @@ def _article(kind: str) -> str:
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 
-def expanded_connection(
-    text: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]
-) -> list[tuple[Endpoint, Endpoint]]:
+def expanded_connection(text: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
     """(source, target) of all that one connection of a scene stands for."""
-    return _pairs(text, f"connection {text!r}", interfaces, units)
+    return _pairs(text, f"connection {text!r}", interfaces)
 
 
-def _pairs(
-    text: str, where: str, interfaces: Mapping[str, Interface], units: Mapping[str, UnitSettings]
-) -> list[tuple[Endpoint, Endpoint]]:
+def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
     """(source, target) of one connection, of joined ports, or with * at both ends of all that agree in what stands for it."""
     joined = JOINED in text
     ends = [end.strip() for end in text.split(JOINED if joined else "->")]
@@ -200,7 +196,7 @@ def _pairs(
     if source[0] == target[0]:
         raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
     if joined:
-        return port_pairs((source, target), where, interfaces, units)
+        return port_pairs((source, target), where, interfaces)
     if not stars[0]:
         return [(source, target)]
     before, after = source[1][:-1], target[1][:-1]
