@@ -1,7 +1,8 @@
 """Units of measure: what a unit string means in SI base units, and how to get from one to another.
 
 A unit is written the way FMI tools write it: factors joined by ".", divided by "/" (each "/" divides only the
-factor behind it), with integer exponents ("N.s/m", "kg.m2", "1/s", "m/s2").
+factor behind it), with integer exponents ("N.s/m", "kg.m2", "1/s", "m/s2"). In a number that a person writes, "250 km/h" or
+"3 µm/N", signs such as "·", "²", "°" and "µ" are known as well.
 """
 
 from __future__ import annotations
@@ -60,13 +61,19 @@ SYMBOLS = {
     "min": _unit(60.0, s=1),
     "h": _unit(3600.0, s=1),
     "kN": _unit(1e3, kg=1, m=1, s=-2),
+    "MN": _unit(1e6, kg=1, m=1, s=-2),
     "mN": _unit(1e-3, kg=1, m=1, s=-2),
     "kPa": _unit(1e3, kg=1, m=-1, s=-2),
     "MPa": _unit(1e6, kg=1, m=-1, s=-2),
     "GPa": _unit(1e9, kg=1, m=-1, s=-2),
     "bar": _unit(1e5, kg=1, m=-1, s=-2),
     "kJ": _unit(1e3, kg=1, m=2, s=-2),
+    "MJ": _unit(1e6, kg=1, m=2, s=-2),
     "kW": _unit(1e3, kg=1, m=2, s=-3),
+    "MW": _unit(1e6, kg=1, m=2, s=-3),
+    "kV": _unit(1e3, kg=1, m=2, s=-3, A=-1),
+    "mA": _unit(1e-3, A=1),
+    "mH": _unit(1e-3, kg=1, m=2, s=-2, A=-2),
     "mW": _unit(1e-3, kg=1, m=2, s=-3),
     "kHz": _unit(1e3, s=-1),
     "deg": _unit(PI / 180.0, rad=1),
@@ -87,7 +94,7 @@ def parse(text: str, where: str = "unit") -> Unit:
             break
         symbol = SYMBOLS.get(match[2])
         if symbol is None:
-            raise BadInput(where, f"unit {text!r}", "known symbols", f"For {match[2]!r} {nearest(match[2], SYMBOLS)}")
+            raise BadInput(where, f"unit {text!r}", "known units of measure", f"For {match[2]!r} {nearest(match[2], SYMBOLS)}")
         power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
         factor *= symbol.factor**power
         exponents = [e + power * s for e, s in zip(exponents, symbol.exponents, strict=True)]
@@ -110,3 +117,36 @@ def conversion(
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source!r} cannot become {target!r}", "units of the same quantity")
     return a.factor / b.factor, (a.offset - b.offset) / b.factor
+
+
+_WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d.,+*/-].*?)\s*")
+_SIGNS = {"°C": "degC", "°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "·": ".", "*": ".", "^": "", "Ω": "Ohm", " ": "."}
+
+
+def is_quantity(text: object) -> bool:
+    """Whether it is a text that begins with a number and goes on, as "250 km/h" does."""
+    return isinstance(text, str) and _WRITTEN.fullmatch(text) is not None
+
+
+def number_in(text: str, unit: str, where: str, defined: Unit | None = None) -> float:
+    """The number of a text such as "250 km/h" in a unit; raises `BadInput` for another dimension. defined: as of `conversion`.
+
+    "20 degC" is refused: where K is wanted, a temperature and a difference of temperatures are different numbers.
+    """
+    match = _WRITTEN.fullmatch(text)
+    if match is None:
+        raise BadInput(where, repr(text), f"a number in {unit}, or a text with its unit")
+    written = re.sub(r"\s*/\s*", "/", match[2])
+    for sign, plain in _SIGNS.items():
+        written = written.replace(sign, plain)
+    try:
+        factor, offset = conversion(written, unit, where, (None, defined))
+    except BadInput as error:
+        if error.actual == f"unit {written!r}":
+            raise BadInput(where, repr(text), error.expected, error.remedy) from None
+        raise BadInput(
+            where, repr(text), f"a unit of the dimension of {unit}" if unit != "1" else "a number without unit"
+        ) from None
+    if offset:
+        raise BadInput(where, repr(text), f"a number in {unit}", "A temperature and a difference of temperatures would differ.")
+    return float(match[1]) * factor

@@ -21,7 +21,7 @@ from functools import cached_property
 from numbers import Real
 
 from .errors import BadInput
-from .measure import parse
+from .measure import is_quantity, number_in, parse
 
 Declared = Mapping[str, tuple[str, ...]]  # port -> own signals, and effects as "effect.*"
 
@@ -86,6 +86,10 @@ class Variable:
         starts = self.start if isinstance(self.start, tuple) else (self.start,) * self.size
         return tuple(replace(self, name=f"{self.name}[{i + 1}]", start=s, size=0) for i, s in enumerate(starts))
 
+    def number_of(self, value, where: str):
+        """The value; of a text such as "250 km/h" for a real variable the number in the variable's unit, or `BadInput`."""
+        return number_in(value, self.unit, where) if self.kind is Kind.REAL and is_quantity(value) else value
+
     def checked(self, value, where: str):
         """`value` in this variable's type and within its limits, or `BadInput`."""
         actual = f"{self.name} = {value!r}"
@@ -97,6 +101,7 @@ class Variable:
             if not isinstance(value, str):
                 raise BadInput(where, actual, "a text", self.text[:1].upper() + self.text[1:] + ".")
             return value
+        value = self.number_of(value, f"{where}.{self.name}")
         number = isinstance(value, Real) and not isinstance(value, bool)
         if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
             raise BadInput(where, actual, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")

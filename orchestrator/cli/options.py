@@ -42,7 +42,8 @@ Changes = Annotated[
         "--set",
         metavar="UNIT.PARAMETER=VALUE",
         autocompletion=parameters,
-        help="Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated.",
+        help='Change a parameter: a number in its SI unit, one with its unit as in "250 km/h", an array as [1, 2, 3]; or analysis.key. '
+        "May be repeated.",
     ),
 ]
 Presets = Annotated[

@@ -26,6 +26,7 @@ from ..settings.study import wanted
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
+from .written_units import with_numbers
 
 if TYPE_CHECKING:
     from .edit import SceneEdit
@@ -190,6 +191,7 @@ def read_scene(
     """
     models = analysis or {}
     data, more = expanded(data, name, folder)
+    data = with_numbers(data, name)
     try:
         scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
     except ValidationError as error:

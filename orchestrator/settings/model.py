@@ -10,8 +10,13 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from ...components.core.errors import BadInput
+from ...components.core.measure import is_quantity, number_in
 
-Seconds = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+Seconds = Annotated[
+    float,
+    Field(strict=True, gt=0.0, allow_inf_nan=False),
+    BeforeValidator(lambda value: number_in(value, "s", "") if is_quantity(value) else value),
+]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 Truth = Annotated[bool, Field(strict=True)]

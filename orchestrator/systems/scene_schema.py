@@ -110,7 +110,8 @@ def _scalar(variable: Variable) -> dict[str, Any]:
     if variable.kind is Kind.TEXT:
         return {"type": "string"}
     limits = {"minimum": variable.low, "maximum": variable.high}
+    written = {"type": ["number", "string"], "pattern": r"^\s*[+-]?[0-9.]"}  # "250 km/h"
     return {
-        "type": "number" if variable.kind is Kind.REAL else "integer",
+        **(written if variable.kind is Kind.REAL else {"type": "integer"}),
         **{key: value for key, value in limits.items() if isfinite(value)},
     }

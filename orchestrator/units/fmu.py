@@ -59,6 +59,13 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     )
 
 
+def declared_signals(path: str, where: str) -> dict[str, Signal]:
+    """All variables of an FMU with their units of measure, elements of arrays by their own names."""
+    description = read(path, where)
+    measures = _measures(description.model)
+    return {name: _signal(scalar, (), measures) for name, scalar in description.scalars.items()}
+
+
 def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
     """Elements of each array that is an output or may be recorded."""
     arrays: dict[str, tuple[str, ...]] = {}

@@ -66,7 +66,10 @@ def test_ports_name_signals_and_each_has_one_of_a_name(component):
     taken = [s for port in cls.ports.values() for s in port]
     assert len(taken) == len(set(taken))
     assert set(taken) <= {*signals, *(f"{e}.*" for e in cls.effects)}
-    assert sum(map(len, gathered(signals, cls.ports).values())) == len(signals)  # none took the place of another
+    assert {*cls.port_members} <= {s.rpartition(".")[2] for s in signals}
+    assert sum(map(len, gathered(signals, cls.ports, cls.port_members).values())) == len(
+        signals
+    )  # none took the place of another
     assert not {*cls.ports} & {*cls.effects, "signals", "derivatives"}
 
 

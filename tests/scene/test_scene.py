@@ -121,7 +121,7 @@ BAD = [
     ("sweep", {"a.m": [True]}, ["sweep.a.m", "True", "number"]),
     ("sweep", {"a.m": ["a"]}, ["sweep.a.m", "'a'", "number"]),
     ("sweep", {"a.m": {"from": 0.0, "to": INF, "points": 3}}, ["sweep", "a.m", "from"]),
-    ("units.p", {**PROBE, "parameters": {"length": "3 mm"}}, ["p", "length", "'3 mm'", "number in mm"]),
+    ("units.p", {**PROBE, "parameters": {"length": "3 kg"}}, ["p", "length", "'3 kg'", "dimension of mm"]),
     ("units.p", {**PROBE, "parameters": {"length": True}}, ["p", "length", "True", "number in mm"]),
     ("units.p", {**PROBE, "parameters": {"time": 1.0}}, ["p", "'time'", "this is an output"]),
     ("units.p", {**SHELF, "parameters": {"profile": 1.0}}, ["p", "'profile'", "a list"]),

@@ -1,0 +1,78 @@
+"""Numbers with their units in a scene, "250 km/h", as the numbers that units of the scene take: SI, or the unit of an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ...components.catalogue import component_class
+from ...components.core.errors import BadInput
+from ...components.core.measure import is_quantity, number_in
+from ..units.fmu import declared_signals
+
+Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
+
+
+def with_numbers(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
+    """The data of a scene with numbers in the place of texts such as "250 km/h" among the parameters of its units.
+
+    Raises `BadInput` for a unit of another dimension. What is no such text stays as it is, and is checked with the scene.
+    """
+    if not isinstance(units := data.get("units"), Mapping):
+        return data
+    return {**data, "units": {name: _unit(unit, f"{scene}: units.{name}") for name, unit in units.items()}}
+
+
+def _unit(unit: Any, where: str) -> Any:
+    parameters = unit.get("parameters") if isinstance(unit, Mapping) else None
+    if not isinstance(parameters, Mapping) or not _has_quantity(parameters):
+        return unit
+    if isinstance(unit.get("component"), str) and unit["component"]:
+        convert = _of_component(unit["component"], where)
+    elif isinstance(unit.get("fmu"), str) and unit["fmu"]:
+        convert = _of_fmu(unit["fmu"], where)
+    else:
+        return unit
+    return {**unit, "parameters": _converted(parameters, "", convert)}
+
+
+def _has_quantity(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        return any(map(_has_quantity, value.values()))
+    return any(map(_has_quantity, value)) if isinstance(value, list | tuple) else is_quantity(value)
+
+
+def _converted(value: Any, name: str, convert: Convert) -> Any:
+    """A parameter, or a table or list of them, with numbers in the place of texts."""
+    if isinstance(value, Mapping):
+        return {key: _converted(inner, f"{name}.{key}" if name else str(key), convert) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_converted(inner, name, convert) for inner in value]
+    return convert(name, value) if is_quantity(value) else value
+
+
+def _of_component(component: str, where: str) -> Convert:
+    declared = component_class(component, where).variables
+
+    def convert(name: str, text: str) -> Any:
+        whole = name.partition("[")[0]
+        variable = declared.get(name) or declared.get(whole) or declared.get(f"{whole}[1]")
+        return text if variable is None else variable.number_of(text, f"{where}.parameters.{name}")
+
+    return convert
+
+
+def _of_fmu(path: str, where: str) -> Convert:
+    """By the units of measure that the FMU declares."""
+    signals = declared_signals(path, f"{where}.fmu")
+
+    def convert(name: str, text: str) -> Any:
+        signal = signals.get(name) or signals.get(f"{name}[1]")
+        if signal is None or signal.kind != "real":
+            return text
+        place = f"{where}.parameters.{name}"
+        if not signal.unit:
+            raise BadInput(place, repr(text), "a number alone, as the FMU does not say in which unit it is")
+        return number_in(text, signal.unit, place, signal.measure)
+
+    return convert
