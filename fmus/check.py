@@ -1,4 +1,4 @@
-"""Is an FMU fit for use? Works on any FMI 2.0 co-simulation FMU; nothing that goes wrong in it reaches the caller.
+"""Is an FMU fit for use? Works on any co-simulation FMU of FMI 2.0 and 3.0; nothing that goes wrong in it reaches the caller.
 
 The checks run in processes of their own (`check_worker`); one that dies is a finding, too.
 """

@@ -11,8 +11,11 @@ import tempfile
 import types
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+
+from .evidence_check import replayed
 
 STEPS = 20  # steps of the checks that compare two runs
 NOT_OFFERED = "not offered"
@@ -25,50 +28,71 @@ ComponentSlave.get_real = lambda self, vrs: [1.0] * len(vrs)
 
 
 class Instance:
-    """An instance of an FMU, initialized with its start values."""
+    """An instance of an FMU of FMI 2.0 or 3.0, initialized with its start values."""
 
     def __init__(self, path: str, folder: str, name: str):
         from fmpy import read_model_description
         from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi3 import FMU3Slave
 
         self.description = read_model_description(path, validate=False)
-        if self.description.coSimulation is None or self.description.fmiVersion != "2.0":
-            raise ValueError(f"FMI {self.description.fmiVersion}, expected a co-simulation FMU of FMI 2.0")
-        self.fmu = FMU2Slave(
+        self.fmi3 = self.description.fmiVersion.startswith("3.")
+        if self.description.coSimulation is None or not (self.fmi3 or self.description.fmiVersion == "2.0"):
+            raise ValueError(f"FMI {self.description.fmiVersion}, expected a co-simulation FMU of FMI 2.0 or 3.0")
+        self.fmu: Any = (FMU3Slave if self.fmi3 else FMU2Slave)(
             guid=self.description.guid,
             unzipDirectory=folder,
             instanceName=name,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
         )
-        self.outputs = [v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
-        self.inputs = [
-            v
-            for v in self.description.modelVariables
-            if v.causality == "input" and v.type == "Real" and not v.name.startswith("der(")
-        ]
+        kind = "Float64" if self.fmi3 else "Real"
+        numbers = [v for v in self.description.modelVariables if v.type == kind and all(d.start for d in v.dimensions or ())]
+        self.outputs = [v for v in numbers if v.causality == "output"]
+        self.inputs = [v for v in numbers if v.causality == "input" and not v.name.startswith("der(")]
         self.step_size = _step_size(self.description)
         self.fmu.instantiate(loggingOn=True)
         self.initialize()
 
     def initialize(self) -> None:
-        self.fmu.setupExperiment(startTime=0.0)
-        self.fmu.enterInitializationMode()
+        if self.fmi3:
+            self.fmu.enterInitializationMode(startTime=0.0)
+        else:
+            self.fmu.setupExperiment(startTime=0.0)
+            self.fmu.enterInitializationMode()
         self.fmu.exitInitializationMode()
         self.steps = 0
 
     def run(self, steps: int = STEPS) -> np.ndarray:
-        """Outputs after each of the next steps, (steps, outputs), while every Real input swings about its start."""
+        """Outputs after each of the next steps, (steps, outputs), while every input swings about its start."""
         rows = []
+        read, write = (self.fmu.getFloat64, self.fmu.setFloat64) if self.fmi3 else (self.fmu.getReal, self.fmu.setReal)
+        outputs, size = [v.valueReference for v in self.outputs], sum(map(_elements, self.outputs))
+        more = (size,) if self.fmi3 else ()
         for _ in range(steps):
             if self.inputs:
-                self.fmu.setReal(
-                    [v.valueReference for v in self.inputs],
-                    [_swung(v, 0.3 * (self.steps + 1) + i) for i, v in enumerate(self.inputs)],
-                )
+                values = [
+                    _swung(v, 0.3 * (self.steps + 1) + i, k) for i, v in enumerate(self.inputs) for k in range(_elements(v))
+                ]
+                write([v.valueReference for v in self.inputs], values)
             self.fmu.doStep(self.steps * self.step_size, self.step_size)
             self.steps += 1
-            rows.append(self.fmu.getReal(self.outputs))
+            rows.append(read(outputs, *more))
         return np.array(rows).reshape(steps, -1)
+
+    def save(self) -> Any:
+        return self.fmu.getFMUState() if self.fmi3 else self.fmu.getFMUstate()
+
+    def restore(self, state: Any) -> None:
+        self.fmu.setFMUState(state) if self.fmi3 else self.fmu.setFMUstate(state)
+
+    def serialized(self, state: Any) -> Any:
+        """The same state, once it has been bytes."""
+        if self.fmi3:
+            return self.fmu.deserializeFMUState(self.fmu.serializeFMUState(state))
+        return self.fmu.deSerializeFMUstate(self.fmu.serializeFMUstate(state))
+
+    def forget(self, state: Any) -> None:
+        self.fmu.freeFMUState(state) if self.fmi3 else self.fmu.freeFMUstate(state)
 
     def free(self) -> None:
         self.fmu.terminate()
@@ -82,9 +106,14 @@ def _step_size(description) -> float:
     return float(experiment.stopTime) / 100.0 if experiment is not None and experiment.stopTime else 1e-3
 
 
-def _swung(variable, phase: float) -> float:
+def _elements(variable: Any) -> int:
+    return math.prod(int(d.start) for d in variable.dimensions or ())
+
+
+def _swung(variable: Any, phase: float, element: int) -> float:
     """A value within a tenth of the nominal one beside the start, and within the variable's limits."""
-    value = float(variable.start or 0.0) + 0.1 * abs(float(variable.nominal or 1.0)) * math.sin(phase)
+    starts = str(variable.start or 0.0).split()
+    value = float(starts[min(element, len(starts) - 1)]) + 0.1 * abs(float(variable.nominal or 1.0)) * math.sin(phase)
     low, high = (float(v) if v is not None else None for v in (variable.min, variable.max))
     value = value if low is None else max(value, low)
     return value if high is None else min(value, high)
@@ -119,6 +148,11 @@ def default_experiment(path: str, folder: str) -> tuple[bool, str]:
     return math.isclose(end, stop), f"{len(result)} rows, {len(result.dtype.names) - 1} outputs, ended at {end:g} s of {stop:g} s"
 
 
+def evidence(path: str, folder: str) -> tuple[bool, str]:
+    """Experiments that the FMU brings along give the results that it promises."""
+    return replayed(path)
+
+
 def state(path: str, folder: str) -> tuple[bool, str]:
     """Save, step, restore, step again: bit-identical; then the same through the serialized state."""
     unit = Instance(path, folder, "state")
@@ -127,18 +161,18 @@ def state(path: str, folder: str) -> tuple[bool, str]:
         unit.free()
         return True, NOT_OFFERED
     unit.run()
-    saved, at = unit.fmu.getFMUstate(), unit.steps
+    saved, at = unit.save(), unit.steps
     first = unit.run()
-    unit.fmu.setFMUstate(saved)
+    unit.restore(saved)
     unit.steps = at
     ok, detail = _same(first, unit.run(), "after restoring")
     if ok and offered.canSerializeFMUstate:
-        copy = unit.fmu.deSerializeFMUstate(unit.fmu.serializeFMUstate(saved))
-        unit.fmu.setFMUstate(copy)
+        copy = unit.serialized(saved)
+        unit.restore(copy)
         unit.steps = at
         ok, detail = _same(first, unit.run(), "after restoring and after serializing")
-        unit.fmu.freeFMUstate(copy)
-    unit.fmu.freeFMUstate(saved)
+        unit.forget(copy)
+    unit.forget(saved)
     unit.free()
     return ok, detail
 
@@ -236,7 +270,8 @@ def extracted(path: Path, directory: str) -> Path:
 
 
 CHECKS = {
-    f.__name__: f for f in (model_description, default_experiment, state, reset, two_instances, other_bundle, host_packages)
+    f.__name__: f
+    for f in (model_description, default_experiment, evidence, state, reset, two_instances, other_bundle, host_packages)
 }
 ALONE = ("other_bundle", "host_packages")  # these need a process that has not loaded the FMU before
 GROUPS = (tuple(n for n in CHECKS if n not in ALONE), *((n,) for n in ALONE))

@@ -245,8 +245,8 @@ HOST = (
 )
 
 
-def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), host: str = HOST) -> bytes:
-    """documentation/index.html: the equations as they stand in the source, and the variables."""
+def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), host: str = HOST, section: str = "") -> bytes:
+    """documentation/index.html: the equations as they stand in the source, a section of HTML, and the variables."""
     host = host.format(scipy=" and SciPy" if component.needs_scipy else "")
     rows = "\n".join(
         "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in (s.name, s.causality, _shown(s), s.unit, s.text)) + "</tr>"
@@ -259,7 +259,7 @@ def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), h
 <h1>{name}: {html.escape(component.title)}</h1>
 {drawing}<pre>{html.escape(inspect.getdoc(component) or "")}</pre>
 <p>{host}</p>
-<table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
+{section}<table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
 {rows}
 </table></body></html>
 """.encode()

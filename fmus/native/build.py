@@ -25,6 +25,7 @@ from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
 from ..build import is_sound, write
 from ..description import documentation, shared_files
+from ..evidence import Evidence, with_evidence
 from .description import HOST, description2, description3, listed, name_of
 from .instance import Model, Places, model_of
 from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of
@@ -232,6 +233,7 @@ def build_native(
     targets: Iterable[str],
     standards: Iterable[int] = (2,),
     derivatives: bool = False,
+    evidence: Evidence | None = None,
 ) -> list[Path]:
     """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
 
@@ -239,7 +241,8 @@ def build_native(
     """
     targets, standards = list(targets), list(standards)
     check_versions(targets, standards)
-    return [pack(done, directory, fmi, derivatives) for done in [library(name, make, targets)] for fmi in standards]
+    done = library(name, make, targets)
+    return [pack(done, directory, fmi, derivatives, evidence=evidence) for fmi in standards]
 
 
 def check_versions(targets: Iterable[str], standards: Iterable[int]) -> None:
@@ -249,19 +252,25 @@ def check_versions(targets: Iterable[str], standards: Iterable[int]) -> None:
             raise BadInput("build --native", f"target {target!r} with FMI 2", "FMI 3, whose functions it has", "Add --fmi 3.")
 
 
-def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True, file: str = "") -> Path:
+def pack(
+    done: Library, directory: Path, fmi: int, derivatives: bool = True, file: str = "", evidence: Evidence | None = None
+) -> Path:
     """One FMU file of a library; `derivatives`: list those of its inputs; `file`: its name without suffix, else the library's."""
     describe, described = {2: description2, 3: description3}[fmi], done.described
+    measured = with_evidence(described, evidence)
     present = [v for _, v in listed(done.variables, derivatives)]
     scalars = tuple(v.scalar for v in present)
     ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
     notes = dict.fromkeys(TARGETS[target].note for target in done.binaries if TARGETS[target].note)
     members = {
         "modelDescription.xml": describe(
-            done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
+            done.name, measured, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
         ),
-        "documentation/index.html": documentation(done.name, described, scalars, " ".join([done.host, *notes])),
+        "documentation/index.html": documentation(
+            done.name, described, scalars, " ".join([done.host, *notes]), evidence.section() if evidence else ""
+        ),
         **shared_files(done.name, described, ends, fmi),
+        **(evidence.members(fmi == 3) if evidence else {}),
     }
     for folder, (target, content) in _folders(done.binaries, fmi).items():
         members[f"binaries/{folder}/{done.name}{TARGETS[target].suffix}"] = content

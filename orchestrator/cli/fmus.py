@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +16,7 @@ from .completion import components as component_names
 from .options import AsJson, Changes, Native, Presets, SceneName, listed, parameters_of, preset_of, refuse, share
 
 if TYPE_CHECKING:
+    from ...fmus.evidence import Evidence
     from ..scene.scene import Scene
 
 
@@ -50,15 +52,23 @@ def build(
     derivatives: Annotated[
         bool, Option("--derivatives", help="List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate.")
     ] = False,
+    evidence: Annotated[
+        bool,
+        Option(
+            "--evidence",
+            help="With --native: measure what steps cost in accuracy, and pack it with reference results; some seconds for each.",
+        ),
+    ] = False,
 ) -> None:
     """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
     if native:
-        _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives)
+        _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives, evidence)
         return
     from ...components.catalogue import CATALOGUE
     from ...fmus.build import build as build_fmu
 
-    only_native = {"--target": target, "--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
+    only_native = {"--evidence": evidence, "--target": target}
+    only_native |= {"--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
     refuse(only_native, "none without --native: other FMUs are configured by their host", "Add --native, or leave it out.")
     for name in names or CATALOGUE:
         print(build_fmu(name, output, derivatives=derivatives))
@@ -74,12 +84,14 @@ def _build_native(
     presets: list[str] | None,
     scene: str,
     derivatives: bool,
+    evidence: bool,
 ) -> None:
     """Build FMUs without Python, of components by their names or of a scene's units, and print their paths."""
     from ...components.catalogue import CATALOGUE, component_class
     from ...components.core.component import Component
     from ...fmus.native.build import build_native, own_target
     from ...fmus.native.machine_code import TARGETS
+    from ..harness.evidence import component_evidence
 
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
@@ -92,9 +104,13 @@ def _build_native(
         in_vain = {"--effects": effects, "--derivatives": derivatives}
         refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
     for name in scenes:
-        from ..scene_fmu import build_scene_fmu
+        from ..harness.evidence import scene_evidence
+        from ..scene_fmu import build_scene_fmu, refuse_what_needs_python
 
-        for path in build_scene_fmu(scene_of(name, values, presets), output, targets, [int(v) for v in versions]):
+        whole = scene_of(name, values, presets)
+        refuse_what_needs_python(whole)
+        measured = _evidence(evidence, name, lambda: scene_evidence(whole))  # noqa: B023
+        for path in build_scene_fmu(whole, output, targets, [int(v) for v in versions], measured):
             print(path)
     if scenes and not (names := [name for name in names if name not in scenes]):
         return
@@ -121,7 +137,8 @@ def _build_native(
     refused = 0
     for name, make in units.items():
         try:
-            for path in build_native(name, make, output, targets, [int(v) for v in versions], derivatives):
+            measured = _evidence(evidence, name, lambda: component_evidence(make))  # noqa: B023
+            for path in build_native(name, make, output, targets, [int(v) for v in versions], derivatives, measured):
                 print(path)
         except BadInput as error:
             if len(units) == 1 or error.where == "build --native":
@@ -137,11 +154,19 @@ def _build_native(
         )
 
 
+def _evidence(wished: bool, name: str, measure: Callable[[], Evidence]) -> Evidence | None:
+    """What `measure` gives, if it is wished for."""
+    if not wished:
+        return None
+    with status_spinner(f"measuring what steps of {name} cost in accuracy"):
+        return measure()
+
+
 @app.command()
 def check(
     fmu: Annotated[str, Argument(help="an FMU file; or a component or module:Class, whose FMU is built")], as_json: AsJson = False
 ) -> None:
-    """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
+    """Check an FMU against FMI, and the results that it promises. Example: cosimo check Pantograph.fmu"""
     from ...components.catalogue import CATALOGUE
     from ...fmus.build import built
     from ...fmus.check import check as check_fmu

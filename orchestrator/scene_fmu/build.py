@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
+from ...fmus.evidence import Evidence
 from ...fmus.native.build import Library, assembled, check_versions, compiler, pack
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
@@ -82,9 +83,11 @@ def scene_library(scene: Scene, targets: Iterable[str]) -> Library:
         )
 
 
-def build_scene_fmu(scene: Scene, directory: Path, targets: Iterable[str], standards: Iterable[int] = (2,)) -> list[Path]:
+def build_scene_fmu(
+    scene: Scene, directory: Path, targets: Iterable[str], standards: Iterable[int] = (2,), evidence: Evidence | None = None
+) -> list[Path]:
     """Write directory/<scene>.fmu (FMI 2) and directory/<scene>.fmi3.fmu (FMI 3), as asked for, and return their paths."""
     targets, standards = list(targets), list(standards)
     check_versions(targets, standards)
     library = scene_library(scene, targets)
-    return [pack(library, directory, fmi, False, scene.name) for fmi in standards]
+    return [pack(library, directory, fmi, False, scene.name, evidence) for fmi in standards]

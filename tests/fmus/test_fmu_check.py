@@ -48,7 +48,7 @@ def test_an_fmu_that_kills_its_process_is_a_finding(tmp_path):
     findings = stock(tmp_path, "Killer", "os.abort()")
 
     assert {n for n, f in findings.items() if "signal 6" in f.detail} == {"default_experiment", "reset", "two_instances"}
-    assert len(findings) == 7
+    assert len(findings) == 8
 
 
 def test_an_fmu_with_shared_state_is_found(tmp_path):

@@ -13,10 +13,13 @@ from cosimo.components.core.errors import BadInput
 from cosimo.fmus.native.build import compiler, own_target
 from cosimo.fmus.native.machine_code import TARGETS, object_code
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.validation.reference import compare, load_table
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
 from cosimo.orchestrator.scene_fmu.variables import open_ports
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.systems.railway.cases.en50318_2002 import SPEEDS, condition
+from cosimo.orchestrator.systems.railway.runs import at_speed, numbers
 from fmpy.fmi2 import FMU2Slave
 
 pytestmark = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
@@ -198,6 +201,22 @@ def test_ports_that_stay_open_are_terminals():
     ports = open_ports(scene)
     assert ports["left.shaft"][:2] == ("sideways", "left.displacement_y")
     assert open_ports(load_scene("rotor-bearings-heat")) == {}
+
+
+@pytest.mark.full
+def test_sixteen_rows_of_en50318_from_the_outputs_of_its_fmu(built):
+    """Both speeds of the table with one FMU, whose speed is set from outside, in FMPy with a step of 1 ms."""
+    rows = []
+    for speed in SPEEDS:
+        scene = at_speed(load_scene("en50318-2002"), speed)
+        given = {"pantograph.speed": scene.units["pantograph"].parameters["speed"]}
+        steps = round(scene.stop_time / scene.master.step)
+        recorded = outputs_of(built("en50318-2002")[0], steps, scene.master.step, start_values=given)
+        columns = {name: recorded[name] for name in recorded.dtype.names if name != "time"}
+        result = replace(run(scene, in_process=True), time=recorded["time"], columns=columns)  # what else there is, describes it
+        rows += compare(load_table("en50318-2002").under(condition(speed)), numbers(result))
+    assert len(rows) == 16
+    assert [row for row in rows if not row.inside] == []
 
 
 def test_options_that_a_scene_ignores_are_refused(capsys):
