@@ -171,7 +171,7 @@ def experiments(files: Mapping[str, bytes]) -> tuple[list[Experiment], list[str]
 
     A result that no experiment refers to is that of the default experiment.
     """
-    found: list[Experiment] = []
+    replayable: list[Experiment] = []
     left: list[str] = []
     results: list[str] = []
     for related in _parsed(files[MANIFEST]).iter("Related"):
@@ -184,12 +184,12 @@ def experiments(files: Mapping[str, bytes]) -> tuple[list[Experiment], list[str]
         elif role == "result" and kind == "text/csv":
             results.append(place)
         elif role != "result" and kind in (EXPERIMENTS, OLDER):
-            found += _experiments_of(place, files, left)
+            replayable += _experiments_of(place, files, left)
         else:
             left.append(f"{source} ({role}) is of the type {kind!r}, which is not read")
-    referred = {e.reference for e in found}
-    found += [Experiment(posixpath.basename(place), place) for place in results if place not in referred]
-    return found, left
+    referred = {e.reference for e in replayable}
+    replayable += [Experiment(posixpath.basename(place), place) for place in results if place not in referred]
+    return replayable, left
 
 
 def _experiments_of(place: str, files: Mapping[str, bytes], left: list[str]) -> Iterable[Experiment]:

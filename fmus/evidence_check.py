@@ -22,8 +22,8 @@ def replayed(path: str) -> tuple[bool, str]:
         if MANIFEST not in file.namelist():
             return True, NOT_OFFERED
         files = {name: file.read(name) for name in file.namelist() if name.startswith("extra/")}
-    found, left = experiments(files)
-    answers = [_replayed(path, experiment, files) for experiment in found]
+    replayable, left = experiments(files)
+    answers = [_replayed(path, experiment, files) for experiment in replayable]
     texts = [text for _, text in answers] + left
     return all(ok for ok, _ in answers), "; ".join(texts) or "a manifest without experiments and results"
 
