@@ -12,7 +12,7 @@ from ..settings import AnalysisKeys
 
 if TYPE_CHECKING:
     from ..results import Result
-    from .charts.blocks import Block
+    from .charts.blocks import Block, Motion
     from .summary import Summary
     from .validation.case import Case
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class System:
     """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (questions and tables), figures.py or
-    figures/, fronts/*.csv, summary.py.
+    figures/, motion.py, fronts/*.csv, summary.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
@@ -40,6 +40,12 @@ class System:
     def figures(self) -> Callable[..., list[Block]]:
         """Blocks of a report: `figures(result, rows)`, for a run of the system and rows of a reference table, if any."""
         return import_module(".figures", self.package).blocks
+
+    @property
+    def motions(self) -> Callable[[Result], list[Motion]]:
+        """The machine of a run in motion: `motions(result)`, none where the folder has no module `motion`."""
+        name = f"{self.package}.motion"
+        return import_module(name).motions if find_spec(name) else lambda result: []
 
     @property
     def summary(self) -> Callable[[Result], Summary]:

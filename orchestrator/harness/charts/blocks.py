@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -24,6 +26,32 @@ class Sketch:
     title: str
     svg: str
     kind: str = "sketch"
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A line of a machine. points: (k, m, 2), its m corners at k instants, or (1, m, 2) of one that stands still.
+
+    look: "ground" (pale), "part", "second", "load" (thin, coloured), "trace" (the whole path so far, of one corner).
+    joints: whether its corners are drawn as pins.
+    """
+
+    points: np.ndarray
+    look: str = "part"
+    joints: bool = False
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A machine in motion, with a slider over time. time: (k,) s.  labels: of the two axes.  equal: one length for both."""
+
+    title: str
+    time: np.ndarray
+    lines: Sequence[Moving]
+    labels: tuple[str, str] = ("m", "m")
+    caption: str = ""
+    equal: bool = True
+    kind: str = "motion"
 
 
 @dataclass(frozen=True)
@@ -98,4 +126,4 @@ class Ranges:
     kind: str = "ranges"
 
 
-Block = Figure | Sketch | Text | Answer | Facts | Cells | Ranges
+Block = Figure | Sketch | Motion | Text | Answer | Facts | Cells | Ranges

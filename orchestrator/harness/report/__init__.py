@@ -111,7 +111,7 @@ def _all_figures(rows: Sequence[SummaryRow]) -> Cells:
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
-    """The figures of the scene's system; where its [analysis] asks for what the run does not have, a line says so instead.
+    """The machine in motion and the figures of the scene's system; a line instead where its [analysis] asks for what is missing.
 
     A run that failed has them as far as it went, if it made a step.
     """
@@ -119,7 +119,7 @@ def _of_system(result: Result, systems: Systems) -> list[Block]:
     if system not in systems or (result.outcome != "done" and result.time.size < 2):
         return []
     try:
-        return systems[system].figures(result)
+        return [*systems[system].motions(result), *systems[system].figures(result)]
     except BadInput as error:
         return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
 

@@ -19,6 +19,7 @@ from ....components.core.store import replaced
 from ...delivery import DELIVERY, print_pdf
 from ...output import PLOTLY, SAMPLES_ENDING
 from ..charts.blocks import Block, Figure
+from ..charts.motion import motion_data, still_motion
 from ..charts.still import still
 from ..charts.style import DARK
 from .embed import SAMPLES_BESIDE, SAMPLES_INSIDE, embedded, lost_samples
@@ -93,6 +94,9 @@ def write_page(page: Page, path: Path) -> Path:
             css=_asset("page.css"),
             dark=DARK,
             script=_asset("page.js"),
+            motion_script=_asset("motion.js") if any(b.kind == "motion" for s in page.sections for b in s.blocks) else "",
+            motion_data=motion_data,
+            still_motion=still_motion,
             plotly={"beside": PLOTLY, "cdn": CDN.format(get_plotlyjs_version())}.get(delivery.plotly, "") if figures else "",
             plotly_inside=_compressed_plotly() if inside and figures else "",
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -157,3 +158,22 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path, pla
     assert errors == []
     files = (path, beside, path.with_name("plotly.min.js")) if place == "beside" else (path,)
     assert {url.partition("#")[0] for url in asked} == {p.as_uri() for p in files}
+
+
+def test_the_slider_moves_a_machine_which_stands_where_less_motion_is_asked_for(browser, tmp_path):
+    scene = load_scene("two-link-manipulator").with_changes({"stop_time": 0.4, "analysis.transient": 0.0})
+    path = write_report(run(scene, in_process=True, verify="no"), tmp_path)
+    page = browser.new_page(reduced_motion="reduce")
+    page.goto(path.as_uri())
+    figure = page.locator("figure.motion")
+    figure.scroll_into_view_if_needed()
+    pixels = "document.querySelector('figure.motion canvas').toDataURL()"
+    before = page.evaluate(pixels)
+    page.wait_for_timeout(300)
+    assert page.evaluate(pixels) == before
+    page.locator("figure.motion input").fill("60")
+    moved = page.evaluate(pixels)
+    assert moved != before
+    assert figure.locator("output").text_content().endswith(" s")
+    figure.get_by_role("button", name="Play").click()
+    page.wait_for_function(f"{pixels} !== {json.dumps(moved)}")

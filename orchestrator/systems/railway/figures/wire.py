@@ -78,7 +78,7 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
     )
 
 
-def _profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Times (k,) s, contact positions (k,) m, offsets (m,) m from the contact point, heights (k, m) mm, NaN where no wire is."""
     snapshot = result.snapshots[name]
     points = snapshot.values.shape[1]
@@ -96,7 +96,7 @@ def _ends(heights: np.ndarray) -> str:
 def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
     """Shape of the contact wire around the pantograph at chosen times, with a slider; None where none falls into the window."""
     start, end = analysis_window(result)
-    times, at, offsets, heights = _profile(result, passage, name)
+    times, at, offsets, heights = profile(result, passage, name)
     during = np.flatnonzero((at >= start) & (at <= end) & np.isfinite(heights).any(axis=1))
     if not during.size:
         return None
@@ -160,7 +160,7 @@ def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
 
 def waves_figure(result: Result, passage: Passage, name: str) -> Figure:
     """Height of the wire over time and distance from the pantograph: waves that run ahead and behind show as slanting stripes."""
-    times, _, offsets, heights = _profile(result, passage, name)
+    times, _, offsets, heights = profile(result, passage, name)
     every = max(1, times.size // STRIPES)
     limit = float(np.nanmax(np.abs(heights)))
     picture = {

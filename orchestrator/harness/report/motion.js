@@ -1,0 +1,64 @@
+// Machines in motion: a canvas with a slider over time. They run while they are seen, unless the reader's system asks for less motion.
+"use strict";
+const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
+const PASSAGE = 8; // s of real time for the whole motion, at most ten times slower or faster than it is
+const LOOKS = { ground: ["--muted", 1.5, 0.6], part: ["--ink", 4, 1], second: ["--in", 4, 1], load: ["--out", 1.8, 1], trace: ["--in", 1.2, 0.55] };
+const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+function moving(figure) {
+  const data = JSON.parse(figure.querySelector("script").textContent);
+  const canvas = figure.querySelector("canvas"), slider = figure.querySelector("input");
+  const button = figure.querySelector("button"), output = figure.querySelector("output");
+  const time = floats(data.time), last = time.length - 1, span = time[last] - time[0] || 1;
+  const lines = data.lines.map((line) => ({ ...line, points: floats(line.points) }));
+  const passage = Math.min(10 * span, Math.max(span / 10, PASSAGE));
+  let running = false, shown = 0, since = 0, start = 0;
+  function draw() {
+    const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+    canvas.width = width * ratio; canvas.height = height * ratio;
+    const pen = canvas.getContext("2d"), style = getComputedStyle(figure), [x0, x1, y0, y1] = data.box;
+    let sx = width / (x1 - x0), sy = height / (y1 - y0);
+    if (data.equal) sx = sy = Math.min(sx, sy);
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const px = (x) => width / 2 + sx * (x - (x0 + x1) / 2), py = (y) => height / 2 - sy * (y - (y0 + y1) / 2);
+    for (const { look, joints, corners, points } of lines) {
+      const [colour, thick, alpha] = LOOKS[look];
+      const stands = points.length === 2 * corners, first = stands ? 0 : 2 * corners * shown;
+      const places = look === "trace" ? Array.from({ length: shown + 1 }, (_, k) => 2 * corners * k) : Array.from({ length: corners }, (_, k) => first + 2 * k);
+      pen.strokeStyle = pen.fillStyle = style.getPropertyValue(colour); pen.lineWidth = thick; pen.globalAlpha = alpha;
+      pen.lineJoin = pen.lineCap = "round"; pen.beginPath();
+      let gap = true;
+      for (const k of places) {
+        if (Number.isNaN(points[k + 1])) { gap = true; continue; }
+        if (gap) pen.moveTo(px(points[k]), py(points[k + 1])); else pen.lineTo(px(points[k]), py(points[k + 1]));
+        gap = false;
+      }
+      pen.stroke();
+      if (joints) for (const k of places) { pen.beginPath(); pen.arc(px(points[k]), py(points[k + 1]), 1.6 * thick, 0, 2 * Math.PI); pen.fill(); }
+    }
+    slider.value = shown;
+    output.textContent = `${time[shown].toPrecision(4)} s`;
+    slider.setAttribute("aria-valuetext", output.textContent);
+  }
+  function tick(now) {
+    if (!running) return;
+    const reached = start + ((now - since) / 1000 / passage) * span;
+    if (reached > time[last]) { start = time[0]; since = now; }
+    let k = 0;
+    while (k < last && time[k + 1] <= reached) k++;
+    if (k !== shown) { shown = k; draw(); }
+    requestAnimationFrame(tick);
+  }
+  function run(wanted) {
+    running = wanted; button.textContent = wanted ? "Pause" : "Play";
+    if (wanted) { start = shown === last ? time[0] : time[shown]; since = performance.now(); requestAnimationFrame(tick); }
+  }
+  button.addEventListener("click", () => { figure.dataset.chosen = "yes"; run(!running); });
+  slider.addEventListener("input", () => { figure.dataset.chosen = "yes"; run(false); shown = Number(slider.value); draw(); });
+  new ResizeObserver(draw).observe(canvas);
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  new IntersectionObserver((entries) => {
+    for (const entry of entries) if (!figure.dataset.chosen && !calm.matches) run(entry.isIntersecting);
+  }, { threshold: 0.4 }).observe(figure);
+  draw();
+}
+document.querySelectorAll("figure.motion").forEach(moving);
