@@ -8,6 +8,7 @@ gets a C function around it. An object may ask for nothing but the functions of 
 
 from __future__ import annotations
 
+import json
 import re
 import types
 from collections.abc import Iterable, Mapping
@@ -19,7 +20,7 @@ from ...components.core.block import ENTRIES, Block, check_result, kinds_of
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
-from .kept_code import digest_of, load, save
+from .kept_code import KERNELS, digest_of, load, save
 from .wide_pointers import widened
 
 NATIVE = "kernels that allocate nothing and call only functions of libm"
@@ -244,31 +245,26 @@ def compile_entries(source: Source) -> str:
 
 
 def _compile(source: Source, counted: bool) -> str:
-    from numba import types as t
     from numba.core.typing.typeof import typeof
 
     block, compiler = source.block, _Compiler(counted)
-    kernels = {name: compiler.clone(kernel) for name, kernel in source.kernels.items()}
+    copies = {name: compiler.clone(kernel) for name, kernel in source.kernels.items()}
     reached = [function for _, function in compiler.kernels.values()]
     of_arguments = tuple(map(typeof, source.arguments))
+    compiled = (*source.kernels, *map(str, of_arguments), *source.kernels.values())
     layout = "\n".join(map(repr, block.in_order()))
-    identity = (source.prefix, layout, *map(str, of_arguments), *source.kernels.values())
-    digest = digest_of(identity, called_kernels, reached, source.owner)
+    digest = digest_of((source.prefix, layout, *compiled), called_kernels, reached, source.owner)
     text = load(digest) if digest else None
     if text is None:
         texts = {}
-        for name, kernel in kernels.items():
-            signature = (t.float64,) * len(block.entries[name]) + of_arguments
-            kernel.compile(signature)
-            overload = kernel.overloads[signature]
-            check_result(kernel, overload)
-            body = block.body(name, kinds_of(overload, len(block.entries[name])), overload.fndesc.llvm_func_name)
+        of_kernels = digest_of(compiled, called_kernels, reached, source.owner)  # for blocks of any layout
+        for name, (code, symbol, kinds) in _kernels(source, copies, of_arguments, of_kernels).items():
             texts[name] = (
-                overload.library.get_llvm_str()
+                code
                 + f"""
 define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %address) {{
 %block = inttoptr i64 %address to ptr
-{body}
+{block.body(name, kinds, symbol)}
 }}
 """
             )
@@ -276,6 +272,27 @@ define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %addres
         if digest:
             save(digest, text)
     return text
+
+
+def _kernels(
+    source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any, ...], digest: str | None
+) -> dict[str, tuple[str, str, list[str]]]:
+    """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times; kept by a digest."""
+    from numba import types as t
+
+    if digest and (kept := load(digest, KERNELS)):
+        return json.loads(kept)
+    kernels = {}
+    for name, kernel in copies.items():
+        times = len(source.block.entries[name])
+        signature = (t.float64,) * times + of_arguments
+        kernel.compile(signature)
+        overload = kernel.overloads[signature]
+        check_result(kernel, overload)
+        kernels[name] = (overload.library.get_llvm_str(), overload.fndesc.llvm_func_name, list(kinds_of(overload, times)))
+    if digest:
+        save(digest, json.dumps(kernels), KERNELS)
+    return kernels
 
 
 def _linked(source: Source, texts: Mapping[str, str], kernels: list[str]) -> str:

@@ -34,17 +34,23 @@ class Weighed(StatelessComponent):
     gain = parameter(2.0, "1", "factor")
     first = input_(3.0, "1", "a number")
     total = output("1", "its product")
+    room = integer(1, "numbers in the block that no kernel reads")
 
     kernels = KERNELS[{power}]
+
+    def shapes(self):
+        return {{"unread": self.parameters["room"]}}
 '''
 
 
 @pytest.fixture
 def compiled(tmp_path, monkeypatch):
-    """A function that gives (code, whether it was compiled) of a component written with a factor."""
+    """A function that gives (code, what was done for it: kernels compiled, their code linked) of a component written with a factor."""
     monkeypatch.setattr(kernel_cache, "private_root", lambda: tmp_path)
     done = []
-    monkeypatch.setattr(machine_code, "_linked", lambda *a, linked=machine_code._linked: done.append(1) or linked(*a))
+    for what, name in (("compiled", "check_result"), ("linked", "_linked")):
+        whole = getattr(machine_code, name)
+        monkeypatch.setattr(machine_code, name, lambda *a, what=what, whole=whole: done.append(what) or whole(*a))
 
     def code(factor=2.0, power=1, **parameters):
         file = tmp_path / f"copy{len(list(tmp_path.glob('copy*')))}" / "weighed.py"  # another module, as in another process
@@ -55,30 +61,39 @@ def compiled(tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "weighed", module)
         spec.loader.exec_module(module)
         component = module.Weighed((), parameters)
-        before = len(done)
-        return machine_code.compile_entries(machine_code.source_of(initialized(component))), len(done) > before
+        done.clear()
+        return machine_code.compile_entries(machine_code.source_of(initialized(component))), set(done)
 
     return code
 
 
 def test_other_values_take_the_same_code_and_other_code_is_compiled(compiled):
-    first, anew = compiled(gain=2.0)
-    assert anew
-    assert compiled(gain=-5.5) == (first, False)
+    first, done = compiled(gain=2.0)
+    assert done == {"compiled", "linked"}
+    assert compiled(gain=-5.5) == (first, set())
     for other in ({"power": 2}, {"factor": 3.0}):  # another kernel, and a constant of the module
-        text, anew = compiled(**other)
-        assert anew, other
+        text, done = compiled(**other)
+        assert done == {"compiled", "linked"}, other
         assert text != first, other
 
 
-@pytest.mark.full
-def test_a_damaged_file_is_compiled_again(compiled, tmp_path):
+def test_another_layout_takes_the_same_kernels(compiled):
+    """The arrays behind the unread one are elsewhere."""
     compiled()
-    (file,) = (tmp_path / "native").glob("*.ll")
-    whole = file.read_bytes()
-    for damaged in (whole[:-7], whole[:100] + b"xy" + whole[102:]):
-        file.write_bytes(damaged)
-        text, anew = compiled()
-        assert anew
-        assert compiled() == (text, False)
+    text, done = compiled(room=5)
+    assert done == {"linked"}
+    assert compiled(room=5) == (text, set())
+
+
+@pytest.mark.full
+def test_damaged_files_are_made_again(compiled, tmp_path):
+    compiled()
+    for kind, done in (("ll", {"linked"}), ("*", {"compiled", "linked"})):
+        for begin in (0, 100):
+            for file in (tmp_path / "native").glob(f"*.{kind}"):
+                whole = file.read_bytes()
+                file.write_bytes(whole[:begin] + b"xy" + whole[begin + 2 :] if begin else whole[:-7])
+            text, anew = compiled()
+            assert anew == done
+            assert compiled() == (text, set())
     assert not list((tmp_path / "native").glob("*.part"))

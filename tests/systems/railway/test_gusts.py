@@ -95,7 +95,7 @@ def test_energy_of_the_waves_is_that_of_the_spectrum_in_every_band():
         assert 0.5 * np.sum(amplitude[inside] ** 2) == pytest.approx(quad(density, np.log(low), np.log(high))[0], rel=0.02)
 
 
-@pytest.mark.interpreted
+@pytest.mark.full
 def test_coherence_fades_along_the_line():
     """Mean of cos(k x) over many waves of about one frequency: exp(-C n x / U), within three standard deviations."""
     cosines = {x: [] for x in (1.0, 3.0, 8.0)}
@@ -106,7 +106,7 @@ def test_coherence_fades_along_the_line():
         assert np.mean(found) == pytest.approx(np.exp(-10.0 * x / 15.0), abs=3.0 * np.std(found) / np.sqrt(20) + 0.015)
 
 
-@pytest.mark.interpreted
+@pytest.mark.full
 def test_answer_of_a_wire_over_many_winds_is_that_of_the_spectrum():
     """Variance of the first modes: |H|² S times the double integral of both shapes and the coherence exp(-C n |x - y| / U)."""
     x = (np.arange(150) + 0.5) * LENGTH / 150

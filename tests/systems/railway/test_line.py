@@ -131,6 +131,7 @@ def test_a_line_cut_as_form_finding_says_hangs_as_was_wanted(name):
     ("name", "places"), [("unequal", [50.0, 75.0, 82.5, 115.0, 140.3, 245.7]), ("stitched", [260.0, 268.0, 280.0, 288.5])]
 )
 @pytest.mark.parametrize("force", [100.0, 200.0])
+@pytest.mark.first(2)
 def test_elasticity_of_a_table_is_that_of_the_network(name, places, force):
     """Uplift of the loaded, unilateral line; what is left is the kink's place in an element, or short waves at droppers."""
     text, more = CASES[name]
@@ -140,6 +141,7 @@ def test_elasticity_of_a_table_is_that_of_the_network(name, places, force):
     assert elasticity(catenary(text, element=0.1).mesh, places, force) == pytest.approx(expected, rel=4e-3)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("forces", [(100.0, 0.0), (60.0, 40.0), (150.0, 150.0)])
 def test_two_wires_share_a_force_as_in_the_network(forces):
     """Heights of both contact wires of a twin under a force on each."""
