@@ -33,6 +33,8 @@ DERIVED = (
     PLOTLY,
     "summary.json",
     "summary.csv",
+    "validation.json",
+    "validation.csv",
 )  # made of a result, and gone with it
 RESERVE = "reserve"  # a file to be removed where the disk is full, so that the outcome can still be written
 RESERVED = 1 << 16  # bytes

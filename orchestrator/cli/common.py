@@ -15,6 +15,7 @@ from ...components.core.errors import BadInput, nearest, visible_lines
 from .options import listed, value_of
 
 if TYPE_CHECKING:
+    from ..harness.validation.case import CaseResult
     from ..scene.scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
@@ -58,6 +59,36 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
     for row in rows:
         table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row))
     Console(width=output_width()).print(table, markup=False)
+
+
+def print_rows(result: CaseResult) -> None:
+    """The rows of a case beside their ranges, as a table."""
+    from ..harness.charts.style import number
+    from ..harness.report.generic import measured_text
+
+    def range_text(low: float | None, high: float | None) -> str:
+        """A range of a table, with the digits that its width asks for; an open end is left out."""
+        if low is None or high is None:
+            return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
+        return f"{number(low, low, high)} ... {number(high, low, high)}"
+
+    print_table(
+        result.case.title,
+        ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
+        [
+            (
+                row.reference.quantity,
+                row.reference.condition,
+                row.reference.unit,
+                measured_text(row),
+                range_text(row.reference.low, row.reference.high),
+                row.margin,
+                row.reference.standing,
+                row.answer,
+            )
+            for row in result.findings.rows
+        ],
+    )
 
 
 def output_width() -> int:

@@ -83,7 +83,10 @@ Limits = Annotated[
         help="A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows.",
     ),
 ]
-Conditions = Annotated[list[str] | None, Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
+Conditions = Annotated[
+    list[str] | None,
+    Option("--condition", help="Of the table's rows; may be repeated. Default: those that hold for the run, or all."),
+]
 
 
 Plotly = Annotated[
@@ -95,6 +98,15 @@ Plotly = Annotated[
     ),
 ]
 Pdf = Annotated[bool, Option("--pdf", help="Print the report to report.pdf, too; needs Chromium, Chrome or Edge.")]
+
+
+def limits_of(table: str, conditions: Sequence[str] | None) -> dict[str, Any] | None:
+    """The limits of a scene that --limits and --condition name; None without them. A file's path is that of the working directory."""
+    if not table:
+        refuse({"--condition": list(conditions or ())}, "--limits TABLE as well")
+        return None
+    place = str(Path(table).resolve()) if table.endswith(".toml") else table
+    return {"table": place, "conditions": list(conditions or ())}
 
 
 def reports(command: Callable[..., None]) -> Callable[..., None]:

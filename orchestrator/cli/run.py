@@ -27,13 +27,16 @@ from .completion import effects as effect_names
 from .options import (
     TOLERANCE,
     Changes,
+    Conditions,
     InProcess,
+    Limits,
     Native,
     NoVerify,
     OptionalOutput,
     Presets,
     SceneName,
     Stop,
+    limits_of,
     listed,
     refuse,
     reports,
@@ -111,6 +114,8 @@ def run(
         ),
     ] = None,
     no_verify: NoVerify = False,
+    limits: Limits = "",
+    conditions: Conditions = None,
     real_time: Annotated[
         bool,
         Option(
@@ -132,6 +137,7 @@ def run(
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
+    from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_scene
     from ..output import locked
     from . import run_parts
@@ -142,6 +148,7 @@ def run(
         "stop_time": stop,
         "master.algorithm": algorithm,
         "record.signals": listed("--record", record) if record else None,
+        "limits": limits_of(limits, conditions),
     }
     changes = {place: value for place, value in given.items() if value is not None}
     effects_within = _tolerance_of_effects(effects, tolerance)
@@ -163,6 +170,7 @@ def run(
         accuracy_within = share("--accuracy", accuracy)
         loaded, reason = with_setting_within(loaded, accuracy_within)
         reasons.append(reason)
+    loaded = with_limits(loaded)
     mode = verify_mode(verify, no_verify, ("whole", "full"))
     if in_process and native:
         raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
@@ -206,9 +214,12 @@ def run(
                 result.save(output)
             print_written(run_parts.write(result, numbers, output))
     run_parts.print_result(result, numbers)
+    failed_limits = run_parts.print_limits(result, numbers)
     warn([*result.info["warnings"], *remarks])
     if result.outcome != "done":
         raise fail(result.message, STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
+    if failed_limits:
+        raise SystemExit(FAILED_CHECK)
     if mode == "full" and accuracy_within is not None:
         from .choices import is_verified
 

@@ -10,13 +10,16 @@ from ..delivery import DELIVERY
 from ..harness import report
 from ..harness.report.trust import percent
 from ..harness.summary import Summary, pacing_rows, to_json, to_table, verification_text
+from ..harness.validation.case import to_json as to_document
+from ..harness.validation.case import to_table as to_rows
+from ..harness.validation.limits_of_run import judge
 from ..judgement import advise
 from ..judgement.dry_run import first_part, lines, tables
 from ..output import ensure_directory, write_json, write_table
 from ..results import HELD, Result
 from ..scene.scene import Scene
 from ..systems import SYSTEMS, summary
-from .common import fail, print_table, print_written, warn
+from .common import fail, print_rows, print_table, print_written, warn
 
 
 def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
@@ -60,6 +63,10 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
     if result.rows >= 2 and not result.held:
         print(f"cosimo: no report.html: it is drawn of at most {HELD} numbers, not of {result.rows} rows", file=sys.stderr)
     elif result.rows >= 2:
+        if (judged := judge(result, numbers)) is not None:
+            (output / "validation.json").write_text(to_document([judged[0]]), encoding="utf-8")
+            write_table(output, "validation.csv", *to_rows([judged[0]]))
+            names += ["validation.json", "validation.csv"]
         try:
             names.append(report.for_run(result, output, SYSTEMS).name)
             names += ["report.pdf"] if DELIVERY.get().browser else []
@@ -68,6 +75,17 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
                 raise
             print(f"cosimo: no report.html: {error.strerror or error}", file=sys.stderr)
     return [output / name for name in names]
+
+
+def print_limits(result: Result, numbers: Summary) -> bool:
+    """Print the rows of the scene's limits, if it has some; whether the run fails one that decides."""
+    if (judged := judge(result, numbers)) is None:
+        return False
+    case = judged[0]
+    print_rows(case)
+    warn([*case.findings.notes, *case.warnings])
+    print(f"{case.case.title}: {case.verdict}")
+    return case.outcome == "failed"
 
 
 def print_result(result: Result, numbers: Summary) -> None:

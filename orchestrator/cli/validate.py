@@ -7,7 +7,7 @@ from typing import Annotated
 
 from typer import Argument, Option
 
-from .common import FAILED_CHECK, app, print_table, warn
+from .common import FAILED_CHECK, app, print_rows, print_table, warn
 from .completion import cases
 from .options import AsJson, InProcess, NoVerify, Output, reports, verify_mode
 
@@ -48,40 +48,15 @@ def validate(
     Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
     Each number has its numerical error (±); where an end of the range lies within the error, the row is undecided.
     """
-    from ..harness.charts.style import number
-    from ..harness.report.generic import measured_text
     from ..harness.validation.case import to_json
     from ..systems import validate as validate_cases
-
-    def range_text(low: float | None, high: float | None) -> str:
-        """A range of a table, with the digits that its width asks for; an open end is left out."""
-        if low is None or high is None:
-            return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
-        return f"{number(low, low, high)} ... {number(high, low, high)}"
 
     mode = verify_mode(verify, no_verify, ("whole",))
     results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json, verify=mode)
     if as_json:
         print(to_json(results))
     for result in results if not as_json else ():
-        rows = [(row.to_json(), row) for row in result.findings.rows]
-        print_table(
-            result.case.title,
-            ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
-            [
-                (
-                    r["quantity"],
-                    r["condition"],
-                    r["unit"],
-                    measured_text(row),
-                    range_text(r["low"], r["high"]),
-                    row.margin,
-                    r["standing"],
-                    row.answer,
-                )
-                for r, row in rows
-            ],
-        )
+        print_rows(result)
         if claims := result.findings.claims:
             print_table(
                 "",

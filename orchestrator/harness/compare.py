@@ -269,7 +269,7 @@ def _answer(comparison: Comparison) -> list[Block]:
     blocks: list[Block] = [Text(ended, "warning")] if ended else []
     apart = [one for one in comparison.figures if isfinite(one.share) and one.share and not one.within_errors][:MOST_NUMBERS]
     if apart:
-        return [*blocks, Answer([(f"{number(100.0 * one.share)} %", f"{_what(one)}: {_ends(one)}") for one in apart])]
+        return [*blocks, Answer([(f"{number(100.0 * one.share)} %", f"{_what(one)}: {_ends(one)}", "") for one in apart])]
     if comparison.figures:
         return [*blocks, Text(["No figure differs by more than its numerical error."], "note")]
     return blocks

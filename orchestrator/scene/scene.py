@@ -191,7 +191,7 @@ def read_scene(
     """
     models = analysis or {}
     data, more = expanded(data, name, folder)
-    data = with_numbers(data, name)
+    data = _with_place_of_limits(with_numbers(data, name), folder)
     try:
         scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
     except ValidationError as error:
@@ -201,6 +201,15 @@ def read_scene(
     scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
     _check_quantities(scene)
     return scene
+
+
+def _with_place_of_limits(data: Mapping[str, Any], folder: Path | None) -> Mapping[str, Any]:
+    """The data with the whole path of a table of limits beside the scene."""
+    limits = data.get("limits")
+    table = limits.get("table") if isinstance(limits, Mapping) else limits
+    if folder is None or not isinstance(table, str) or not table.endswith(".toml"):
+        return data
+    return {**data, "limits": {**(limits if isinstance(limits, Mapping) else {}), "table": str(folder.resolve() / table)}}
 
 
 def recorded_scene(data: Mapping[str, Any], analysis: Models | None = None) -> Scene:

@@ -4,6 +4,8 @@ title = "Line 7 at 200 km/h"
 scene = "line-7.toml"                              # a file beside this one, or the name of a shipped scene
 sources = { limits = "operator's limits, sheet 12 of 2025", train = "measuring train, run 4, 3 March 2026" }
 
+limits = "en50367"                                 # optional: a table that every run is judged by
+
 [[runs]]
 condition = "200 km/h"
 changes = { "units.pantograph.parameters.speed" = 55.56 }
@@ -35,6 +37,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from .model import Model, Number, Positive
+from .plan import RunLimits
 
 COMPARED = ("mean", "standard deviation", "maximum", "minimum", "difference")
 Share = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
@@ -77,7 +80,8 @@ class CaseSettings(Model):
     title: str
     text: str = Field(default="", description="what the case shows, and what it cannot show")
     scene: str
-    sources: Annotated[dict[str, str], Field(min_length=1)]
+    limits: RunLimits = Field(default=None, description="table that every run is judged by, as in a scene")
+    sources: dict[str, str] = Field(default={}, description="of rows and curves")
     runs: tuple[RunSettings, ...] = Field(default=(), description="without them one run of the scene with its own settings")
     rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
     curves: tuple[CurveSettings, ...] = ()

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, WithJsonSchema, field_validator, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
 from ...components.core.errors import BadInput, nearest
 from .model import RANGE, Model, Number, Seconds, Truth, ranged
@@ -79,6 +79,9 @@ class RowsSettings(Model):
 
     table: str = Field(description="name of a shipped table, or a TOML file with sources and rows, such as a case of one's own")
     conditions: tuple[str, ...] = Field(default=(), description="those that hold; without them all rows of the table")
+
+
+RunLimits = Annotated[RowsSettings | None, BeforeValidator(lambda value: {"table": value} if isinstance(value, str) else value)]
 
 
 @dataclass(frozen=True)

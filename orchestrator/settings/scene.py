@@ -10,6 +10,7 @@ from ...components.core.errors import BadInput
 from .analysis import AnalysisKeys
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth
+from .plan import RunLimits
 from .study import RUNNING_KINDS, StudySettings
 from .units import OrSubsystem, UnitSettings
 
@@ -193,6 +194,10 @@ class SceneSettings(Model):
     )
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
+    limits: RunLimits = Field(
+        default=None,
+        description='a table that runs are judged by, "en50367" or a TOML file with sources and rows, or { table, conditions }',
+    )
     sweep: Sweep = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination"
     )

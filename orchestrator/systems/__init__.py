@@ -112,7 +112,9 @@ def run(scene: Scene | str | Path, **options: Any) -> Result:
     options, with their defaults: those of `judgement.verification.run`: verify ("auto", "whole", "full", "no"), in_process, native,
     progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.
     """
-    return run_verified(scene_of(scene), **options)
+    from ..harness.validation.limits_of_run import with_limits
+
+    return run_verified(with_limits(scene_of(scene)), **options)
 
 
 def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress: bool = False) -> Comparison:
@@ -182,10 +184,12 @@ def summary(result: Result) -> SummaryTable:
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
     from ..harness.summary import SummaryTable, pacing_rows, with_errors
+    from ..harness.validation.limits_of_run import limit_numbers
 
     system = result.scene.analysis.system
     of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
-    return SummaryTable((*with_errors(of_system, result.info), *pacing_rows(result.info)))
+    numbers = (*of_system, *limit_numbers(result, of_system))
+    return SummaryTable((*with_errors(numbers, result.info), *pacing_rows(result.info)))
 
 
 def write_report(result: Result, directory: str | Path) -> Path:

@@ -65,9 +65,9 @@ class Text:
 
 @dataclass(frozen=True)
 class Answer:
-    """What was asked for, large: (value with its unit, what it is)."""
+    """What was asked for, large: (value with its unit, what it is, what limits say: "in", "out", "undecided", "recalled" or "")."""
 
-    numbers: Sequence[tuple[str, str]]
+    numbers: Sequence[tuple[str, str, str]]
     kind: str = "answer"
 
 

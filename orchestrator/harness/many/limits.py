@@ -11,7 +11,7 @@ from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
 from ...settings.study import wanted
-from ..validation.reference import TableRow, load_table, rows_of, table_rows
+from ..validation.reference import Table, TableRow, load_table, rows_of, table_rows
 
 S = TypeVar("S", PlanSettings, DesignSettings)
 Limits = Mapping[str, LimitSettings]
@@ -27,8 +27,16 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
         raise BadInput("--condition", ", ".join(map(repr, conditions)), "a table, too", "Give --limits TABLE.")
     if wanted_rows is None:
         return settings
-    rows, function = _table(wanted_rows.table, Path() if table else folder)
-    chosen = _under(rows, wanted_rows)
+    given = table_of(wanted_rows.table, Path() if table else folder)
+    if not (given.measures or wanted_rows.table.endswith(".toml")):
+        raise BadInput(
+            "rows: table",
+            repr(wanted_rows.table),
+            "a table whose rows are of any run of a scene",
+            f"The rows of {wanted_rows.table} are of its case's own runs.",
+        )
+    function = given.measures
+    chosen = rows_under(given.rows, wanted_rows)
     field = "limits" if isinstance(settings, PlanSettings) else "constraints"
     own: Limits = getattr(settings, field)
     limits = {_column(r.measure): _limit(r) for r in chosen}
@@ -90,36 +98,31 @@ def _limit(row: TableRow) -> LimitSettings:
     )
 
 
-def _table(name: str, folder: Path) -> tuple[tuple[TableRow, ...], str]:
-    """Rows, and the function that gives their measures of a run; "" where they are columns as they are."""
+def table_of(name: str, folder: Path = Path()) -> Table:
+    """A shipped table, or that of a user's TOML file with sources and rows. Raises `BadInput`."""
     if not name.endswith(".toml"):
-        table = load_table(name)
-        if not table.measures:
-            raise BadInput(
-                "rows: table",
-                repr(name),
-                "a table whose rows are of any run of a scene",
-                f"The rows of {name} are of its case's own runs.",
-            )
-        return table.rows, table.measures
+        return load_table(name)
     if not (folder / name).is_file():
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
     data = read_toml(folder / name)
     for key, kind in (("sources", Mapping), ("rows", list | str)):
         if not isinstance(data.get(key), kind) or not data[key]:
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
-    rows = rows_of(name, data, folder)
-    return table_rows(name, [{"condition": "", **row} for row in rows], data["sources"]), str(data.get("measures", ""))
+    given = rows_of(name, data, (folder / name).parent)
+    rows = table_rows(name, [{"condition": "", **row} for row in given], data["sources"])
+    return Table(
+        name, str(data.get("title", name)), "", rows, measures=str(data.get("measures", "")), rules=str(data.get("rules", ""))
+    )
 
 
-def _under(rows: Sequence[TableRow], settings: RowsSettings) -> list[TableRow]:
-    """Rows of the conditions; one of each measure."""
+def rows_under(rows: Sequence[TableRow], settings: RowsSettings, unique: bool = True) -> list[TableRow]:
+    """Rows of the conditions; unique: one of each measure, which is checked."""
     where, known = f"rows: table {settings.table}", list(dict.fromkeys(r.condition for r in rows))
     for condition in settings.conditions:
         if condition not in known:
             raise BadInput(where, f"condition {condition!r}", "one of " + ", ".join(map(repr, known)), nearest(condition, known))
     chosen = [r for r in rows if not settings.conditions or r.condition in settings.conditions]
-    measures = [_column(r.measure) for r in chosen]
+    measures = [_column(r.measure) for r in chosen] if unique else []
     for measure in measures:
         if measures.count(measure) > 1:
             clashing = [r.condition for r in chosen if _column(r.measure) == measure]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
 from ..summary import Summary, SummaryRow, with_error, with_errors
+from ..validation.limits_of_run import judge
 from . import generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
@@ -27,6 +28,12 @@ if TYPE_CHECKING:
 
 MOST_NUMBERS = 12  # of the summary at the top of a page; the table below them has all
 FIRST_NUMBERS = 4  # where the system does not say which of them a run is judged by
+PROVENANCE = (
+    "Every range has its provenance: verbatim (read in a public source), computed (independent solver or closed form), "
+    "inferred, recalled (from memory of the literature, not re-read; hatched).",
+    "± is the numerical error of a number: what half of every macro step changes, twice. Where an end of the range lies "
+    "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated.",
+)
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
 
@@ -39,7 +46,9 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     warnings = result.info.get("warnings", ())
     for texts, tone in (([s for s in warnings if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
-    blocks += [*_answer(result, systems), *_of_system(result, systems)]
+    judged = judge(result, result.summary) if result.scene.limits is not None else None
+    answer = _answer(result, systems, judged[1] if judged else {})
+    blocks += [*answer[:1], *(_limits(judged[0]) if judged else []), *answer[1:], *_of_system(result, systems)]
     computed = numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):
@@ -47,14 +56,27 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
         blocks, signals, computed = (
             [shaded(b, windows, span) if isinstance(b, Figure) else b for b in part] for part in (blocks, signals, computed)
         )
-    sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
+    badge = judged[0].outcome if judged else result.outcome
+    sections = [Section("Run", blocks, badge=badge)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
     sections += [Section("How far these numbers can be trusted", trust.blocks(result))] if "verification" in result.info else []
     sections += [Section("How it was computed", computed)] if computed else []
     how = Text([generic.run_line(result)], "settings")
     sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
     title = scene.title or scene.name
-    return write_page(Page(title, _verdict(result), sections), Path(directory) / "report.html")
+    lead = f"{judged[0].case.title}. {judged[0].verdict} {_verdict(result)}" if judged else _verdict(result)
+    return write_page(Page(title, lead, sections, PROVENANCE if judged else ()), Path(directory) / "report.html")
+
+
+def _limits(case: CaseResult) -> list[Block]:
+    """The rows of the limits of a run, one table for each condition."""
+    blocks: list[Block] = [
+        Text(list(texts), tone) for texts, tone in ((case.warnings, "warning"), (case.findings.notes, "note")) if texts
+    ]
+    for condition in dict.fromkeys(row.reference.condition for row in case.findings.rows):
+        rows = [row for row in case.findings.rows if row.reference.condition == condition]
+        blocks.append(generic.range_table(condition or case.case.title, rows))
+    return blocks
 
 
 def _verdict(result: Result) -> str:
@@ -66,15 +88,18 @@ def _verdict(result: Result) -> str:
     return f"Done: {end}, " + (f"{count} warning{'s' if count > 1 else ''}." if count else "no warning.")
 
 
-def _answer(result: Result, systems: Systems) -> list[Block]:
-    """The numbers that a run of its system is judged by, and a table of all; none of a run that has none."""
+def _answer(result: Result, systems: Systems, answers: Mapping[str, str]) -> list[Block]:
+    """The numbers that a run of its system is judged by, and a table of all; none of a run that has none.
+
+    answers: figure -> what the limits say of it.
+    """
     rows = _summary(result, systems)
     if not rows:
         return []
     patterns = systems[result.scene.analysis.system].headline
     first = [row for row in rows if any(fnmatch(row.name.rpartition(".")[2], pattern) for pattern in patterns)]
     numbers = [
-        (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))))
+        (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))), answers.get(row.name, ""))
         for row in (first or rows[:FIRST_NUMBERS])[:MOST_NUMBERS]
     ]
     unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
@@ -136,17 +161,11 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
         lead += " “Recalled”: not all ranges were read in a source, so that being inside them is no pass."
     if len(case_results) == 1:
         lead = case_results[0].verdict
-    footer = [
-        "Every range has its provenance: verbatim (read in a public source), computed (independent solver or closed form), "
-        "inferred, recalled (from memory of the literature, not re-read; hatched).",
-        "± is the numerical error of a number: what half of every macro step changes, twice. Where an end of the range lies "
-        "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated.",
-    ]
     if len(case_results) == 1:
         title = case_results[0].case.title
     else:
         title = f"{len(case_results)} validation cases"
-    return write_page(Page(title, lead, sections, footer), Path(directory) / "report.html")
+    return write_page(Page(title, lead, sections, PROVENANCE), Path(directory) / "report.html")
 
 
 def for_sweep(sweep: Sweep, directory: str | Path) -> Path:

@@ -24,6 +24,9 @@ from ..charts.still import still
 from ..charts.style import DARK
 from .embed import SAMPLES_BESIDE, SAMPLES_INSIDE, embedded, lost_samples
 
+# what limits say of a figure: class of its badge, and the badge's text
+BADGES = {"in": "passed", "out": "failed", "undecided": "undecided", "recalled": "recalled"}
+LIMITS_WORDS = {"in": "within", "out": "outside", "undecided": "undecided", "recalled": "within recalled"}
 CDN = "https://cdn.plot.ly/plotly-{}.min.js"
 
 
@@ -91,6 +94,8 @@ def write_page(page: Page, path: Path) -> Path:
             samples_inside=_compressed(_as_json(samples.content)) if inside and samples.content else "",
             sample_points=samples.points,
             id=id,
+            badges=BADGES,
+            limits_words=LIMITS_WORDS,
             css=_asset("page.css"),
             dark=DARK,
             script=_asset("page.js"),

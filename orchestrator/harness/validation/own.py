@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +14,10 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.case import COMPARED, CaseSettings, CurveSettings
 from ...settings.messages import one_message
-from ...settings.study import wanted
-from ..studies.quantities import TimeHistory, quantities_of, recording
+from ..studies.quantities import recording
 from .case import Case, Row, compare
 from .curves import Comparison, compare_curve, read_curve
+from .limits_of_run import judge, named_numbers, with_limits
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
 
@@ -39,10 +40,19 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
     except ValidationError as error:
         raise one_message(error, CaseSettings, name) from None
     given = rows_of(name, {"rows": settings.rows}, path.parent)
-    if not (given or settings.curves):
-        raise BadInput(name, "neither rows nor curves", '[[rows]], rows = "FILE.csv" or [[curves]] to compare with')
+    if not (given or settings.curves or settings.limits):
+        raise BadInput(
+            name, "neither rows nor curves", '[[rows]], rows = "FILE.csv", [[curves]] or limits = "TABLE" to compare with'
+        )
+    if (given or settings.curves) and not settings.sources:
+        raise BadInput(name, "no sources", 'sources = { name = "where ranges and curves come from" }')
     beside = path.parent / settings.scene
     scene = load_scene(beside if beside.suffix else settings.scene)
+    if settings.limits is not None:
+        table = settings.limits.table
+        place = str((path.parent / table).resolve()) if table.endswith(".toml") else table
+        scene = scene.with_changes({"limits": {"table": place, "conditions": settings.limits.conditions}})
+        scene = with_limits(scene)
     conditions = [r.condition for r in settings.runs]
     if twice := [c for c in dict.fromkeys(conditions) if conditions.count(c) > 1]:
         raise BadInput(f"{name}: runs", f"condition {twice[0]!r} twice", "a condition of its own for each run")
@@ -103,39 +113,21 @@ def _measure(
 ) -> Evidence:
     """Of the run of a condition: its rows beside the numbers of its summary, its curves beside the measured ones."""
     result = runs[condition]
+    numbers = summarize(result)
     comparisons = [compare_curve(curve, folder, result) for curve in curves]
     curve_rows = (row for c in comparisons for row in _curve_rows(c, sources[c.curve.source]))
+    judged = judge(result, numbers)
+    limit_rows = (
+        replace(row, reference=replace(row.reference, condition=": ".join(filter(None, (condition, row.reference.condition)))))
+        for row in (judged[0].findings.rows if judged else ())
+    )
+    notes = (*result.info["warnings"], *(judged[0].findings.notes if judged else ()))
     return Evidence(
-        rows=(*compare(rows, _measured(rows, result, summarize)), *curve_rows),
+        rows=(*compare(rows, named_numbers(rows, result, numbers)), *curve_rows, *limit_rows),
         charts=tuple(c.chart() for c in comparisons),
         shown=runs,
-        notes=tuple(f"{condition}: {warning}" for warning in result.info["warnings"]),
+        notes=tuple(f"{condition}: {note}" for note in notes),
     )
-
-
-def _measured(rows: tuple[TableRow, ...], result: Result, summarize: Summarize) -> dict[str, float]:
-    """Numbers of a run by the rows' measures: of its summary, or quantities such as "unit.output, maximum"."""
-    summary = {row.name: row for row in summarize(result)}
-    history = TimeHistory(result.time, result.columns)
-    quantities = {str(wanted(q.name)): q for q in quantities_of(result.scene)} if result.scene.study.quantities else {}
-    measured = {}
-    for row in rows:
-        name = str(wanted(row.measure)) if "," in row.measure else row.measure
-        if name in quantities:
-            measured[row.measure] = quantities[name].value(history)
-            unit = quantities[name].unit
-        elif name in summary:
-            measured[row.measure], unit = summary[name].value, summary[name].unit
-        else:
-            raise BadInput(
-                f"row {row.quantity!r}",
-                f"measure {row.measure!r}",
-                'a name of the summary, or "unit.output, kind"',
-                nearest(row.measure, summary) or f"This run has {', '.join(summary) or 'no summary'}.",
-            )
-        if unit != row.unit:
-            raise BadInput(f"row {row.quantity!r}", f"unit {row.unit!r}", f"{unit!r}, which {row.measure} has")
-    return measured
 
 
 def _curve_rows(comparison: Comparison, source: str) -> list[Row]:

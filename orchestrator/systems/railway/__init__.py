@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -21,6 +21,8 @@ class RailwayKeys(AnalysisKeys):
         default=None, description="[first, last] span for the statistics, counted from 1 at position 0"
     )
     window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
+
+    supply: Literal["AC", "3 kV DC", "1.5 kV DC"] = Field(default="AC", description="of the line; limits depend on it")
 
     def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
         """The wire's height at every contact point, on either wire, and the uplifts at supports."""

@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ....harness.charts.chart import Grid
 from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, TableRow, compare, load_table
-from ....results import Result
+from .. import RailwayKeys
 from ..records import measured, passages, statistics
 from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
+
+if TYPE_CHECKING:
+    from ....results import Result
+
+SLOW, FAST = 200.0, 250.0  # km/h, where other rules begin
+ABOUT = {  # what a figure of the summary is judged by
+    **dict.fromkeys(
+        ("mean_less_target", "mean_less_upper", "mean_less_lower", "mean_less_target_3kv", "mean_less_target_1500v"), "mean"
+    ),
+    "mean_less_fast_1500v": "mean",
+    "std_over_mean": "std",
+    "loss_gaps": "arcing",
+}
 
 
 def measure(runs: Runs) -> Evidence:
@@ -50,10 +65,38 @@ def _under(row: TableRow, condition: str) -> TableRow:
 def measures(result: Result) -> dict[str, float]:
     """What the rules are about, of the foremost pantograph, by the rows' measures; no speed ratio where the catenary does not say
     what its wire is."""
-    s = statistics(result)
-    passage = passages(result)[0]
+    return _measures(result, 0)
+
+
+def rules(result: Result) -> list[Rules]:
+    """The conditions that hold for each pantograph of a run, by its speed and the supply of the line, and its numbers.
+
+    A pantograph with two strips or under two wires is judged as a whole.
+    """
+    supply = result.scene.analysis_as(RailwayKeys).supply
+    return [
+        Rules(passage.pantograph, conditions(supply, passage.speed / KMH), _measures(result, i), ABOUT)
+        for i, passage in enumerate(passages(result))
+        if not passage.part
+    ]
+
+
+def conditions(supply: str, speed: float) -> tuple[str, ...]:
+    """Conditions of the table for a supply at a speed in km/h; some of them may have no row."""
+    slow = round(speed, 3) <= SLOW
+    if supply != "AC":
+        return (f"{supply} up to {SLOW:g} km/h" if slow else f"{supply} above {SLOW:g} km/h", f"contact loss with {supply}")
+    if slow:
+        return (f"AC up to {SLOW:g} km/h",)
+    arcing = f"AC above {SLOW:g}, up to {FAST:g} km/h" if round(speed, 3) <= FAST else f"AC above {FAST:g} km/h"
+    return (f"AC above {SLOW:g} km/h", arcing)
+
+
+def _measures(result: Result, pantograph: int) -> dict[str, float]:
+    s, passage = statistics(result, pantograph=pantograph), passages(result)[pantograph]
     speed = passage.speed / KMH
-    wire = result.info["units"][passage.catenary]["parameters"]
+    catenary, _ = result.scene.split(f"{passage.catenary}.")  # of a second contact point, the effect stands behind the unit
+    wire = result.info["units"][catenary]["parameters"]
     given = {"contact_wire_tension", "contact_wire_mass"} <= wire.keys()
     ratio = {"speed_ratio": passage.speed / math.sqrt(wire["contact_wire_tension"] / wire["contact_wire_mass"])} if given else {}
     return (
@@ -61,7 +104,11 @@ def measures(result: Result) -> dict[str, float]:
         | ratio
         | {
             "mean_less_target": s.mean - target_mean(speed),
+            "mean_less_upper": s.mean - (0.00047 * speed**2 + 90.0),
             "mean_less_lower": s.mean - (0.00047 * speed**2 + 60.0),
+            "mean_less_target_3kv": s.mean - target_mean(speed, 110.0),
+            "mean_less_target_1500v": s.mean - target_mean(speed, 140.0),
+            "mean_less_fast_1500v": s.mean - (0.00228 * speed**2 + 90.0),
             "std_over_mean": s.std / s.mean,
             "loss_gaps": s.arcing,
         }

@@ -1,0 +1,168 @@
+"""One run against the limits that its scene names: rows of a table, the conditions that hold for it, numbers with their errors.
+
+The numbers that the rows are about are among the figures of the run, so that its repetition finds their errors like all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ....components.core.errors import BadInput, nearest
+from ...settings.study import wanted
+from ..many.limits import rows_under, table_of
+from ..studies.quantities import TimeHistory, quantities_of, recording
+from ..summary import SummaryRow
+from .case import Case, CaseResult, Findings
+from .reference import Row, TableRow
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...scene.scene import Scene
+    from ..summary import Summary
+
+SHOWN = "limits"  # the case that a run with limits is, in validation.json
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What of a table holds for one object of a run, such as a pantograph.
+
+    conditions: those of the table that hold; one that the table does not have is one for which there is no rule.
+    measures: numbers by the rows' measures.  about: measure -> name of the figure, without its unit, that the number judges.
+    """
+
+    label: str
+    conditions: tuple[str, ...]
+    measures: Mapping[str, float]
+    about: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A row with the name of the number that is compared, and the figure that is coloured by the answer."""
+
+    row: TableRow
+    name: str
+    value: float
+    figure: str
+
+
+def with_limits(scene: Scene) -> Scene:
+    """The scene with the quantities of its limits among those of interest, and what they need recorded.
+
+    Raises `BadInput` for a table or a condition that there is not, before anything runs.
+    """
+    if scene.limits is None:
+        return scene
+    table = table_of(scene.limits.table)
+    rows = rows_under(table.rows, scene.limits, unique=not table.rules)
+    kinds = [] if table.rules or table.measures else [row.measure for row in rows if "," in row.measure]
+    quantities = [*scene.study.quantities, *(kind for kind in kinds if kind not in scene.study.quantities)]
+    return recording(scene.with_changes({"study.quantities": quantities})) if kinds else scene
+
+
+def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[Judged], list[str]]:
+    """(what is compared, a sentence for each condition without a rule). numbers: the figures of the run. Raises `BadInput`."""
+    limits = result.scene.limits
+    assert limits is not None
+    table = table_of(limits.table)
+    if not table.rules:
+        rows = rows_under(table.rows, limits)
+        measures = _function(table.measures)(result) if table.measures else named_numbers(rows, result, numbers)
+        return [Judged(row, row.measure, float(measures[row.measure]), row.measure) for row in rows], []
+    known = {row.condition for row in table.rows}
+    judged, missing = [], []
+    for rules in _function(table.rules)(result):
+        conditions = limits.conditions or rules.conditions
+        missing += [f"{rules.label}: {limits.table} has no rule for {c}" for c in conditions if c not in known]
+        for row in (row for row in table.rows if row.condition in conditions):
+            if row.measure not in rules.measures:
+                missing.append(f"{rules.label}: {row.quantity} is not known of this run")
+                continue
+            figure = f"{rules.label}.{rules.about.get(row.measure, row.measure)}"
+            shown = replace(row, condition=f"{rules.label}, {row.condition}")
+            judged.append(Judged(shown, f"{rules.label}.{row.measure}", float(rules.measures[row.measure]), figure))
+    return judged, missing
+
+
+def _function(text: str) -> Callable[[Result], Any]:
+    module, _, name = text.partition(":")
+    return getattr(import_module(module), name)
+
+
+def named_numbers(rows: Sequence[TableRow], result: Result, numbers: Sequence[SummaryRow]) -> dict[str, float]:
+    """Numbers of a user's rows by their measures: figures by their names, or quantities such as "unit.output, maximum".
+
+    Raises `BadInput` for a measure that the run does not have, and for one in another unit.
+    """
+    figures = {row.name: (row.value, row.unit) for row in numbers}
+    history = TimeHistory(result.time, result.columns)
+    kinds = any("," in row.measure for row in rows)
+    quantities = {str(wanted(q.name)): q for q in quantities_of(result.scene)} if kinds else {}
+    measured = {}
+    for row in rows:
+        quantity = quantities.get(str(wanted(row.measure))) if "," in row.measure else None
+        if quantity is None and row.measure not in figures:
+            raise BadInput(
+                f"row {row.quantity!r}",
+                f"measure {row.measure!r}",
+                'a name of the summary, or "unit.output, kind"',
+                nearest(row.measure, figures) if figures else "This run has no summary.",
+            )
+        value, unit = (quantity.value(history), quantity.unit) if quantity is not None else figures[row.measure]
+        if unit != row.unit:
+            raise BadInput(f"row {row.quantity!r}", f"unit {row.unit!r}", f"{unit!r}, which {row.measure} has")
+        measured[row.measure] = value
+    return measured
+
+
+def limit_numbers(result: Result, numbers: Sequence[SummaryRow]) -> list[SummaryRow]:
+    """The numbers that limits are about and that are no figures of the run yet."""
+    if result.scene.limits is None or result.time.size < 2:
+        return []
+    known = {row.name for row in numbers}
+    judged, _ = judged_numbers(result, numbers)
+    added = {j.name: SummaryRow(j.name, j.value, j.row.unit, j.row.quantity) for j in judged if j.name not in known}
+    return list(added.values())
+
+
+def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]] | None:
+    """(the run as a case with its rows, figure -> "in", "out", "undecided" or "recalled"); None without limits.
+
+    numbers: all figures of the run, with their errors. A run that did not reach its end is failed.
+    """
+    limits = result.scene.limits
+    if limits is None:
+        return None
+    errors = {row.name: row.error for row in numbers}
+    try:
+        judged, missing = judged_numbers(result, numbers) if result.time.size > 1 else ([], [])
+    except BadInput as error:
+        judged, missing = [], [str(error)]
+    rows = tuple(Row(j.row, j.value, errors.get(j.name, float("nan"))) for j in judged)
+    answers: dict[str, str] = {}
+    for j, row in zip(judged, rows, strict=True):
+        answer = _answer(row)
+        if RANKS.index(answer) > RANKS.index(answers.get(j.figure, RANKS[0])):
+            answers[j.figure] = answer
+        answers.setdefault(j.figure, answer)
+    case = Case(SHOWN, f"Limits of {Path(limits.table).stem}", "", ())
+    why = result.info.get("verification", {}).get("why", "") if not any(row.error == row.error for row in rows) else ""
+    return CaseResult(
+        case, Findings(rows, notes=tuple(dict.fromkeys(missing)), complete=result.outcome == "done", unverified=why)
+    ), answers
+
+
+RANKS = ("in", "recalled", "undecided", "out")
+
+
+def _answer(row: Row) -> str:
+    if not row.inside:
+        return "out"
+    if row.undecided:
+        return "undecided"
+    return "recalled" if row.reference.standing == "recalled" else "in"
