@@ -9,8 +9,9 @@ from time import process_time
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.engine.algorithms import master_of
 from cosimo.orchestrator.open_units import open_units
-from cosimo.orchestrator.run import master_of, run
+from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_entry
 from numba import njit
