@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.errors import BadInput, nearest
-from ..judgement.verification import run as run_verified
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
 from ..units.description import default_experiment
@@ -113,6 +112,7 @@ def run(scene: Scene | str | Path, **options: Any) -> Result:
     progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.
     """
     from ..harness.validation.limits_of_run import with_limits
+    from ..judgement.verification import run as run_verified
 
     return run_verified(with_limits(scene_of(scene)), **options)
 

@@ -53,6 +53,13 @@ def port_pairs(
     return pairs
 
 
+def port_names(interface: Interface) -> list[str]:
+    """The ports of a unit: declared ones, and common beginnings of its variables."""
+    variables = (*interface.inputs, *interface.outputs)
+    ports = (port_of(n, interface.ports) or n.partition("[")[0].rpartition(".")[0] for n in variables)
+    return list(dict.fromkeys(filter(None, ports)))
+
+
 def _port(end: Endpoint, where: str, interface: Interface) -> _Port:
     unit, port = end
     matched = _INDEX.fullmatch(port)

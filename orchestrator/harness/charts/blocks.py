@@ -114,6 +114,7 @@ class RangeRow:
     standing: str
     note: str
     source: str
+    condition: str = ""  # rows of one stand below a line with it; "" for none
 
 
 @dataclass(frozen=True)

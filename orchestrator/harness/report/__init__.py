@@ -69,14 +69,12 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
 
 
 def _limits(case: CaseResult) -> list[Block]:
-    """The rows of the limits of a run, one table for each condition."""
-    blocks: list[Block] = [
+    """The rows of the limits of a run, and what is to be said of them."""
+    notes: list[Block] = [
         Text(list(texts), tone) for texts, tone in ((case.warnings, "warning"), (case.findings.notes, "note")) if texts
     ]
-    for condition in dict.fromkeys(row.reference.condition for row in case.findings.rows):
-        rows = [row for row in case.findings.rows if row.reference.condition == condition]
-        blocks.append(generic.range_table(condition or case.case.title, rows))
-    return blocks
+    rows = case.findings.rows
+    return [generic.range_table("", rows, grouped=True), *notes] if rows else notes
 
 
 def _verdict(result: Result) -> str:
@@ -203,24 +201,22 @@ def _range(name: str, values: np.ndarray, unit: str) -> str:
 
 def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Section]:
     case, findings = result.case, result.findings
-    sections = [
-        Section(
-            case.title,
-            [
-                Text([case.text] if alone else [result.verdict, case.text]),
-                *([Text(result.warnings, "warning")] if result.warnings else []),
-                *([_claims_table(findings.claims)] if findings.claims else []),
-            ],
-            badge=result.outcome,
-        )
+    answer: list[Block] = [
+        Text([case.text] if alone else [result.verdict, case.text]),
+        *([_claims_table(findings.claims)] if findings.claims else []),
     ]
     special = systems[case.system].figures if case.system in systems else None
     plain = [r for r in findings.rows if not r.reference.claim]
-    for condition in dict.fromkeys(r.reference.condition for r in plain):  # the answer, before the figures that show it
-        rows = [r for r in plain if r.reference.condition == condition]
-        title = condition or case.title
-        sections[0].blocks.append(generic.range_table(title, rows, findings.settings.get(condition, "")))
-    sections += [_claim_section(c) for c in findings.claims]
+    if plain:  # before the figures that show it
+        named = {c: findings.settings[c] for c in dict.fromkeys(r.reference.condition for r in plain) if c in findings.settings}
+        how = (
+            "; ".join(f"{c}: {text}" for c, text in named.items())
+            if len(set(named.values())) > 1
+            else next(iter(named.values()), "")
+        )
+        answer.append(generic.range_table("", plain, how, grouped=True))
+    answer += [Text(result.warnings, "warning")] if result.warnings else []
+    sections = [Section(case.title, answer, badge=result.outcome), *map(_claim_section, findings.claims)]
     settings: list[Block] = []
     for label, run in findings.runs.items():
         rows = [r for r in plain if r.reference.condition == label]

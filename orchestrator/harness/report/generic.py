@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,9 +24,12 @@ SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
 UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
 
-def range_table(title: str, rows: Sequence[Row], settings: str = "") -> Ranges:
-    """Rows of a case as a table with bars."""
-    return Ranges(title, [_range_row(r) for r in rows], settings)
+def range_table(title: str, rows: Sequence[Row], settings: str = "", grouped: bool = False) -> Ranges:
+    """Rows of a case as a table with bars; grouped: below lines with their conditions."""
+    shown = [_range_row(row) for row in rows]
+    if grouped:
+        shown = [replace(s, condition=row.reference.condition) for s, row in zip(shown, rows, strict=True)]
+    return Ranges(title, shown, settings)
 
 
 def measured_text(row: Row) -> str:

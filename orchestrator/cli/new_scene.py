@@ -1,0 +1,281 @@
+"""`cosimo new scene | line | case | table`: files of a user's own to start from, which run as they are."""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+from pathlib import Path
+from typing import Annotated, Any
+
+from typer import Argument, Option
+
+from ...components.core.errors import BadInput
+from ...components.core.measure import is_quantity, number_in
+from .common import is_scene, print_written
+from .new import new
+from .options import Conditions, InProcess, Limits, limits_of
+
+File = Annotated[Path, Argument(metavar="FILE.toml", help="file to write")]
+LINE_NUMBERS = {  # option -> table and key of a section, unit, default
+    "contact_tension": ("contact_wire", "tension", "N"),
+    "contact_mass": ("contact_wire", "mass", "kg/m"),
+    "messenger_tension": ("messenger", "tension", "N"),
+    "messenger_mass": ("messenger", "mass", "kg/m"),
+    "system_height": ("support", "system_height", "m"),
+    "support_stiffness": ("support", "stiffness", "N/m"),
+    "first_dropper": ("droppers", "first", "m"),
+    "dropper_gap": ("droppers", "gap", "m"),
+    "dropper_stiffness": ("droppers", "stiffness", "N/m"),
+}
+
+
+def _write(file: Path, text: str) -> None:
+    """A new file; raises `BadInput` for one that is there already."""
+    if file.suffix != ".toml":
+        raise BadInput("file", repr(str(file)), "a name that ends with .toml")
+    if file.exists():
+        raise BadInput("file", f"{file}, which is there already", "a file that does not exist yet", "Give another name.")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")
+    print_written([file])
+
+
+def _number(text: str, unit: str, where: str) -> float:
+    """A number of the command line, which may have its unit; raises `BadInput`."""
+    if is_quantity(text):
+        return number_in(text, unit, where)
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInput(where, repr(text), f"a number in {unit}, or with its unit") from None
+
+
+@new.command()
+def line(
+    file: File,
+    supports: Annotated[
+        Path,
+        Argument(
+            help="CSV with a row for each support: 'position [m]', and as far as they are known 'contact height [m]', 'system height [m]', "
+            "'stagger [m]', 'section' (sections that overlap give an overlap), 'held' and 'contact stiffness [N/m]'"
+        ),
+    ],
+    contact_tension: Annotated[str, Option(help="Of the contact wire.")] = "20 kN",
+    contact_mass: Annotated[str, Option(help="Per length.")] = "1.35 kg/m",
+    messenger_tension: Annotated[str, Option(help="Of the messenger.")] = "16 kN",
+    messenger_mass: Annotated[str, Option(help="Per length.")] = "1.08 kg/m",
+    system_height: Annotated[str, Option(help="Of supports that have none in the table.")] = "1.2 m",
+    support_stiffness: Annotated[str, Option(help="Of the messenger's supports.")] = "500 kN/m",
+    first_dropper: Annotated[str, Option(help="Distance from a support, where a scene gives no table of droppers.")] = "4.5 m",
+    dropper_gap: Annotated[str, Option(help="Longest distance of two droppers.")] = "6.5 m",
+    dropper_stiffness: Annotated[str, Option(help="Of a dropper in tension.")] = "200 kN/m",
+    droppers: Annotated[Path | None, Option(help="CSV of droppers, to check that they fit; the scene names it.")] = None,
+) -> None:
+    """Write the table of an overhead line from its supports. Example: cosimo new line my-line.toml supports.csv
+
+    Wires and droppers as options, such as --contact-tension "22 kN".
+    """
+    from ..systems.railway import line as lines
+    from ..systems.railway.new_line import line_text, supports_of
+
+    given = locals()
+    data: dict[str, dict[str, float]] = {"contact_wire": {}, "messenger": {}, "droppers": {}, "support": {}}
+    for option, (table, key, unit) in LINE_NUMBERS.items():
+        text, name = given[option], f"--{option.replace('_', '-')}"
+        data[table][key] = _number(text, unit, name)
+    text = line_text(
+        file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", supports_of(supports), data
+    )
+    _write(file, text)
+    try:
+        form, _ = lines.read(file, {}, droppers)
+    except BadInput:
+        file.unlink()
+        raise
+    print(f"{form.support.size} supports, {form.layout.droppers.position.size} droppers; next: cosimo show {file}")
+
+
+@new.command()
+def scene(
+    file: File,
+    units: Annotated[
+        list[str] | None,
+        Argument(metavar="[NAME=]COMPONENT...", help="units: components, module:Class or FMUs, which are joined by their ports"),
+    ] = None,
+    line: Annotated[Path | None, Option(help="Instead: pantographs under the line of this table.")] = None,
+    droppers: Annotated[Path | None, Option(help="CSV of droppers of the line.")] = None,
+    pantograph: Annotated[
+        str, Option(help="A preset of Pantograph, or the file that cosimo railway fit-pantograph wrote.")
+    ] = "EN 50318:2018",
+    pantographs: Annotated[int, Option(min=1, max=4, help="How many.")] = 1,
+    distance: Annotated[float, Option(help="Between two of them, m.")] = 200.0,
+    speed: Annotated[str, Option(help="Of the train.")] = "250 km/h",
+    limits: Limits = "",
+) -> None:
+    """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
+
+    Or of a line: cosimo new scene my-scene.toml --line my-line.toml --pantographs 2 --speed "250 km/h" --limits en50367
+    """
+    from ..harness.validation.limits_of_run import with_limits
+    from ..systems import load_scene
+    from ..systems.railway.new_line import scene_text
+
+    if (line is None) == (not units):
+        raise BadInput("new scene", "both units and --line" if units else "neither units nor --line", "one of them")
+    if line is not None:
+        text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, distance, speed, limits)
+    else:
+        text = _joined_scene(file, units or [], limits)
+    _write(file, text)
+    try:
+        with_limits(load_scene(file))
+    except BadInput:
+        file.unlink()
+        raise
+    print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
+
+
+def _joined_scene(file: Path, units: list[str], limits: str) -> str:
+    """A scene of units with their ports joined: each pair of ports that fit each other and nothing else of the pair of units."""
+    from ...components.catalogue import component_class
+    from ..scene.build import scene_data, snake_case
+    from ..scene.build import unit as unit_of
+    from ..scene.scene import scene_text
+    from ..systems import load_scene, read_scene
+
+    named: dict[str, Any] = {}
+    stops, steps = [], []
+    for text in units:
+        name, _, what = text.rpartition("=")
+        name = name or snake_case(what.rpartition(":")[2].rpartition("/")[2].removesuffix(".fmu"))
+        if name in named:
+            raise BadInput(
+                "new scene", f"two units {name!r}", "names that are unique", "As in first=Pantograph second=Pantograph."
+            )
+        if not what.endswith(".fmu"):
+            component_class(what, "new scene")  # a near name where there is none
+        alone = load_scene(what)
+        stops.append(alone.stop_time)
+        steps.append(alone.master.step)
+        named[name] = unit_of(str(Path(what).resolve()) if what.endswith(".fmu") else what)
+    data = scene_data(named, (), max(stops), min(steps), {}, {"title": file.stem})
+    coupling = read_scene(data, file.stem, file.parent).coupling
+    joined = [f"{a} <-> {b}" for one, other in combinations(named, 2) for a, b in _fitting(one, other, coupling)]
+    data["connections"] = joined
+    return scene_text({**data, **({"limits": limits} if limits else {})})
+
+
+def _fitting(one: str, other: str, coupling: Any) -> list[tuple[str, str]]:
+    """Pairs of ports of two units that join at least two members, or all of one of them; each port once, the largest first."""
+    from ..engine.coupling.ports import port_names, port_pairs
+
+    interfaces, counts = coupling.interfaces, []
+    for a, b in product(port_names(interfaces[one]), port_names(interfaces[other])):
+        try:
+            counts.append((len(port_pairs(((one, a), (other, b)), "", interfaces)), f"{one}.{a}", f"{other}.{b}"))
+        except BadInput:
+            continue
+    chosen: list[tuple[str, str]] = []
+    for count, a, b in sorted(counts, reverse=True):
+        if count > 1 and not any(a in pair or b in pair for pair in chosen):
+            chosen.append((a, b))
+    return chosen
+
+
+@new.command()
+def case(
+    file: File,
+    scene: Annotated[str, Argument(help="a shipped scene or a scene file")],
+    speeds: Annotated[
+        str, Option(metavar="SPEED,...", help='As in "200 km/h, 250 km/h": a run for each, over the same way.')
+    ] = "",
+    limits: Limits = "",
+    conditions: Conditions = None,
+) -> None:
+    """Write a validation case of a scene of yours. Example: cosimo new case my-case.toml my-scene.toml --limits en50367
+
+    With --speeds "200 km/h, 250 km/h" it has a run for each speed.
+
+    Ranges and measured curves of your own are added to the file.
+    """
+    from ..harness.validation.own import read_case
+    from ..systems import load_scene, summary
+
+    if not limits:
+        raise BadInput("new case", "no --limits", "a table to judge by, such as en50367; rows of your own are added to the file")
+    if not is_scene(scene):
+        raise BadInput("new case", repr(scene), "a shipped scene or a scene file")
+    loaded = load_scene(scene)
+    moving = [n for n, u in loaded.units.items() if "speed" in u.parameters]
+    beside = Path(scene).resolve()
+    name = (
+        beside.relative_to(file.parent.resolve()).as_posix()
+        if beside.is_relative_to(file.parent.resolve()) and beside.suffix
+        else scene
+    )
+    place = (limits_of(limits, conditions) or {})["table"]
+    parts = [f'title = "{loaded.title or loaded.name}"', f'scene = "{name}"']
+    parts += [
+        f'limits = {{ table = "{place}", conditions = {conditions!r} }}'.replace("'", '"')
+        if conditions
+        else f'limits = "{place}"',
+        "",
+    ]
+    for text in filter(None, (part.strip() for part in speeds.split(","))):
+        if not moving:
+            raise BadInput("--speeds", repr(text), "a scene whose units have a parameter speed")
+        v = _number(text, "m/s", "--speeds")
+        stop = loaded.stop_time * float(loaded.units[moving[0]].parameters["speed"]) / v
+        step = loaded.master.step
+        changes = [
+            f'"units.{unit}.parameters.speed" = "{text}"' if is_quantity(text) else f'"units.{unit}.parameters.speed" = {v:g}'
+            for unit in moving
+        ]
+        parts += [
+            "[[runs]]",
+            f'condition = "{text}"',
+            f"changes = {{ {', '.join(changes)}, stop_time = {round(stop / step) * step:.9g} }}",
+            "",
+        ]
+    _write(file, "\n".join(parts))
+    try:
+        read_case(file, load_scene, summary)
+    except BadInput:
+        file.unlink()
+        raise
+    print(f"next: cosimo validate {file} -o out --pdf")
+
+
+@new.command()
+def table(
+    file: File,
+    scene: Annotated[str, Argument(help="a shipped scene or a scene file, which is run once")],
+    share: Annotated[str, Option(help="Width of each range on either side of the number of the run.")] = "10%",
+    in_process: InProcess = True,
+) -> None:
+    """Write a table of limits with a row for each figure of a scene. Example: cosimo new table my-limits.toml my-scene.toml
+
+    Ranges lie about the numbers of one run: change them, with where they come from. Then: cosimo run my-scene.toml --limits my-limits.toml
+    """
+    from math import isfinite
+
+    from ..systems import run
+    from .options import share as share_of
+
+    width = share_of("--share", share)
+    result = run(scene, in_process=in_process, verify="no")
+    if result.outcome != "done":
+        raise BadInput("new table", f"a run that {result.outcome}: {result.message}", "a scene that reaches its end")
+    rows = [row for row in result.summary if isfinite(row.value)]
+    if not rows:
+        raise BadInput("new table", f"{result.scene.name}, which has no figures", "a scene whose [analysis] has a system")
+    parts = [
+        "[sources]",
+        f'run = "one run of {result.scene.name} by cosimo, and {share} on either side: to be replaced by the source of each range"',
+        "",
+    ]
+    for row in rows:
+        ends = sorted((row.value * (1.0 - width), row.value * (1.0 + width)))
+        parts += ["[[rows]]", f'quantity = "{row.text}"', f'measure = "{row.name}"', f'unit = "{row.unit}"']
+        parts += [f"low = {ends[0]:.6g}", f"high = {ends[1]:.6g}", 'standing = "computed"', 'source = "run"', ""]
+    _write(file, "\n".join(parts))
+    print(f"{len(rows)} rows; next: cosimo run {scene} --limits {file}")

@@ -1,0 +1,237 @@
+"""A line from the CSV table of its supports, and a scene of pantographs under a line: files to start from, which run."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import number_in
+from ....components.railway.line.from_table import resolved_sections
+from ....components.railway.line.table import read_line
+from ....components.railway.pantograph import Pantograph
+from ...scene.files import read_text, read_toml
+
+COLUMNS = {  # of the table of supports: key of a support in a line's table, "" for what is none
+    "position [m]": "",
+    "section": "",
+    "contact height [m]": "contact_height",
+    "system height [m]": "system_height",
+    "stagger [m]": "stagger",
+    "held": "held",
+    "contact stiffness [N/m]": "contact_stiffness",
+}
+START = 30.0  # m, of the last pantograph, at most half of the first span
+TRANSIENT = 1.0  # s, of the start at full speed
+CALM = 1.6  # times the way of the transient, before the first span that is judged: for runs at higher speeds, too
+PORTS = ("contact", "second_pantograph")  # of the catenary, for the first two; then elements of `further_pantographs`
+NUMBERED = ("first", "second", "third", "fourth")
+
+
+def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
+    """Section -> its supports in the order of their positions, of a CSV table with a row for each; raises `BadInput` with the line."""
+    lines = read_text(path, "supports").removeprefix("\ufeff").splitlines()
+    head = lines[0] if lines else ""
+    delimiter = next((d for d in (";", "\t") if d in head), ",")
+    records = list(csv.reader(lines, delimiter=delimiter))
+    header = [" ".join(cell.split()) for cell in (records[0] if records else ())]
+    for column in header:
+        if column not in COLUMNS:
+            raise BadInput(
+                f"{path}, line 1", f"column {column!r}", "a column of supports with its unit", nearest(column, COLUMNS)
+            )
+    if "position [m]" not in header:
+        raise BadInput(f"{path}, line 1", ", ".join(header) or "nothing", "a column 'position [m]'", "A row is a support.")
+    sections: dict[str, list[dict[str, Any]]] = {}
+    for number, record in enumerate(records[1:], 2):
+        cells = {c: cell.strip() for c, cell in zip(header, record, strict=False) if cell.strip()}
+        if not cells:
+            continue
+        support = {
+            c: cell if c in ("section", "held") else _number(cell, f"{path}, line {number}, {c}") for c, cell in cells.items()
+        }
+        if "position [m]" not in support:
+            raise BadInput(f"{path}, line {number}", "no position", "the position of each support, m")
+        sections.setdefault(support.pop("section", "1"), []).append(support)
+    for name, supports in sections.items():
+        if len(supports) < 2 or (np.diff([s["position [m]"] for s in supports]) <= 0.0).any():
+            raise BadInput(f"{path}, section {name}", f"{len(supports)} supports", "at least two, each behind the one before")
+    if not sections:
+        raise BadInput(str(path), "no support", "a row for each support")
+    return sections
+
+
+def _number(cell: str, where: str) -> float:
+    try:
+        return float(cell.replace(",", "."))
+    except ValueError:
+        raise BadInput(where, repr(cell), "a number") from None
+
+
+def line_text(
+    title: str, source: str, sections: Mapping[str, Sequence[Mapping[str, Any]]], data: Mapping[str, Mapping[str, float]]
+) -> str:
+    """A line's table. data: "contact_wire", "messenger", "droppers", "support" -> numbers of each section's table, SI."""
+    parts = [f"title = {_quoted(title)}", f"source = {_quoted(source)}", ""]
+    for supports in sections.values():
+        positions = [s["position [m]"] for s in supports]
+        parts += ["[[sections]]", f"start = {positions[0]:.9g}"]
+        parts += [f"{name} = {_table(values)}" for name, values in data.items() if values]
+        parts += [f"spans = [{', '.join(f'{span:.9g}' for span in np.diff(positions))}]"]
+        rows = [_table({COLUMNS[c]: v for c, v in s.items() if COLUMNS[c]}) for s in supports]
+        parts += ["supports = [", *(f"    {row}," for row in rows), "]", ""] if any(row != "{}" for row in rows) else [""]
+    return "\n".join(parts)
+
+
+def _table(values: Mapping[str, Any]) -> str:
+    def shown(value: Any) -> str:
+        if isinstance(value, float):
+            return f"{value:.9g}"
+        return "true" if str(value).lower() in ("true", "yes", "1") else "false"
+
+    return "{ " + ", ".join(f"{key} = {shown(value)}" for key, value in values.items()) + " }" if values else "{}"
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def scene_text(
+    title: str,
+    folder: Path,
+    line: Path,
+    droppers: Path | None,
+    pantograph: str,
+    count: int,
+    distance: float,
+    speed: str,
+    limits: str,
+) -> str:
+    """A scene of pantographs under a line; folder: where the scene goes, from which its files are named. Raises `BadInput`."""
+    form = read_line(read_text(line, "line"), str(line))
+    resolved = resolved_sections(form)
+    supports = np.unique(np.concatenate([s.x for s in resolved]).round(9))
+    v = number_in(speed, "m/s", "--speed") if not speed.replace(".", "").isdigit() else float(speed)
+    second = len(resolved) > 1 or any(s.section.second_contact_wire.tension is not None for s in resolved)
+    last = float(supports[0] + min(START, 0.5 * (supports[1] - supports[0])))
+    starts = [last + distance * (count - 1 - k) for k in range(count)]
+    end = float(supports[-1] - 0.5 * (supports[-1] - supports[-2]))
+    begin = starts[0] + CALM * TRANSIENT * v
+    inside = supports[(supports >= begin) & (supports <= end - distance * (count - 1))]
+    if inside.size < 2:
+        need = begin + distance * (count - 1) + 2.5 * float(np.diff(supports).max())
+        raise BadInput(
+            "new scene",
+            f"a line of {supports[-1] - supports[0]:g} m",
+            f"about {need:.0f} m: {count} at {v:g} m/s, {TRANSIENT:g} s of start, and a whole span to judge",
+            "Make the line longer, or the pantographs fewer or slower.",
+        )
+    names = ["pantograph"] if count == 1 else ["leading", "trailing"] if count == 2 else list(NUMBERED[:count])
+    ports = [PORTS[k] if k < 2 else f"further_pantographs[{k - 1}]" for k in range(count)]
+    joined = [f"{name}.contact <-> catenary.{port}" for name, port in zip(names, ports, strict=True)]
+    joined += [f"{name}.second_wire <-> catenary.second_wire[{k}]" for k, name in enumerate(names, 1) if second]
+    effects = ["dropper_slackening", "gravity_sag", "damping", "line_table", "wire_profile"]
+    effects += ["second_wire"] if second else []
+    effects += ["second_pantograph"] if count > 1 else []
+    effects += ["further_pantographs"] if count > 2 else []
+    table = [f"line_table.table = {_quoted(_from(folder, line))}"]
+    table += [f"line_table.droppers = {_quoted(_from(folder, droppers))}"] if droppers is not None else []
+    table += [f"further_pantographs.count = {count - 2}"] if count > 2 else []
+    first_watched = max(0, int(np.flatnonzero(supports == inside[0])[0]))
+    parts = [
+        f"title = {_quoted(title)}",
+        f"stop_time = {(end - starts[0]) / v:.4g}                                   # s; to the middle of the last span",
+        *([f"limits = {_quoted(limits)}"] if limits else []),
+        "connections = [",
+        *(f"    {_quoted(text)}," for text in joined),
+        "]",
+        "",
+        "[units.catenary]",
+        'component = "Catenary"',
+        f"effects = [{', '.join(map(_quoted, effects))}]",
+        "parameters = { "
+        + ", ".join(
+            [
+                *table,
+                f"first_watched_support = {first_watched}",
+                "substep = 2.5e-4",
+                "damping.beta = 1e-4",
+                "damping.alpha = 0.0125",
+            ]
+        )
+        + " }  # damping: of EN 50318:2018",
+    ]
+    unit = _pantograph(pantograph)
+    own = [*unit["effects"], *(["second_wire"] if second and "second_wire" not in unit["effects"] else [])]
+    for name, start in zip(names, starts, strict=True):
+        given = {
+            **unit["parameters"],
+            "speed": speed if not speed.replace(".", "").isdigit() else float(speed),
+            "start_position": start,
+        }
+        parts += [
+            "",
+            f"[units.{name}]",
+            'component = "Pantograph"',
+            *([f"preset = {_quoted(unit['preset'])}"] if unit["preset"] else []),
+        ]
+        parts += [f"effects = [{', '.join(map(_quoted, own))}]", "", f"[units.{name}.parameters]"]
+        parts += [f"{key} = {_quoted(value) if isinstance(value, str) else f'{value:.9g}'}" for key, value in given.items()]
+    parts += [
+        "",
+        "[master]",
+        'algorithm = "gauss-seidel"',
+        "step = 1e-3                                       # s",
+        "extrapolation = 1",
+        "",
+    ]
+    parts += [
+        "[analysis]",
+        'system = "railway"',
+        f"transient = {TRANSIENT:g}                                    # s, of the start at full speed",
+    ]
+    parts += [
+        f"window = [{inside[0]:.9g}, {inside[-1]:.9g}]                          # m, whole spans that all pantographs pass",
+        "",
+    ]
+    return "\n".join(parts)
+
+
+def _from(folder: Path, file: Path) -> str:
+    """The path of a file as a scene in the folder names it."""
+    try:
+        return file.resolve().relative_to(folder.resolve()).as_posix()
+    except ValueError:
+        return file.resolve().as_posix()
+
+
+def _pantograph(name: str) -> dict[str, Any]:
+    """Preset, effects and parameters of a preset's name, or of a fitted pantograph's file."""
+    if not name.endswith(".toml"):
+        if name not in Pantograph.presets:
+            raise BadInput(
+                "--pantograph",
+                repr(name),
+                "a preset of Pantograph, or the file of a fitted one",
+                nearest(name, Pantograph.presets),
+            )
+        return {"preset": name, "effects": ["contact_loss"], "parameters": {}}
+    data = read_toml(Path(name)).get("units", {})
+    unit = next(iter(data.values()), None) if isinstance(data, Mapping) else None
+    if not isinstance(unit, Mapping) or unit.get("component") != "Pantograph":
+        raise BadInput(
+            "--pantograph", repr(name), "a file with a unit that is a Pantograph", "As `cosimo railway fit-pantograph` writes it."
+        )
+    parameters = _flat(unit.get("parameters", {}))
+    return {"preset": unit.get("preset", ""), "effects": list(unit.get("effects", ["contact_loss"])), "parameters": parameters}
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) else {prefix + key: value}
+    return flat

@@ -1,0 +1,98 @@
+"""`cosimo new line, scene, case, table`: from files of a crew and of a measurement to a judged report, without copied connections."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from cosimo import load_scene
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.systems.railway.frequency_response import receptance
+
+HEADS = "position [m];section;contact height [m];system height [m];held;contact stiffness [N/m]"
+FITTED = {"head_mass": 7.2, "head_stiffness": 4200.0, "head_damping": 10.0,
+          "frame_mass": 15.0, "frame_stiffness": 50.0, "frame_damping": 90.0}  # fmt: skip
+
+
+def command(*arguments):
+    """Its exit code."""
+    with pytest.raises(SystemExit) as end:
+        main([str(a) for a in arguments])
+    return end.value.code
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder with the supports of an overlap, German decimals, and the frequency response of a pantograph."""
+    first = [(x, 5.3, 1.2) for x in (0, 50, 100, 150, 200, 250, 300)] + [(350, 5.36, 1.2), (400, 5.8, 1.0), (450, 6.2, 0.8)]
+    second = [(300, 6.2, 0.8), (350, 5.8, 1.0), (400, 5.36, 1.2)] + [(x, 5.3, 1.2) for x in range(450, 901, 50)]
+    rows = [(x, k, h, s, "yes;50000" if h == 5.8 else ";") for k, own in ((1, first), (2, second)) for x, h, s in own]
+    text = "\n".join([HEADS, *(f"{x};{k};{h};{s};{held}".replace(".", ",") for x, k, h, s, held in rows)])
+    (tmp_path / "supports.csv").write_text(text, encoding="utf-8")
+    frequency = np.arange(0.5, 20.01, 0.5)
+    lines = [f"{f},{z.real},{z.imag}" for f, z in zip(frequency, receptance(frequency, FITTED), strict=True)]
+    (tmp_path / "head.csv").write_text("\n".join(["frequency [Hz],real [m/N],imaginary [m/N]", *lines]))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.full
+def test_five_commands_from_a_crews_files_to_a_judged_report(folder):
+    assert command("new", "line", "line.toml", "supports.csv", "--contact-tension", "22 kN") == 0
+    assert command("railway", "fit-pantograph", "head.csv", "--masses", 2, "-o", "fitted") == 0
+    two = ["--pantograph", "fitted/pantograph.toml", "--pantographs", 2, "--distance", 100, "--speed", "160 km/h"]
+    assert command("new", "scene", "mine.toml", "--line", "line.toml", *two) == 0
+    assert command("new", "case", "case.toml", "mine.toml", "--speeds", "160 km/h, 220 km/h", "--limits", "en50367") == 0
+    assert command("validate", "case.toml", "-o", "out", "--in-process", "--no-verify") == 0
+    (case,) = json.loads((folder / "out" / "validation.json").read_text())["cases"]
+    assert case["outcome"] == "recalled"
+    conditions = {row["condition"] for row in case["rows"]}
+    assert "160 km/h: leading.both_wires, AC up to 200 km/h" in conditions
+    assert "220 km/h: trailing.both_wires, AC above 200 km/h" in conditions
+    assert load_scene("mine.toml").units["leading"].parameters["head_mass"] == pytest.approx(7.2, rel=1e-6)
+
+
+def test_units_are_joined_by_their_ports(tmp_path):
+    assert command("new", "scene", tmp_path / "plain.toml", "Pantograph", "wire=LumpedCatenary") == 0
+    assert load_scene(tmp_path / "plain.toml").connections == ("pantograph.contact <-> wire.contact",)
+    assert command("new", "scene", tmp_path / "rotor.toml", "BeamRotor", "DeepGrooveBearing") == 0
+
+
+def test_a_table_of_a_scenes_figures_is_kept_by_the_scene(tmp_path):
+    limits = tmp_path / "limits.toml"
+    assert command("new", "table", limits, "lumped-catenary") == 0
+    assert command("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits) == 0
+
+
+def test_bad_input_leaves_no_file(folder, capsys):
+    (folder / "line.toml").write_text("")
+    (folder / "bad.csv").write_text("position [m];hight [m]\n0;5,3\n")
+    (folder / "back.csv").write_text("position [m]\n0\n50\n40\n")
+    (folder / "short.csv").write_text("position [m]\n0\n50\n100\n")
+    before = set(folder.iterdir())
+    for arguments, named in (
+        (("line", "line.toml", "supports.csv"), "there already"),
+        (("line", "new.txt", "supports.csv"), "ends with .toml"),
+        (("line", "new.toml", "bad.csv"), "'contact height [m]'"),
+        (("line", "new.toml", "back.csv"), "behind the one before"),
+        (("line", "new.toml", "supports.csv", "--contact-tension", "22 kg"), "dimension of N"),
+        (("scene", "new.toml"), "neither units nor --line"),
+        (("scene", "new.toml", "Pantograf"), "'Pantograph'"),
+        (("scene", "new.toml", "Pantograph", "Pantograph"), "names that are unique"),
+        (("scene", "new.toml", "Pantograph", "--limits", "en5036"), "'en50367'"),
+        (("case", "new.toml", "lumped-catenary"), "no --limits"),
+        (("case", "new.toml", "lumped-catenary", "--limits", "en5036"), "'en50367'"),
+        (("case", "new.toml", "mass-on-spring", "--limits", "en50367", "--speeds", "200 km/h"), "parameter speed"),
+    ):
+        assert command("new", *arguments) == 2, arguments
+        assert named in capsys.readouterr().err, arguments
+    assert set(folder.iterdir()) == before
+
+
+def test_a_line_that_is_too_short_says_how_long_it_must_be(folder, capsys):
+    (folder / "short.csv").write_text("position [m]\n0\n50\n100\n150\n")
+    assert command("new", "line", "short.toml", "short.csv") == 0
+    assert command("new", "scene", "mine.toml", "--line", "short.toml") == 2
+    assert "Make the line longer" in capsys.readouterr().err
+    assert not (folder / "mine.toml").exists()
