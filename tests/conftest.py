@@ -21,9 +21,11 @@ settings.load_profile("busy machine")
 LONG = (
     "test_plain_python.py",
     "test_as_shipped.py",
+    "test_scene_fmu.py",
     "test_readme.py",
     "test_native_run.py",
     "test_native_bits.py",
+    "test_wasm32.py",
     "test_processes.py",
     "test_site.py",
     "test_independent_accuracy.py",
@@ -45,7 +47,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them.
+    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks and campaigns only where `-m` names them.
 
     Of all tests, those marked `interpreted` are left to the process of `test_plain_python.py`, but for the `full` ones, which
     the complete run compiles. Those marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
@@ -62,7 +64,7 @@ def pytest_collection_modifyitems(config, items):
     elsewhere = [
         item
         for item in items
-        if ("benchmark" not in config.option.markexpr and item.get_closest_marker("benchmark"))
+        if any(kind not in config.option.markexpr and item.get_closest_marker(kind) for kind in ("benchmark", "campaign"))
         or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))
     ]
     config.hook.pytest_deselected(items=elsewhere)

@@ -58,7 +58,7 @@ def own_folder(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
 
 
-@pytest.mark.full
+@pytest.mark.campaign
 def test_two_thousand_runs_of_components():
     """A signal of the result that was kept would be some hundred bytes."""
     unit = {"component": "Pantograph", "effects": ["contact_loss"]}

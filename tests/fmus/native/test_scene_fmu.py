@@ -108,6 +108,7 @@ def test_a_step_of_the_host_is_several_macro_steps(built):
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[::10].tobytes()
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_units_with_rates_of_their_own(algorithm, tmp_path):
     """Between the steps of a unit others take what its polynomials say."""
@@ -119,6 +120,7 @@ def test_units_with_rates_of_their_own(algorithm, tmp_path):
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[: STEPS - 1].tobytes()
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("changes", [{"master.extrapolation": 0}, {"master.smoothing": True}, {"master.algorithm": "jacobi"}])
 def test_settings_of_the_master(changes, tmp_path):
     scene = load_scene("mass-on-spring").with_changes(changes)

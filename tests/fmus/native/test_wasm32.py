@@ -20,6 +20,7 @@ from cosimo.tests.contract.configurations import Configuration, compatible, smal
 from cosimo.tests.documentation.test_readme import ROOT, blocks
 from cosimo.tests.fmus.native.support import SHARE, in_process, opened
 from cosimo.tests.fmus.native.web_assembly import NODE, alone, inexact_functions, needs_node, stepped
+from cosimo.tests.short_run import ONE_A_SYSTEM
 
 pytestmark = [needs_node, pytest.mark.skipif(own_target() != "linux64", reason="compares with Linux on x86-64")]
 STEPS, DIFFERENCE = 200, 1e-12
@@ -39,7 +40,14 @@ def every_effect():
             yield Configuration(name, on, small(name, on))
 
 
-EVERY = [pytest.param(c, id=c.label, marks=() if c.component == "PlanarLink" else pytest.mark.full) for c in every_effect()]
+EVERY = [
+    pytest.param(
+        c,
+        id=c.label,
+        marks=() if c.component == "PlanarLink" else pytest.mark.full if c.component in ONE_A_SYSTEM else pytest.mark.campaign,
+    )
+    for c in every_effect()
+]
 
 
 @pytest.mark.parametrize("configuration", EVERY)
