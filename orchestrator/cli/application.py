@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-from . import catalogue, compare, fmus, many, new, new_scene, railway, run, show, studies, validate  # noqa: F401 - each adds its commands
+from . import (  # noqa: F401 - each adds its commands
+    catalogue,
+    compare,
+    explore,
+    fmus,
+    many,
+    new,
+    new_scene,
+    railway,
+    run,
+    show,
+    studies,
+    validate,
+)
 from .common import app
 
 __all__ = ["app"]

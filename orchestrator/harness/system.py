@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..settings import AnalysisKeys
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class System:
     """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (questions and tables), figures.py or
-    figures/, motion.py, fronts/*.csv, summary.py.
+    figures/, motion.py, fronts/*.csv, summary.py, explore.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
@@ -58,6 +58,12 @@ class System:
         """Patterns of the quantities that a run of the system is judged by, as in "*_rms"; none for its first ones."""
         name = f"{self.package}.summary"
         return getattr(import_module(name), "HEADLINE", ()) if find_spec(name) else ()
+
+    @property
+    def explore(self) -> Any:
+        """What it knows of pages that compute its scenes, see `explore.content.Knowledge`: its module `explore`, None without one."""
+        name = f"{self.package}.explore"
+        return import_module(name) if find_spec(name) else None
 
 
 Systems = Mapping[str, System]  # by name

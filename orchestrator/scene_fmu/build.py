@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -50,8 +50,11 @@ def _refusal(scene: Scene, actual: str) -> BadInput:
     )
 
 
-def scene_library(scene: Scene, targets: Iterable[str]) -> Library:
-    """Compile a scene for all targets; `BadInput` where something of it is no kernel, or no compiler is found."""
+def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] = ()) -> Library:
+    """Compile a scene for all targets; `BadInput` where something of it is no kernel, or no compiler is found.
+
+    sources: further ones of the runtime.
+    """
     compilers = {target: compiler(target) for target in targets}
     refuse_what_needs_python(scene)
     shown = scene.coupling.shown.values()
@@ -79,7 +82,7 @@ def scene_library(scene: Scene, targets: Iterable[str]) -> Library:
                 3: same | {"fixedInternalStepSize": repr(scene.master.step), "providesDirectionalDerivatives": "false"},
             },
             host=HOST,
-            sources=("scene.c",),
+            sources=("scene.c", *sources),
         )
 
 

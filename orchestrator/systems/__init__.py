@@ -197,3 +197,14 @@ def write_report(result: Result, directory: str | Path) -> Path:
     from ..harness.report import for_run
 
     return for_run(result, directory, SYSTEMS)
+
+
+def explore_page(scene: Scene, path: str | Path, **options: Any) -> Path:
+    """Write a page that computes the scene in the browser, with the figures of its system; returns its path.
+
+    Options are those of `harness.explore.explore_page`: parameters, effects, jobs, say. Raises `BadInput`.
+    """
+    from ..harness.explore import explore_page as write
+
+    system = scene.analysis.system
+    return write(scene, Path(path), SYSTEMS[system].explore if system in SYSTEMS else None, **options)

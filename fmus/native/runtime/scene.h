@@ -23,8 +23,8 @@ extern const uint32_t scene_request_first, scene_request_last, scene_request_ste
 extern const uint32_t scene_signals, scene_inverse, scene_signal_count, scene_step_rows[2], scene_push_rows[2];
 /* statuses, each with a message; of unit k: scene_per_unit * (k + 1) + its own */
 extern const int32_t scene_not_a_multiple, scene_grown, scene_not_converged, scene_per_unit;
-extern const double scene_length;                       /* of the macro step, s */
-extern const int64_t scene_numerator, scene_denominator; /* of it as it is written; 0 for one of too many digits */
+extern double scene_length;                       /* of the macro step, s */
+extern int64_t scene_numerator, scene_denominator; /* of it as it is written; 0 for one of too many digits */
 extern const int64_t scene_failed, scene_none, scene_no_values; /* of the request: a unit's status times this; no unit; no convergence */
 extern const double scene_growth; /* of an output over its nominal value: no answer of a model any more */
 int32_t master_run_steps(double t, double h, int64_t block);

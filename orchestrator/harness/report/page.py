@@ -50,7 +50,7 @@ class Page:
     footer: Sequence[str] = field(default=())
 
 
-def _as_json(value: Any) -> str:
+def as_json(value: Any) -> str:
     """JSON that can stand inside a script element: no "<" that could end it, no NaN."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
 
@@ -60,11 +60,12 @@ def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["json"] = _as_json
+    environment.filters["json"] = as_json
     return environment
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """The text of a file beside this module."""
     return (resources.files(__package__) / name).read_text(encoding="utf-8")
 
 
@@ -91,26 +92,26 @@ def write_page(page: Page, path: Path) -> Path:
             stills=[still(f.figure, f"f{i}") for i, f in enumerate(figures, 1)],
             points=points,
             samples="" if inside or not samples.content else beside.name,
-            samples_inside=_compressed(_as_json(samples.content)) if inside and samples.content else "",
+            samples_inside=compressed(as_json(samples.content)) if inside and samples.content else "",
             sample_points=samples.points,
             id=id,
             badges=BADGES,
             limits_words=LIMITS_WORDS,
-            css=_asset("page.css"),
+            css=asset("page.css"),
             dark=DARK,
-            script=_asset("page.js"),
-            motion_script=_asset("motion.js") if any(b.kind == "motion" for s in page.sections for b in s.blocks) else "",
+            script=asset("shared.js") + asset("page.js"),
+            motion_script=asset("motion.js") if any(b.kind == "motion" for s in page.sections for b in s.blocks) else "",
             motion_data=motion_data,
             still_motion=still_motion,
             plotly={"beside": PLOTLY, "cdn": CDN.format(get_plotlyjs_version())}.get(delivery.plotly, "") if figures else "",
-            plotly_inside=_compressed_plotly() if inside and figures else "",
+            plotly_inside=compressed_plotly() if inside and figures else "",
         )
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     beside.unlink(missing_ok=True)
     if samples.content and not inside:
         with replaced(beside) as file:
-            file.write(f"window.samples = {_as_json(samples.content)};\n")
+            file.write(f"window.samples = {as_json(samples.content)};\n")
     if figures and delivery.plotly == "beside":
         _put_plotly(path.with_name(PLOTLY))
     with replaced(path) as file:
@@ -120,14 +121,16 @@ def write_page(page: Page, path: Path) -> Path:
     return path
 
 
-def _compressed(text: str) -> str:
-    """A text as gzip in letters, which browsers unpack."""
-    return b64encode(gzip.compress(text.encode("utf-8"), 6, mtime=0)).decode("ascii")
+def compressed(content: str | bytes) -> str:
+    """A text or bytes as gzip in letters, which browsers unpack."""
+    raw = content.encode("utf-8") if isinstance(content, str) else content
+    return b64encode(gzip.compress(raw, 6, mtime=0)).decode("ascii")
 
 
 @cache
-def _compressed_plotly() -> str:
-    return _compressed(get_plotlyjs())
+def compressed_plotly() -> str:
+    """The library that draws figures, for a page."""
+    return compressed(get_plotlyjs())
 
 
 def _put_plotly(path: Path) -> None:

@@ -1,0 +1,22 @@
+/* A run of a scene for a page: all macro steps in one call. The page may change the macro step, which an FMU has fixed. */
+#include "scene.h"
+
+/* Seconds of a macro step; numerator / denominator is the same number, 0 where no whole numbers are. Before initialization. */
+EXPORT void live_macro_step(double length, double numerator, double denominator) {
+    scene_length = length;
+    scene_numerator = (int64_t)numerator;
+    scene_denominator = (int64_t)denominator;
+}
+
+static void sample(const Instance *m, const uint32_t *references, size_t n, double *row) {
+    for (size_t i = 0; i < n; i++) row[i] = m->block[model_variables[references[i]].cell];
+}
+
+/* Take so many macro steps from time t and write n outputs into rows: once before the steps, and after each. Returns how many
+   steps were taken: fewer where one failed, whose message the logger has got. */
+EXPORT uint32_t live_run(Instance *m, double t, uint32_t steps, const uint32_t *references, size_t n, double *rows) {
+    uint32_t k = 0;
+    sample(m, references, n, rows);
+    while (k < steps && !do_step(m, t + k * scene_length, scene_length)) sample(m, references, n, rows + ++k * n);
+    return k;
+}

@@ -1,0 +1,60 @@
+"""The file: template, styles, scripts, data and modules in one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from ....components.core.store import replaced
+from ...output import ensure_directory
+from ...scene.scene import Scene
+from ..charts.style import BLUE, DARK, MUTED, RAW, VERMILION, axis, layout
+from ..report.page import as_json, asset, compressed, compressed_plotly
+from .content import content_of
+
+
+def explore_page(
+    scene: Scene,
+    path: Path,
+    knowledge: Any = None,
+    *,
+    parameters: Mapping[str, tuple[float, float] | None] | None = None,
+    effects: Sequence[str] | None = None,
+    jobs: int | None = None,
+    say: Callable[[str], None] = lambda text: None,
+) -> Path:
+    """Write a page that computes the scene in the browser; arguments as of `content_of`. Raises `BadInput`."""
+    content = content_of(scene, knowledge, parameters=parameters, effects=effects, jobs=jobs, say=say)
+    colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION}
+    plain = {"height": 300, "showlegend": True, "margin": {"l": 70, "r": 16, "t": 30, "b": 46}, "uirevision": "kept"}
+    figures = {
+        "curve": layout(**plain, xaxis=axis("time, s"), yaxis=axis("", grid=True)),
+        "accuracy": layout(**plain, xaxis=axis("macro step, s", type="log"), yaxis=axis("", grid=True, type="log")),
+    }
+    environment = Environment(
+        loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["json"] = as_json
+    html = environment.get_template("page.html").render(
+        data=content.data | {"colours": colours, "layouts": figures},
+        title=content.data["title"],
+        drawing=str(scene.show()),
+        css=asset("page.css") + _asset("explore.css"),
+        dark=DARK,
+        modules=[compressed(module) for module in content.modules],
+        worker=_asset("analysis.js") + _asset("worker.js"),
+        script=asset("shared.js") + _asset("words.js") + _asset("explore.js"),
+        plotly=compressed_plotly(),
+    )
+    ensure_directory(path.parent)
+    with replaced(path) as file:
+        file.write(html)
+    return path
+
+
+def _asset(name: str) -> str:
+    return (resources.files(__package__) / name).read_text(encoding="utf-8")

@@ -1,0 +1,145 @@
+// Computes runs: the latest wish wins, between pieces of a run the worker looks whether there is a newer one.
+const PIECE = 25; // ms
+const GROWN = 3; // times the deviation of a signal with the shortest step: the coupling adds energy that is not there
+let data, modules, wish = null, busy = false;
+const instances = [];
+const channel = new MessageChannel();
+let resume = null;
+channel.port1.onmessage = () => resume();
+const breathe = () => new Promise((done) => { resume = done; channel.port2.postMessage(0); });
+
+onmessage = ({ data: message }) => {
+  if (message.modules) { ({ data, modules } = message); return; }
+  wish = message;
+  if (!busy) serve();
+};
+
+function instanceOf(variant) { // the module of a variant, started once
+  return (instances[variant] ??= (() => {
+    const said = [];
+    const text = (at) => {
+      const bytes = new Uint8Array(x.memory.buffer, at);
+      return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+    };
+    const log = (environment, status, category, message) => said.push(text(message));
+    const x = new WebAssembly.Instance(new WebAssembly.Module(modules[variant]), { host: { log } }).exports;
+    x._initialize();
+    const put = (array) => {
+      const at = x.malloc(array.byteLength || 8);
+      new Uint8Array(x.memory.buffer, at).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+      return at;
+    };
+    const names = data.signals.map((s) => s.name), { outputs, token } = data.variants[variant];
+    const bytes = (string) => put(new TextEncoder().encode(string + "\0"));
+    return {
+      x, said, put, names, token: bytes(token), unit: bytes("page"),
+      outputs: put(Uint32Array.from(names, (name) => outputs[name])), parameters: data.variants[variant].parameters,
+    };
+  })());
+}
+
+// A run of whole steps. `newer` says whether to give up; returns null then.
+async function run({ variant, values }, length, exact, newer, progress) { // exact: the length as whole numbers
+  const of = instanceOf(variant), { x, said, put } = of, n = of.names.length, count = Math.round(data.stop / length);
+  said.length = 0;
+  x.live_macro_step(length, exact[0], exact[1]);
+  const began = performance.now();
+  const unit = x.fmi3InstantiateCoSimulation(of.unit, of.token, 0, 0, 0, 0, 0, 0, 0, 0, x.host_logger(), 0);
+  const names = Object.keys(values).filter((name) => name in of.parameters);
+  const references = put(Uint32Array.from(names, (name) => of.parameters[name]));
+  const numbers = put(Float64Array.from(names, (name) => values[name]));
+  const rows = x.malloc(8 * n * (count + 1));
+  let failed = !unit || !rows || x.fmi3SetFloat64(unit, references, names.length, numbers, names.length) > 1;
+  failed ||= x.fmi3EnterInitializationMode(unit, 0, 0, 0, 0, 0) > 1 || x.fmi3ExitInitializationMode(unit) > 1;
+  let done = 0, piece = 50, spent = performance.now() - began, gone = false;
+  while (!failed && done < count) {
+    const from = performance.now(), wanted = Math.min(piece, count - done);
+    const taken = x.live_run(unit, done * length, wanted, of.outputs, n, rows + 8 * n * done);
+    const took = performance.now() - from;
+    done += taken; spent += took; failed = taken < wanted;
+    piece = Math.max(1, Math.min(4 * piece, Math.round((piece * PIECE) / Math.max(took, 0.1))));
+    if (done < count && !failed) {
+      await breathe();
+      if ((gone = newer())) break;
+      progress?.(done * length);
+    }
+  }
+  const table = gone || !rows ? null : new Float64Array(x.memory.buffer, rows, n * (failed && !done ? 0 : done + 1)).slice();
+  [references, numbers, rows].forEach((at) => x.free(at));
+  if (unit) x.fmi3FreeInstance(unit);
+  if (table === null) return null;
+  const kept = table.length / n, columns = {};
+  of.names.forEach((name, c) => { columns[name] = Float64Array.from({ length: kept }, (_, k) => table[k * n + c]); });
+  const whole = !failed && kept === count + 1;
+  return { step: length, count: kept, columns, whole, spent, said: whole ? "" : said.at(-1) ?? "the run ended early" };
+}
+
+function everySecond(finer, length) { // the rows of a run with half the step at the instants of the whole ones
+  const columns = {};
+  for (const [name, x] of Object.entries(finer.columns)) columns[name] = x.filter((_, k) => k % 2 === 0);
+  return { ...finer, step: length, count: Math.ceil(finer.count / 2), columns };
+}
+function deviation(x, y) { // rms of the difference over the standard deviation of the first
+  const n = Math.min(x.length, y.length);
+  let mean = 0, square = 0, apart = 0;
+  for (let k = 0; k < n; k++) mean += x[k] / n;
+  for (let k = 0; k < n; k++) { square += (x[k] - mean) ** 2; apart += (x[k] - y[k]) ** 2; }
+  return square > 0 ? Math.sqrt(apart / square) : apart > 0 ? Infinity : 0;
+}
+const spread = (x) => { const mean = x.reduce((s, v) => s + v, 0) / x.length; return Math.sqrt(x.reduce((s, v) => s + (v - mean) ** 2, 0) / x.length); };
+
+async function serve() {
+  busy = true;
+  while (wish) {
+    const job = wish;
+    wish = null;
+    try { await answer(job, () => wish !== null); } catch (error) { postMessage({ id: job.id, kind: "error", text: String(error) }); }
+  }
+  busy = false;
+}
+const judged = () => [...new Set(data.figures.flatMap((f) => f.signals))];
+
+async function answer(job, newer) {
+  const { length, exact, half, filters } = data.steps[job.step];
+  const began = performance.now();
+  const first = await run(job, length, exact, newer, (time) => postMessage({ id: job.id, kind: "progress", time }));
+  if (!first) return;
+  const { numbers, smooth } = figuresOf(data.figures, { ...first, filters });
+  postMessage({ id: job.id, kind: "run", ...first, numbers, smooth, took: performance.now() - began });
+  if (job.quick) return;
+  await breathe();
+  if (newer() || !first.whole) return first.whole ? undefined : ladder(job, newer);
+  const second = await run(job, 0.5 * length, half, newer);
+  if (!second) return;
+  const same = everySecond(second, length), others = figuresOf(data.figures, { ...same, filters }).numbers;
+  const worst = second.whole ? Math.max(0, ...judged().map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
+  const factor = worst > data.error.limit ? data.error.unsure : data.error.sure;
+  const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => [name, factor * Math.abs(value - others[name])]));
+  postMessage({ id: job.id, kind: "errors", errors, worst: factor * worst, said: second.said });
+  await breathe();
+  if (!newer()) await ladder(job, newer);
+}
+
+// The same state with every macro step that the page offers, the shortest first, which is the reference of the others.
+async function ladder(job, newer) {
+  let reference = null, size = {};
+  for (let k = 0; k < data.steps.length; k++) {
+    const { length, exact } = data.steps[k];
+    const one = await run(job, length, exact, newer);
+    if (!one) return;
+    const names = judged();
+    if (!reference && one.whole) {
+      reference = one;
+      size = Object.fromEntries(names.map((name) => [name, spread(one.columns[name])]));
+    }
+    let error = NaN, stable = one.whole;
+    if (one.whole && reference) {
+      const every = Math.round(length / reference.step);
+      error = Math.max(...names.map((name) => deviation(reference.columns[name].filter((_, i) => i % every === 0), one.columns[name])));
+      stable = names.every((name) => spread(one.columns[name]) <= GROWN * size[name] || size[name] === 0);
+    }
+    postMessage({ id: job.id, kind: "ladder", place: k, length, error: one === reference ? NaN : error, stable, said: one.said, spent: one.spent });
+    await breathe();
+    if (newer()) return;
+  }
+}
