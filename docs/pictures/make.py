@@ -12,11 +12,12 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-PAGES = {  # picture -> command, height in pixels
-    "report": (("run", "en50318-2002", "--in-process"), 900),
-    "accuracy": (("accuracy", "en50318-2002", "--budget", "200"), 960),
-    "stability": (("stability", "mass-on-spring", "--algorithm", "jacobi,gauss-seidel"), 1000),
-    "effects": (("effects", "wind-pump-start", "--tolerance", "5%"), 1160),
+PAGES = {  # picture -> command, what it writes and where its page is, height in pixels
+    "report": (("run", "en50318-2002", "--in-process"), "", "report.html", 900),
+    "accuracy": (("accuracy", "en50318-2002", "--budget", "200"), "", "report.html", 960),
+    "stability": (("stability", "mass-on-spring", "--algorithm", "jacobi,gauss-seidel"), "", "report.html", 1000),
+    "effects": (("effects", "wind-pump-start", "--tolerance", "5%"), "", "report.html", 1160),
+    "explore": (("explore", "en50318-2002", "--effects", "catenary.dropper_slackening"), "page.html", "page.html", 1350),
 }
 
 
@@ -49,10 +50,10 @@ def main(names: list[str]) -> None:
     """Make the named pictures, or all."""
     with tempfile.TemporaryDirectory() as folder:
         for name in names or PAGES:
-            command, height = PAGES[name]
+            command, written, page, height = PAGES[name]
             out = Path(folder) / name
-            subprocess.run(["cosimo", *command, "-o", str(out)], check=True)
-            photograph(out / "report.html", HERE / f"{name}.png", height)
+            subprocess.run(["cosimo", *command, "-o", str(out / written)], check=True)
+            photograph(out / page, HERE / f"{name}.png", height)
 
 
 if __name__ == "__main__":

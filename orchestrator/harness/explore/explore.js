@@ -70,7 +70,7 @@ function settingsOf({ values, off, step }) {
 function elsewhere() {
   const { values, off, step } = state, numbers = Object.entries(values).filter(([name]) => available(name));
   const sets = numbers.map(([name, value]) => ` --set ${name}=${text(value)}`);
-  if (step !== usualStep) sets.push(` --set master.step=${data.steps[step].length}`);
+  if (step !== usualStep) sets.push(` --step ${data.steps[step].length}`);
   byId("command").value = off.length ? "cosimo run scene.toml  # the scene below: effects are off" : `cosimo run ${data.name}${sets.join("")}`;
   const changes = JSON.stringify(changesOf({ ...state, values: Object.fromEntries(numbers) }), null, 4);
   const changed = Object.keys(values).length || off.length || step !== usualStep;
@@ -114,7 +114,7 @@ function knob(p) {
     const by = { ArrowLeft: -0.01, ArrowDown: -0.01, ArrowRight: 0.01, ArrowUp: 0.01, PageDown: -0.1, PageUp: 0.1 }[event.key];
     if (by === undefined) return;
     event.preventDefault();
-    slider.value = Math.min(p.to, Math.max(p.from, Number(slider.value) + by * width));
+    slider.value = Number(slider.value) + by * width; // kept within its ends
     slider.dispatchEvent(new Event("input"));
     slider.dispatchEvent(new Event("change"));
   });
@@ -124,6 +124,8 @@ function knob(p) {
   p.show = (keep) => {
     const value = state.values[p.name] ?? p.value, there = available(p.name);
     box.classList.toggle("changed", p.name in state.values);
+    slider.min = Math.min(p.from, value); // a field takes more than the usual range
+    slider.max = Math.max(p.to, value);
     slider.value = value;
     if (keep !== field) { field.value = text(value); field.setAttribute("aria-invalid", "false"); wrong.hidden = true; }
     slider.disabled = field.disabled = !there;
@@ -171,7 +173,7 @@ function build() {
     showNumbers();
     drawAll();
   });
-  window.addEventListener("hashchange", () => { if (location.hash.slice(1) !== address(state)) change(stateOf(location.hash), null); });
+  window.addEventListener("hashchange", () => { if (location.hash.slice(1) !== address(state)) change(stateOf(location.hash), false); });
 }
 
 // ---- a change asks, the latest one is answered ----
@@ -185,11 +187,7 @@ function startWorker() {
 }
 function change(next, settled, keep) {
   state = next;
-  const hash = address(state);
-  if (settled !== null && hash !== location.hash.slice(1)) {
-    if (settled) location.hash = hash;
-    else try { history.replaceState(null, "", `#${hash}`); } catch { /* too many changes a second */ }
-  }
+  if (settled && address(state) !== location.hash.slice(1)) location.hash = address(state); // an entry of the history
   data.parameters.forEach((p) => p.show(keep));
   data.effects.forEach(({ name }) => { byId(`e-${name}`).checked = !state.off.includes(name); });
   byId("step").value = state.step;
@@ -276,7 +274,7 @@ function showRanges() {
       element("td", {}, `${r.low ?? ""} to ${r.high ?? ""}`), element("td", {}, r.unit), element("td", {}, element("span", { className: `badge ${{ inside: "passed", outside: "failed" }[answer] ?? "undecided"}` }, answer)));
     return row;
   });
-  box.replaceChildren(element("caption", {}, caption), element("thead", {}, head), element("tbody", {}, ...body));
+  box.replaceChildren(element("caption", {}, caption), ...(rows.length ? [element("thead", {}, head), element("tbody", {}, ...body)] : []));
 }
 
 // ---- curves ----
@@ -340,7 +338,7 @@ async function begin() {
   if (typeof WebAssembly === "undefined") return tell("This browser has no WebAssembly, or has it switched off.");
   const first = new Promise((done) => { answered = done; setTimeout(done, 2000); });
   startWorker();
-  change(stateOf(location.hash), null);
+  change(stateOf(location.hash), false);
   await first; // numbers first: the library that draws takes a second to start
   try {
     document.head.append(Object.assign(document.createElement("script"), { textContent: await unpacked("plotly-inside") }));

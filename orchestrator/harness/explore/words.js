@@ -4,7 +4,7 @@ const digits = (value, n) => { // as Python's %.ng
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const power = Math.floor(Math.log10(Math.abs(Number(value.toPrecision(n)))));
-  if (power < -4 || power >= n) return value.toExponential(n - 1).replace(/\.?0+e/, "e");
+  if (power < -4 || power >= n) return value.toExponential(n - 1).replace(/\.?0+e/, "e").replace(/e([+-])(\d)$/, "e$10$2");
   const text = value.toPrecision(n);
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 };

@@ -1,0 +1,268 @@
+"""A page that computes a scene, opened from a disk without a network: its numbers against runs in process, and how it is used."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import random
+import re
+import tomllib
+from base64 import b64decode
+from math import isfinite
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.studies.quantities import TimeHistory, quantities_of
+from cosimo.orchestrator.harness.summary import with_error
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import explore_page, load_scene, read_scene
+from cosimo.tests.fmus.native.web_assembly import needs_node
+from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
+
+pytestmark = needs_node
+WAIT = 60_000  # ms: a busy machine
+JUDGED = "Number(document.getElementById('results').dataset.judged) === question"
+LADDERED = "Number(document.getElementById('results').dataset.laddered) === question"
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A page of a small scene."""
+    varied = {"spring.stiffness": (50.0, 800.0), "mass.mass": None}
+    return explore_page(load_scene("mass-on-spring"), tmp_path_factory.mktemp("page") / "small.html", parameters=varied)
+
+
+@pytest.fixture(scope="module")
+def railway(tmp_path_factory):
+    """The page of the railway scene, as the command writes it."""
+    path = tmp_path_factory.mktemp("page") / "railway.html"
+    main_done(["explore", "en50318-2002", "--effects", "catenary.dropper_slackening", "-o", str(path)])
+    return path
+
+
+def main_done(arguments):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code in (0, None)
+
+
+@pytest.fixture
+def opened(browser):  # noqa: F811
+    """Opens a page without a network; nothing but the page may be asked for, and no script may fail."""
+    context = browser.new_context(offline=True)
+    asked, failed = [], []
+
+    def of(path, fragment=""):
+        page = context.new_page()
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("pageerror", lambda error: failed.append(str(error)))
+        page.goto(path.as_uri() + fragment)
+        page.wait_for_function(JUDGED, timeout=WAIT)
+        return page
+
+    yield of
+    assert failed == []
+    assert {url.partition("#")[0].split(":")[0] for url in asked} <= {"file", "blob"}
+    assert sum(url.startswith("file") for url in asked) <= 3  # the page itself, once for each time it was opened
+    context.close()
+
+
+def at(page, fragment):
+    """The numbers of a state, by the address."""
+    page.evaluate(f"location.hash = {json.dumps(fragment)}")
+    page.wait_for_function(f"decodeURIComponent(location.hash).slice(1) === {json.dumps(fragment)} && {JUDGED}", timeout=WAIT)
+    return page.evaluate("({numbers: shown.numbers, errors: shown.errors, count: shown.count, said: shown.said})")
+
+
+def test_numbers_are_those_of_a_run_in_process(small, opened):
+    page = opened(small)
+    assert len(small.read_bytes()) - len(page.inner_html("#plotly-inside")) < 1_000_000
+    for stiffness, mass in ((100.0, 1.0), (333.0, 2.5)):
+        changes = {"units.spring.parameters.stiffness": stiffness, "units.mass.parameters.mass": mass, "record.interval": None}
+        scene = load_scene("mass-on-spring").with_changes(changes)
+        result = run(scene, in_process=True)
+        history = TimeHistory(result.time, result.columns)
+        page_numbers = at(page, f"spring.stiffness={stiffness}&mass.mass={mass}")["numbers"]
+        expected = {q.name: q.value(history) for q in quantities_of(scene) if q.kind != "time history"}
+        assert expected
+        assert {name: page_numbers[name] for name in expected} == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.full
+def test_the_railway_page_at_random_states(railway, opened):
+    page, chance = opened(railway), random.Random(20261126)
+    base = load_scene("en50318-2002").with_changes({"record.snapshots": (), "record.snapshot_interval": None})
+    offered = {p["name"]: p for p in page.evaluate("data.parameters")}
+    first, compared = page.evaluate("data.first"), 0
+    for _ in range(12):
+        names = chance.sample(first, 3)
+        values = {n: float(f"{chance.uniform(0.8, 1.2) * offered[n]['value']:.5g}") for n in names}
+        step, off = chance.choice((0.001, 0.002)), chance.random() < 0.3
+        fragment = "&".join([*(f"{n}={v}" for n, v in values.items()), *(["off=catenary.dropper_slackening"] if off else []),
+                             *([f"step={step}"] if step != 0.001 else [])])  # fmt: skip
+        changes = {f"units.{u}.parameters.{p}": v for n, v in values.items() for u, _, p in [n.partition(".")]}
+        changes |= (
+            {"units.catenary.effects": [e for e in base.units["catenary"].effects if e != "dropper_slackening"]} if off else {}
+        )
+        result = run(base.with_changes(changes | {"master.step": step}), in_process=True)
+        here = at(page, fragment)
+        assert here["said"] == "", here["said"]
+        for row in result.summary:
+            if row.name in here["numbers"] and isfinite(row.value):
+                number = here["numbers"][row.name]
+                assert number == pytest.approx(row.value, rel=1e-6, abs=1e-6), (fragment, row.name)
+                compared += 1
+    assert compared > 80
+
+
+@pytest.mark.full
+def test_the_ranges_and_the_stability_limit(railway, opened):
+    page = opened(railway)
+    assert page.locator("#ranges tbody tr.in").count() == 8
+    page.get_by_role("button", name="300 km/h").click()
+    page.wait_for_function(JUDGED, timeout=WAIT)
+    assert "300 km/h" in page.inner_text("#ranges caption")
+    assert page.locator("#ranges tbody tr").count() == 8
+    page.get_by_role("button", name="Reset", exact=True).click()
+    page.select_option("#step", label="20 ms")
+    page.wait_for_function(LADDERED, timeout=WAIT)
+    assert "beyond the stability limit" in page.inner_text("#sentence")
+    assert "unstable" in page.inner_text("#limit")
+
+
+@pytest.mark.full
+def test_while_dragging_the_latest_change_wins(railway, opened):
+    page = opened(railway)
+    slider = page.get_by_label("uplift force of the drive, slider")
+    box = slider.bounding_box()
+    middle = box["y"] + 0.5 * box["height"]
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle)
+    page.mouse.down()
+    for k in range(30):
+        page.mouse.move(box["x"] + box["width"] * (0.5 + 0.01 * k), middle)
+    page.mouse.up()
+    page.wait_for_function(JUDGED, timeout=WAIT)
+    force = float(page.input_value("[id='p-pantograph.static_force']"))
+    assert force > 130.0
+    assert page.evaluate("location.hash") == f"#pantograph.static_force={force:g}"
+    dragged = page.evaluate("shown.numbers")
+    assert at(page, f"pantograph.static_force={force - 1:g}")["numbers"] != dragged
+    assert at(page, f"pantograph.static_force={force:g}")["numbers"] == dragged
+
+
+@pytest.mark.full
+def test_nonsense_is_one_message_and_changes_nothing(small, opened):
+    page = opened(small)
+    before = page.evaluate("JSON.stringify(shown.numbers)")
+    field = page.locator("[id='p-mass.mass']")
+    for nonsense in ("-1", "", "heavy", "1e999", "NaN"):
+        field.fill(nonsense)
+        assert field.get_attribute("aria-invalid") == "true"
+        assert "expected a number" in page.inner_text("[id='p-mass.mass-wrong']")
+    assert page.evaluate("JSON.stringify(shown.numbers)") == before
+    field.fill("2")
+    field.press("Enter")
+    assert field.get_attribute("aria-invalid") == "false"
+    page.wait_for_function(JUDGED, timeout=WAIT)
+    assert page.evaluate("JSON.stringify(shown.numbers)") != before
+    at(page, "")
+    page.evaluate("location.hash = 'mass.mass=-3&no=1'")
+    page.wait_for_function("!document.getElementById('sentence').hidden", timeout=WAIT)
+    assert "mass.mass=-3, no=1" in page.inner_text("#sentence")
+
+
+@pytest.mark.full
+def test_a_run_that_fails_says_why_and_the_page_goes_on(small, opened):
+    page = opened(small)
+    page.evaluate("location.hash = 'spring.stiffness=1e9'")
+    page.wait_for_function("shown.said !== ''", timeout=WAIT)
+    assert "The run ended at" in page.inner_text("#sentence")
+    assert at(page, "spring.stiffness=100")["said"] == ""
+    assert page.locator("#sentence").is_hidden()
+
+
+@pytest.mark.full
+def test_back_forward_pin_and_keys(small, opened):
+    page = opened(small)
+    field = page.locator("[id='p-mass.mass']")
+    for value in ("2", "3"):
+        field.fill(value)
+        field.press("Enter")
+        page.wait_for_function(JUDGED, timeout=WAIT)
+    page.get_by_role("button", name="Pin for comparison").click()
+    page.go_back()
+    page.wait_for_function(f"state.values['mass.mass'] === 2 && {JUDGED}", timeout=WAIT)
+    assert field.input_value() == "2"
+    assert "pinned" in page.inner_text("#numbers")
+    page.go_forward()
+    page.wait_for_function(f"state.values['mass.mass'] === 3 && {JUDGED}", timeout=WAIT)
+    slider = page.get_by_label(re.compile("mass.*slider")).first
+    slider.focus()
+    slider.press("ArrowLeft")
+    page.wait_for_function(f"state.values['mass.mass'] < 3 && {JUDGED}", timeout=WAIT)
+    page.get_by_role("button", name="Reset", exact=True).click()
+    page.wait_for_function(f"location.hash === '' && {JUDGED}", timeout=WAIT)
+    unnamed = "[...document.querySelectorAll('input, select, textarea')].filter((e) => !e.labels.length && !e.ariaLabel)"
+    assert page.evaluate(f"{unnamed}.length") == 0
+
+
+@pytest.mark.full
+def test_a_state_as_scene_command_and_python(railway, opened, tmp_path):
+    page = opened(railway, "#pantograph.static_force=110&off=catenary.dropper_slackening&step=0.002")
+    (scene,) = [read_scene(tomllib.loads(page.input_value("#toml")))]
+    assert scene.units["pantograph"].parameters["static_force"] == 110
+    assert "dropper_slackening" not in scene.units["catenary"].effects
+    assert scene.master.step == 0.002
+    names = {}
+    exec(page.input_value("#python").partition("result =")[0], names)
+    changed = names["scene"]
+    assert changed.units == scene.units
+    at(page, "pantograph.static_force=110&step=0.002")
+    command = page.input_value("#command").split()
+    assert command[:3] == ["cosimo", "run", "en50318-2002"]
+    main_done([*command[1:], "--stop", "0.1", "--no-verify", "--in-process"])
+
+
+@pytest.mark.full
+def test_pages_are_light_dark_and_narrow(small, browser):  # noqa: F811
+    context = browser.new_context(offline=True, color_scheme="dark", viewport={"width": 390, "height": 800})
+    page = context.new_page()
+    page.goto(small.as_uri())
+    page.locator("#curve1 .main-svg").first.wait_for(timeout=WAIT)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 25, 31)"
+    context.close()
+
+
+@pytest.mark.full
+def test_numbers_are_printed_as_in_reports(small, opened):
+    page, chance = opened(small), random.Random(1)
+    pairs = [(chance.uniform(-1, 1) * 10 ** chance.randint(-6, 6), 10 ** chance.uniform(-9, 4)) for _ in range(300)]
+    pairs += [(116.009, 0.0069), (0.0, 0.1), (5.0, 0.0), (1.23456789e-9, 1e-12), (29.4, 0.14)]
+    printed = page.evaluate("(pairs) => pairs.map(([v, e]) => withError(v, e))", pairs)
+    assert printed == [
+        with_error(*pair).removeprefix("-") if with_error(*pair).startswith("-0 ") else with_error(*pair) for pair in pairs
+    ]
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "words"),
+    [
+        ("mass-on-spring", {"parameters": {"mass.mas": None}}, "did you mean 'mass.mass'"),
+        ("mass-on-spring", {"parameters": {"mass.mass": (3.0, 2.0)}}, "a range around"),
+        ("mass-on-spring", {"effects": ["mass.gravity"]}, "an effect that is on"),
+        ("link-split", {}, "iterative"),
+        ("rov-thruster-failed", {}, "faults"),
+    ],
+)
+def test_what_no_page_can_hold_is_refused(scene, options, words, tmp_path):
+    with pytest.raises(BadInput, match=words):
+        explore_page(load_scene(scene), tmp_path / "page.html", **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_modules_of_the_page_are_whole(small):
+    text = small.read_text(encoding="utf-8")
+    (module,) = re.findall(r'id="module\d+">([^<]+)<', text)
+    assert gzip.decompress(b64decode(module))[:4] == b"\0asm"
