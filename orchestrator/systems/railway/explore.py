@@ -53,4 +53,4 @@ def conditions(result: Result, names: Iterable[str]) -> Mapping[str, Mapping[str
     """Condition of a table, such as "250 km/h" -> the parameters that say so."""
     unit = passages(result)[0].pantograph
     speeds = {name: re.fullmatch(r"([\d.]+) km/h", name) for name in names}
-    return {name: {f"{unit}.speed": float(found[1]) / 3.6} for name, found in speeds.items() if found}
+    return {name: {f"{unit}.speed": float(speed[1]) / 3.6} for name, speed in speeds.items() if speed}
