@@ -1,21 +1,8 @@
-"""The application with all commands."""
+"""The application with all commands: each module adds its own."""
 
 from __future__ import annotations
 
-from . import (  # noqa: F401 - each adds its commands
-    catalogue,
-    compare,
-    explore,
-    fmus,
-    many,
-    new,
-    new_scene,
-    railway,
-    run,
-    show,
-    studies,
-    validate,
-)
+from . import catalogue, compare, explore, fmus, many, new, new_scene, railway, run, show, studies, validate  # noqa: F401
 from .common import app
 
 __all__ = ["app"]
