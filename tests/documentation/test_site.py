@@ -156,6 +156,36 @@ def test_a_kind_of_page_is_whole(browser, address, path, selector, least):
     visit.close()
 
 
+WIDTHS = (320, 390, 480, 768, 1024, 1280, 1400, 2560)  # px
+# What is wider than the column of the page, without scrolling on its own. Marks beside headings hang out a little.
+BEYOND = """() => {
+  if (document.documentElement.scrollWidth > innerWidth + 1) return ["the page"];
+  const column = document.querySelector("article").getBoundingClientRect().right + 12;
+  const scrolls = (e) => e && e.tagName !== "ARTICLE" && (getComputedStyle(e).overflowX !== "visible" || scrolls(e.parentElement));
+  return [...document.querySelectorAll("article *")].filter((e) => getComputedStyle(e).display !== "inline" && e.clientWidth
+    && e.getBoundingClientRect().left + e.scrollWidth > column && !scrolls(e)).map((e) => `${e.tagName} ${e.className}`).slice(0, 3);
+}"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_page_is_cut_or_moves_sideways_at_any_width(browser, site, scheme):
+    pages = [*site.glob("*.html"), *site.glob("systems/*.html"), *site.glob("papers/*.html"), *site.glob("development/*.html")]
+    pages += [*site.glob("generated/reference/*.html"), *sorted(site.glob("generated/*/*.html"))[::12]]
+    page = browser.new_page(color_scheme=scheme)
+    page.route("**/plotly*", lambda route: route.abort())
+    wide = {}
+    for path in pages if scheme == "light" else pages[::8]:  # colours change no width
+        page.goto(path.as_uri(), wait_until="domcontentloaded")
+        if not page.locator("article").count():
+            continue
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 900})
+            if beyond := page.evaluate(BEYOND):
+                wide[f"{path.name} at {width} px"] = beyond
+    page.close()
+    assert wide == {}
+
+
 def test_the_search_finds_a_component(browser, address):
     visit = Visit(browser, address, "search.html?q=LumpedCatenary")
     visit.page.locator("#search-results li a").first.wait_for()
