@@ -239,7 +239,7 @@ class Run:
 
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.signals, "faults": self.faults, "stepping": self.stepping}
+        parts: dict[str, Part] = {"signals": self.signals, "stepping": self.stepping}
         return parts | {f"snapshots of {name}": spool for name, spool in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:

@@ -14,11 +14,13 @@ from ...fmus.native.build import Library, assembled, check_versions, compiler, p
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.algorithms import master_of
+from ..engine.stepping.adaptive import clock_for
+from ..engine.stepping.faults import Faults, edges
 from ..open_units import open_units, read_in_every_step
 from ..scene.scene import Scene
 from ..units.component import ComponentSimulator
 from .layout import Layout
-from .tables import model_of
+from .tables import fault_changes, model_of
 from .variables import described, variables_of
 
 HOST = (
@@ -34,7 +36,7 @@ def refuse_what_needs_python(scene: Scene) -> None:
     reasons = [f"{name} (an FMU)" for name, unit in scene.units.items() if not unit.component]
     reasons += [f"{name} (in a process of its own)" for name, unit in scene.units.items() if unit.isolation != "none"]
     reasons += [f"{contact.name} (a contact)" for contact in scene.contacts]
-    reasons += ["step control"] * (master.control is not None) + ["faults"] * bool(scene.faults)
+    reasons += ["step control"] * (master.control is not None)
     reasons += ["events of units"] * bool(scene.coupling.events) + ["texts between units"] * bool(scene.coupling.texts)
     reasons += ["the correction of energy"] * bool(master.energy_correction)
     if reasons:
@@ -67,6 +69,8 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
         for node in master.nodes:
             if not isinstance(node.unit, ComponentSimulator) or not isinstance(node.unit.component, KernelComponent):
                 raise _refusal(scene, f"{node.unit.name} (a component in plain Python)")
+        changes = fault_changes(scene)
+        Faults(scene.faults, scene.coupling, master, clock_for(scene, scene.coupling, *edges(scene.faults))).before_start()
         layout = Layout.of(scene, master)
         variables = with_sizes(list(variables_of(scene, layout)))
         same = {"canHandleVariableCommunicationStepSize": "true"}
@@ -74,7 +78,7 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
             re.sub(r"\W", "_", scene.name),
             described(scene),
             variables,
-            model_of(scene, layout),
+            model_of(scene, layout, changes),
             [compile_entries(source) for source in layout.sources],
             compilers,
             abilities={

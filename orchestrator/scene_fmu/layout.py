@@ -15,7 +15,7 @@ from ...components.core.contract import KernelComponent
 from ...fmus.native.machine_code import Source, source_of
 from ..engine.algorithms import Master
 from ..engine.algorithms import figures as running
-from ..engine.algorithms.memory import KERNELS
+from ..engine.algorithms.memory import KERNELS, OF_FAULTS
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Endpoint
 from ..scene.scene import Scene
@@ -67,7 +67,8 @@ class Layout:
             units.append(PlacedUnit(node.unit.name, component, node, first, layouts[key]))
             first += component.block.cells
         records = master.records
-        sources.append(Source(scene.name, "master", records.block, KERNELS, (records.memory,)))
+        kernels = KERNELS | (OF_FAULTS if scene.faults else {})
+        sources.append(Source(scene.name, "master", records.block, kernels, (records.memory,)))
         signals = tuple(dict.fromkeys(shown.end for shown in scene.coupling.shown.values() if shown.kind))
         block = None
         if signals:

@@ -6,15 +6,18 @@ the block are placed when an instance begins (`Place`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
 
 from ...components.core.block import CELL
+from ...components.core.errors import BadInput
 from ...fmus.native.instance import Model, Places, image_of, reasons_of
 from ..engine.algorithms.initial_kernels import RUNAWAY
+from ..engine.algorithms.memory import OF_FAULTS
 from ..engine.algorithms.records import NOT_CONVERGED
+from ..engine.stepping.faults import acts_from_start, changes_of
 from ..scene.scene import Scene
 from ..units.call_names import FAILED, IN_MEMORY
 from ..units.component import ComponentSimulator
@@ -24,11 +27,41 @@ PER_UNIT = 1000  # statuses of unit k: PER_UNIT * (k + 1) + its own
 STATUSES = {"not_a_multiple": 1, "grown": 2, "not_converged": 3}  # of the model
 EXACT = 2**53  # whole numbers up to this are doubles
 NO_UNIT = -1  # in the request: no call has failed
-REQUEST = ("first", "last", "steps", "times", "begin", "whole", "rows", "sampled_count", "unit", "status")  # what scene.c writes
+REQUEST = (
+    "first",
+    "last",
+    "steps",
+    "times",
+    "begin",
+    "whole",
+    "updated",
+    "rows",
+    "sampled_count",
+    "unit",
+    "status",
+)  # what scene.c writes
 
 
-def model_of(scene: Scene, layout: Layout) -> Model:
-    """The block before initialization, and the tables of scene.c."""
+Changes = Mapping[int, Sequence[tuple[int, int]]]  # macro steps taken -> faults that begin or end behind them, and which of both
+
+
+def fault_changes(scene: Scene) -> Changes:
+    """When faults begin and end; `BadInput` for an instant at which no macro step ends."""
+    step = Fraction(repr(scene.master.step))
+    for i, fault in enumerate(scene.faults, 1):
+        for key, time in (("begin", fault.begin), ("end", fault.end)):
+            if time is not None and Fraction(repr(time)) % step:
+                raise BadInput(
+                    f"build {scene.name} --native: faults[{i}].{key}",
+                    f"{time!r} s",
+                    f"a whole multiple of the macro step, {step!s} s",
+                )
+    early = [i for i, fault in enumerate(scene.faults) if acts_from_start(fault)]
+    return changes_of(scene.faults, early, lambda time: int(Fraction(repr(time)) / step))
+
+
+def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
+    """The block before initialization, and the tables of scene.c; changes: by faults."""
     master, units, at = layout.master, layout.units, layout.at
     block, memory = master.records.block, master.records.memory
     image = np.zeros(layout.cells, dtype=np.uint64)
@@ -60,8 +93,17 @@ def model_of(scene: Scene, layout: Layout) -> Model:
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
     written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
+    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"))}
+    finish, push = master.rows("finish"), rows["push_rows"]
+    rows["follow_rows"] = finish[0], finish[1] - (push[1] - push[0])
+    changed = [
+        f"{{{steps}, {at + master.records.place('faults', fault, 'change')}, {change}}}"
+        for steps, several in sorted(changes.items())
+        for fault, change in several
+    ]
     numbers = {
         "place_count": len(cleared),
+        "change_count": len(changed),
         "time_count": len(times),
         "master": at,
         "signals": at + block.cell("s", "signals"),
@@ -71,7 +113,6 @@ def model_of(scene: Scene, layout: Layout) -> Model:
         **{f"request_{name}": at + master.records.place("request", 0, name) for name in REQUEST},
     }
     statuses = STATUSES | {"per_unit": PER_UNIT}
-    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"))}
     code = "\n".join(
         [
             '#include "scene.h"',
@@ -85,10 +126,20 @@ def model_of(scene: Scene, layout: Layout) -> Model:
             f"int64_t scene_numerator = {written[0]}, scene_denominator = {written[1]};",
             f"const int64_t scene_failed = {FAILED}, scene_none = {NO_UNIT}, scene_no_values = {NOT_CONVERGED};",
             f"const double scene_growth = {RUNAWAY!r};",
+            f"const Change scene_changes[] = {{{', '.join(changed or ['{0, 0, 0}'])}}};",
+            *_at_change(bool(scene.faults)),
             *_sample(layout),
         ]
     )
     return Model(image, reasons, given, image.size, code=code)
+
+
+def _at_change(faults: bool) -> Iterator[str]:
+    """What lets faults begin and end, where the scene has some."""
+    for name in OF_FAULTS:
+        if faults:
+            yield f"int32_t master_{name}(double t, double h, int64_t block);"
+        yield f"int32_t (*const scene_{name})(double, double, int64_t) = {f'master_{name}' if faults else '0'};"
 
 
 def _sample(layout: Layout) -> Iterator[str]:

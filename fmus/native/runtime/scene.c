@@ -56,6 +56,25 @@ static int32_t failure(const int64_t *cells) {
     return OK;
 }
 
+/* What happens behind the macro steps that have been taken: faults begin and end, outputs follow, figures take their samples. */
+static int32_t arrive(double t, int64_t *cells) {
+    const int64_t master = (int64_t)(intptr_t)(cells + scene_master);
+    int32_t status = OK, changed = 0;
+    for (uint32_t k = 0; k < scene_change_count; k++)
+        if (scene_changes[k].steps == cells[scene_steps]) {
+            cells[scene_changes[k].cell] = scene_changes[k].change;
+            changed = 1;
+        }
+    if (changed) {
+        cells[scene_request_updated] = 0;
+        if (scene_begin_change(t, 0.0, master)) return INSIDE;
+        if ((status = take(cells, scene_follow_rows, 0, t, 0.0)) || (status = failure(cells))) return status;
+        if (scene_end_change(t, 0.0, master)) return INSIDE;
+    }
+    scene_sample(t, cells);
+    return OK;
+}
+
 int32_t model_initialize(double t, int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
     double *values = (double *)cells;
@@ -66,8 +85,7 @@ int32_t model_initialize(double t, int64_t address) {
     if ((status = failure(cells))) return status;
     for (uint32_t k = 0; k < scene_time_count; k++) values[scene_times[k]] = t;
     if ((status = take(cells, scene_push_rows, 0, t, 0.0))) return status;
-    scene_sample(t, cells);
-    return OK;
+    return arrive(t, cells);
 }
 
 /* Time of so many macro steps, s: correctly rounded as in process, while the whole numbers are exact. */
@@ -86,7 +104,8 @@ int32_t model_step(double t, double h, int64_t address) {
     for (double k = 0.0; k < n; k += 1.0) {
         int32_t status = take(cells, scene_step_rows, 1, values[scene_start] + reached(cells[scene_steps]), scene_length);
         if (status || (status = failure(cells))) return status;
-        scene_sample(values[scene_start] + reached(++cells[scene_steps]), cells);
+        cells[scene_steps]++;
+        if ((status = arrive(values[scene_start] + reached(cells[scene_steps]), cells))) return status;
     }
     return OK;
 }

@@ -44,13 +44,14 @@ def lay_out(
     smoothing: bool,
     end: float,
     groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]],
+    faults: Sequence[int],
 ) -> Records:
     """The records of nodes, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
     of signals, and the one that gives its outputs between its steps. n_extrapolated: of each node, how many of its links are
     extrapolated; these come first. bonded: links whose polynomials are noted; end: s, of the run;
-    groups: as of `Records`.
+    groups, faults: as of `Records`.
     """
     rated = [node for node in nodes if node.own is not None]
     parts: list[tuple[int, tuple[Samples, ...]]] = [(len(node.links), node.samples) for node in nodes]
@@ -72,6 +73,7 @@ def lay_out(
         table + sum(len(node.links) for node in rated),
         first_links[len(nodes)],
         groups,
+        faults,
     )
     units, links, pasts = records.memory.units, records.memory.links, records.memory.pasts
     units["first_link"], units["links"] = first_links[:-1], [n for n, _ in parts]

@@ -110,8 +110,9 @@ class Master:
         answers = [self._answers(group) for group in groups]
         places = [[self.nodes.index(node) for node in group] for group in groups]
         initial = list(zip(places, answers, strict=True))
+        faults = [len(ends) for ends in coupling.faults]
         self.records = records = lay_out(
-            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end, initial
+            self.nodes, self.extrapolated_links, program, self.weights, bonded, table, smoothing, end, initial, faults
         )
         ends = {cell: end for end, cell in self.cells.items()}
         self._groups = Groups([[node.unit.name for node in group] for group in groups], records, ends)

@@ -9,11 +9,29 @@ import numpy as np
 
 from ....components.core.block import CELL, Block, Entry, callable_of
 from ....components.core.kernels import COMPILED, RAISED
+from .fault_kernels import begin_change, end_change
 from .initial_kernels import ROWS, initialize_groups
 from .kernels import run_steps
-from .records import ANSWER, GROUP, LINK, LINK_STATE, PAST, PAST_STATE, REQUEST, SECANTS, UNIT, UNIT_STATE, Memory
+from .records import (
+    ANSWER,
+    FAULT,
+    FAULT_END,
+    FAULT_END_STATE,
+    FAULT_STATE,
+    GROUP,
+    LINK,
+    LINK_STATE,
+    PAST,
+    PAST_STATE,
+    REQUEST,
+    SECANTS,
+    UNIT,
+    UNIT_STATE,
+    Memory,
+)
 
 KERNELS: dict[str, Any] = {"run_steps": run_steps, "initialize_groups": initialize_groups}
+OF_FAULTS: dict[str, Any] = {"begin_change": begin_change, "end_change": end_change}
 _ENTRIES: dict[tuple[Any, ...], Entry] = {}  # of the kernels, for each layout in this process
 
 
@@ -35,10 +53,12 @@ class Records:
         signals: int,
         driven: int,
         groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]],
+        faults: Sequence[int] = (),
     ):
         """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with;
         weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units;
-        groups: units of each in the order of their initialization, and its outputs, as of `records.ANSWER`."""
+        groups: units of each in the order of their initialization, and its outputs, as of `records.ANSWER`; faults: inputs of
+        each."""
 
         def whole(values: Sequence[Any], *shape: int) -> np.ndarray:
             return np.array(values, dtype=np.int64).reshape(*shape)
@@ -59,14 +79,18 @@ class Records:
             np.array([answer for _, answers in groups for answer in answers], dtype=ANSWER),
             zeros((ROWS, max(SECANTS, *widths)) if (widths := [len(a) for g, a in groups if len(g) > 1]) else (0, 0)),
             zeros(SECANTS, np.int64),
+            zeros(len(faults), FAULT),
+            zeros(sum(faults), FAULT_END),
         )
+        begin.faults["last"] = np.cumsum(faults, dtype=np.int64)
+        begin.faults["first"] = begin.faults["last"] - np.array(faults, dtype=np.int64)
         members, answers = 0, 0
         for row, (units_of_group, answers_of_group) in zip(begin.groups, groups, strict=True):
             row["first"], row["last"] = members, members + len(units_of_group)
             row["first_answer"], row["answers"] = answers, len(answers_of_group)
             members, answers = members + len(units_of_group), answers + len(answers_of_group)
         times = ("double %t", "double %h")
-        self.block, self.driven = Block(begin, (), (), dict.fromkeys(KERNELS, times)), driven
+        self.block, self.driven = Block(begin, (), (), dict.fromkeys(KERNELS | OF_FAULTS, times)), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
         self._head = self.place("request", 0, "first")  # and behind it steps, times, begin, started, whole, see `REQUEST`
@@ -103,10 +127,18 @@ class Records:
         """Call the kernel that initializes the groups."""
         self._call("initialize_groups", t, 0.0)
 
+    def begin_change(self, t: float) -> None:
+        """Call the kernel that lets faults end and begin."""
+        self._call("begin_change", t, 0.0)
+
+    def end_change(self, t: float) -> None:
+        """Call the kernel that lets inputs that have jumped begin anew."""
+        self._call("end_change", t, 0.0)
+
     def _call(self, name: str, t: float, h: float) -> None:
         """Call a kernel: compiled, the first time, if need be."""
         if (call := self._calls.get(name)) is None:
-            memory, address, kernel = self.memory, self.block.address, KERNELS[name]
+            memory, address, kernel = self.memory, self.block.address, (KERNELS | OF_FAULTS)[name]
             if COMPILED:
                 key = name, *(array.shape for array in memory)
                 if key not in _ENTRIES:
@@ -139,6 +171,7 @@ class Records:
     def _changing(self) -> np.ndarray:
         """Places of these cells, (n,)."""
         memory, states = self.memory, {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
+        states |= {"faults": FAULT_STATE, "fault_ends": FAULT_END_STATE}
         places = [
             self.place(array, 0, name) + np.arange(getattr(memory, array).size) * (getattr(memory, array).dtype.itemsize // CELL)
             for array, names in states.items()

@@ -73,8 +73,7 @@ class Node:
         self.sample_records = part(pasts, k, "first_past", "pasts")
         self.of_called = units[self.called : self.called + 1], part(links, self.called, "first_link", "links")
         if self.own is not None:
-            self._own, self._seen = (part(pasts, self.called + i, "first_past", "pasts") for i in range(2))
-            self._seen_links = part(links, self.called + 1, "first_link", "links")
+            self._own = part(pasts, self.called, "first_past", "pasts")
 
     def inputs(self) -> PortValues:
         """Present values of the driven inputs, in the order of `links`."""
@@ -131,14 +130,6 @@ class Node:
     def jump(self) -> None:
         """The ends of the polynomials are no guess of the inputs any more."""
         self.unit_record["ends"] = UNKNOWN
-
-    def lose(self) -> None:
-        """The unit takes no more steps and no inputs, and its outputs stay as they are, those that others go by, too."""
-        self.unit_record["lost"] = 1
-        if self.estimates is not None:
-            signals = self._records.memory.signals
-            signals[self.estimates] = self._seen_links["present"] = signals[self.place]
-            self._seen["samples"] = 1
 
     def press(self, k: int, value: float, slope: float) -> None:
         """Over the coming step the k-th input is a line, unless a fault alters it."""

@@ -17,6 +17,8 @@ from ...units.call_names import OF_ENTRIES, OF_FMU
 UNKNOWN, INTERPOLATED, EXTRAPOLATED = range(3)
 CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump between steps; are held beside a place that moves on
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
+OVERRIDE, OFFSET, FROZEN, DROPPED, LOST = range(5)  # kinds of faults
+BEGINS, ENDS = 1, 2  # what becomes of a fault at an instant
 START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(8)  # what a row of the program does, see `kernels`
 GIVEN = "value", "slope", "quadratic", "degree"  # of a link, over a step
 BEYOND = -2  # in the place of a unit: signals have left the limit
@@ -82,6 +84,7 @@ LINK, LINK_STATE = _record("""
     rate             f* and slope
     now              f* value behind the last step
     looked           f  value at the last `LOOK`
+    seen             f  value before faults began or ended
     foreseen         f  value at the last `FORESEE`
     present          f* newest sample
     before           f* the one before
@@ -148,9 +151,25 @@ ANSWER, _ = _record("""
     least   f  value that a change is compared with at least
 """)
 
+FAULT, FAULT_STATE = _record("""
+    kind    i  `OVERRIDE`, ...
+    value   f  of an override, an offset
+    unit    i  that is lost
+    first   i  its inputs in `fault_ends`
+    last    i  to before this one
+    active  i* whether it acts
+    change  i  what becomes of it at this instant: `BEGINS`, ...; 0: nothing
+""")
+FAULT_END, FAULT_END_STATE = _record("""
+    link    i  the input
+    start   f  its start value
+    held    f* what takes the place of the input, or is added to it
+""")
+
 # outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output; bonded: links that are noted; buffer: what
 # FMUs are handed; initial_order: units of the groups; space, pivots: workspace of the initialization
 FIELDS = (
-    "request units links pasts program order outputs_at inverse bonded signals buffer groups initial_order answers space pivots"
+    "request units links pasts program order outputs_at inverse bonded signals buffer groups initial_order answers space pivots "
+    "faults fault_ends"
 )
 Memory = kernel_tuple(namedtuple("Memory", FIELDS))  # type: ignore[misc]

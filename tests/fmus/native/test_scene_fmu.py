@@ -120,6 +120,49 @@ def test_units_with_rates_of_their_own(algorithm, tmp_path):
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"])[: STEPS - 1].tobytes()
 
 
+FAULTS = {
+    "override and offset": [
+        {"signal": "mass.base_x", "kind": "override", "value": 0.05, "begin": 0.1, "end": 0.3},
+        {"signal": "spring.second_x", "kind": "offset", "value": 0.02, "begin": 0.2, "end": 0.5},
+    ],
+    "from the start": [
+        {"signal": "spring.second_x", "kind": "drop", "end": 0.15},
+        {"signal": "mass.base_velocity_x", "kind": "freeze"},
+    ],
+    "lost": [{"unit": "spring", "kind": "lost", "begin": 0.25}],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "every"),
+    [
+        ("override and offset", 1),
+        pytest.param("from the start", 1, marks=pytest.mark.full),
+        pytest.param("lost", 1, marks=pytest.mark.full),
+        pytest.param("lost", 3, marks=pytest.mark.full),
+    ],
+)
+def test_faults_are_those_of_the_run_in_process(name, every, tmp_path):
+    """Also where a unit that steps with every third macro step is lost."""
+    scene = load_scene("mass-on-spring").with_changes({"faults": FAULTS[name], "units.spring.every": every})
+    reference = run(short(scene, STEPS), in_process=True)
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    recorded = outputs_of(path, STEPS - STEPS % every, scene.master.step)
+    for column in ("mass.base_x", "spring.second_force_x"):
+        assert recorded[column].tobytes() == np.asarray(reference[column])[: len(recorded)].tobytes(), column
+
+
+@pytest.mark.full
+def test_a_thruster_fails_in_the_fmu_as_in_process(tmp_path):
+    scene = load_scene("rov-thruster-failed")
+    steps = round(35.0 / scene.master.step)
+    reference = run(short(scene, steps), in_process=True)
+    (path,) = build_scene_fmu(scene, tmp_path, [own_target()])
+    recorded = outputs_of(path, steps, scene.master.step)
+    for column in (n for n in recorded.dtype.names if n in reference.columns):
+        assert recorded[column].tobytes() == np.asarray(reference[column]).tobytes(), column
+
+
 @pytest.mark.first(2)
 @pytest.mark.parametrize("changes", [{"master.extrapolation": 0}, {"master.smoothing": True}, {"master.algorithm": "jacobi"}])
 def test_settings_of_the_master(changes, tmp_path):
@@ -294,16 +337,17 @@ def test_a_step_that_is_no_multiple_is_refused_with_the_macro_step(built):
 
 @pytest.mark.parametrize(
     ("name", "named"),
-    [
-        ("link-split", "'iterative'"),
-        ("en50318-2002-interface-model", "a contact"),
-        ("rov-thruster-failed", "faults"),
-        ("rov-added-mass", "algebraic loop"),
-    ],
+    [("link-split", "'iterative'"), ("en50318-2002-interface-model", "a contact"), ("rov-added-mass", "algebraic loop")],
 )
 def test_what_needs_python_is_named(name, named):
     with pytest.raises(BadInput, match=named):
         scene_library(load_scene(name), [own_target()])
+
+
+def test_a_fault_between_two_macro_steps_is_refused():
+    fault = {"signal": "mass.base_x", "kind": "freeze", "begin": 0.0125}
+    with pytest.raises(BadInput, match=r"faults\[1\].begin: 0.0125 s; expected a whole multiple"):
+        scene_library(load_scene("mass-on-spring").with_changes({"faults": [fault]}), [own_target()])
 
 
 def test_units_that_are_no_components_are_named(tmp_path):
