@@ -35,6 +35,8 @@ def _motion(result: Result, passage: Passage, name: str) -> Motion | None:
     if times.size < FEWEST or any(h is None for h in recorded):
         return None
     head, frame = (np.interp(times, result.time, 1e3 * h) for h in recorded if h is not None)
+    # the coordinate of a head that is pressed into the contact's spring is above the wire
+    head = np.fmin(head, heights[:, heights.shape[1] // 2])
     none = np.zeros(times.size)
     below = frame - FRAME
     lines = [
