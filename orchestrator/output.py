@@ -7,6 +7,7 @@ import json
 import os
 import platform
 import re
+import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -68,6 +69,7 @@ def locked(directory: str | Path) -> Iterator[Path]:
     The operating system keeps the lock and frees it however the process ends. Where a file system has no locks, nothing is
     locked. Entered once more by the same process, it is one lock.
     """
+    new = not Path(directory).exists()
     path = ensure_directory(directory)
     key = str(path.resolve())
     if key in _held:
@@ -86,6 +88,7 @@ def locked(directory: str | Path) -> Iterator[Path]:
         raise not_written(directory, error) from None
     _held.add(key)
     _tidy(path)
+    earlier = (path / UNFINISHED).exists()
     try:
         with suppress(OSError):  # the message of another run would be less precise
             (path / UNFINISHED).mkdir(exist_ok=True)
@@ -94,6 +97,13 @@ def locked(directory: str | Path) -> Iterator[Path]:
                 {"process": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds")},
             )
         yield path
+    except BadInput:  # leaves nothing behind, but what an earlier run has left
+        if not earlier:
+            shutil.rmtree(path / UNFINISHED, ignore_errors=True)
+        if new:
+            with suppress(OSError):
+                path.rmdir()
+        raise
     finally:
         _held.discard(key)
         with suppress(OSError):

@@ -20,6 +20,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     import logging
 
     from ...components.core.errors import BadInput
+    from ...components.core.kernel_faults import is_typing_fault, typing_fault
     from ..cache import tidy_daily
     from .application import app
     from .common import BAD_INPUT, FAILED_RUN
@@ -38,4 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
         place = repr(str(error.filename)) if error.filename is not None else "output"
         print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+    except Exception as error:
+        if not is_typing_fault(error):
+            raise
+        print(f"cosimo: {typing_fault(error)}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from ...components.core.errors import BadInput, nearest, visible_lines
 from .options import listed, value_of
@@ -21,8 +23,61 @@ if TYPE_CHECKING:
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, as shells give it
 NAMED = 5  # changes that a title names
+# of verdicts, where the terminal has colours
+COLOURS = {
+    "yes": "green",
+    "NO": "bold red",
+    "undecided": "yellow",
+    "shown": "green",
+    "contradicted": "bold red",
+    "not shown": "yellow",
+}
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=True, rich_markup_mode=None)
+
+class Commands(TyperGroup):
+    """All commands: listed in groups by what they are for; Ctrl-C is answered at any moment, and a closed pipe ends them quietly."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            value = super().invoke(ctx)
+            sys.stdout.flush()
+            return value
+        except KeyboardInterrupt:
+            raise fail("stopped by SIGINT; what was written before stays", STOPPED + 2) from None
+        except BrokenPipeError:  # such as of `| head`
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise SystemExit(STOPPED + 13) from None
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        listed = set()
+        for title, names in GROUPS.items():
+            self._section(title, [n for n in names if n in self.commands], formatter)
+            listed |= set(names)
+        self._section("Others", [n for n in self.commands if n not in listed], formatter)
+
+    def _section(self, title: str, names: Sequence[str], formatter: Any) -> None:
+        if names:
+            with formatter.section(title):
+                formatter.write_dl([(n, first_sentence(self.commands[n].help or "")) for n in names])
+
+
+def first_sentence(text: str) -> str:
+    """The first sentence of a help text, on one line and whole."""
+    line = " ".join(text.partition("\n\n")[0].split())
+    return line.partition(" Example:")[0].partition(". ")[0].rstrip(".") + "."
+
+
+# what commands are for, in the order of the help
+GROUPS = {
+    "Simulate": ("run", "show", "list", "compare", "explore", "new"),
+    "Judge": ("validate", "accuracy", "stability", "effects"),
+    "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design", "dataset"),
+    "Give away": ("build", "check", "ssp"),
+    "Railway": ("railway",),
+    "House-keeping": ("open", "cache", "schema"),
+}
+
+app = typer.Typer(cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, add_completion=True, rich_markup_mode=None)
 
 
 def _print_version(wanted: bool) -> None:
@@ -53,11 +108,17 @@ def group(name: str, text: str) -> typer.Typer:
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
     """A table on standard output; real numbers with four digits."""
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Column, Table
+    from rich.text import Text
 
-    table = Table(*columns, title=title or None, title_justify="left")
-    for row in rows:
-        table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row))
+    texts = [[f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row] for row in rows]
+    name = max((len(line) for row in texts for line in row[0].splitlines()), default=0)  # the first column has names
+    headers = [
+        Column(c, overflow="fold", min_width=min(name, output_width() // 2) if k == 0 else None) for k, c in enumerate(columns)
+    ]
+    table = Table(*headers, title=title or None, title_justify="left")
+    for row in texts:
+        table.add_row(*(Text(cell, style=COLOURS.get(cell, "")) for cell in row))
     Console(width=output_width()).print(table, markup=False)
 
 

@@ -119,8 +119,13 @@ def reports(command: Callable[..., None]) -> Callable[..., None]:
             raise BadInput("--plotly", repr(plotly), "one of " + ", ".join(PLACES))
         if given["output"] is None:
             refuse({"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf}, "-o DIR as well, for the report")
-        with delivered(plotly, pdf):
-            command(**given)
+        try:
+            with delivered(plotly, pdf):
+                command(**given)
+        finally:  # of a failed check, too
+            output = given["output"]
+            if output is not None and (output / "report.html").is_file() and not given.get("as_json"):
+                print(f"next: cosimo open {output}")
 
     signature = inspect.signature(command, eval_str=True)
     added = [

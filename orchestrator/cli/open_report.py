@@ -1,0 +1,23 @@
+"""Reports in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from typer import Argument
+
+from ...components.core.errors import BadInput
+from .common import app
+
+
+@app.command("open")
+def open_(where: Annotated[Path, Argument(help="a directory with a report, or the report itself")] = Path()) -> None:
+    """Open a report in the browser. Example: cosimo open out"""
+    import webbrowser
+
+    page = where / "report.html" if where.is_dir() else where
+    if page.suffix != ".html" or not page.is_file():
+        raise BadInput("open", repr(str(where)), "a directory with a report.html, or the path of one", "Give a run -o DIR.")
+    if not webbrowser.open(page.resolve().as_uri()):
+        print(f"no browser starts here; the report is {page.resolve()}")

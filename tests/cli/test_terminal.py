@@ -1,0 +1,117 @@
+"""What a user at a terminal meets: grouped help, whole names, a closed pipe, a fault in a kernel of their own, nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.cli.common import GROUPS, app, first_sentence, print_table
+from typer.main import get_command
+
+MODULE = """
+from cosimo import DONE, OdeComponent, kernel, ode_kernels, output, parameter
+
+class Spring(OdeComponent):
+    stiffness = parameter(1.0, "N/m", "stiffness")
+    substep = parameter(1e-3, "s", "longest internal step")
+    displacement = output("m", "displacement")
+
+    def states(self):
+        return 1
+
+@kernel
+def start(t, s, p, e):
+    s.x[0] = 1.0
+    return DONE
+
+@kernel
+def derivatives(t, x, u, dx, s, p, e):
+    dx[0] = -p.stifness * x[0]
+
+@kernel
+def outputs(t, s, p, e):
+    s.y[0] = s.x[0]
+    return DONE
+
+Spring.kernels = ode_kernels(__name__, start=start, derivatives=derivatives, outputs=outputs)
+"""
+SCENE = 'stop_time = 0.1\n[units]\none = { component = "misspelt_spring:Spring" }\n[master]\nstep = 0.05\n'
+
+
+def started(*arguments, **more):
+    """The command in a process of its own."""
+    program = [sys.executable, "-c", "from cosimo.orchestrator.cli import main; main()", *arguments]
+    return subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+
+
+def test_every_command_is_in_a_group_with_a_whole_sentence(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    commands = get_command(app).commands
+    assert {name for names in GROUPS.values() for name in names} >= {*commands}
+    assert "Others:" not in text
+    for command in commands.values():
+        assert first_sentence(command.help) in text
+        assert first_sentence(command.help).endswith(".")
+
+
+@pytest.mark.parametrize("width", ["40", "60", "200"])
+def test_names_are_never_cut(width, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", width)
+    monkeypatch.setattr("cosimo.orchestrator.cli.common.output_width", lambda: int(width))
+    name = "dropper_slackening.a_rather_long_name[12]"
+    print_table("", ("name", "text"), [(name, "what it is, in several words that do not fit"), ("short", 1.0)])
+    shown = capsys.readouterr().out
+    assert "…" not in shown
+    assert name in "".join(c for c in shown if c not in "│┃ \n").replace("whatitis,", "") or int(width) < 2 * len(name)
+
+
+def test_a_closed_pipe_ends_a_command_quietly():
+    process = started("list", "--json")
+    assert process.stdout.readline()
+    process.stdout.close()
+    assert process.wait(60) == 128 + signal.SIGPIPE
+    assert process.stderr.read() == ""
+
+
+def test_a_fault_in_a_kernel_is_one_message_and_leaves_nothing(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / "misspelt_spring.py").write_text(MODULE)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(tmp_path / "scene.toml"), "--in-process", "-o", str(tmp_path / "out")])
+    assert end.value.code == 2
+    message = capsys.readouterr().err
+    assert len(message.splitlines()) == 1
+    assert "misspelt_spring.py:19: Unknown attribute 'stifness'" in message
+    assert "did you mean 'stiffness'" in message
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.full
+@pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
+def test_an_interrupt_is_answered_before_a_run_starts(tmp_path):
+    process = started("validate", "en50318-2002", "--in-process", "-o", str(tmp_path / "out"))
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 130
+    assert "stopped by SIGINT" in process.stderr.read()
+
+
+def test_open_wants_a_report(tmp_path, capsys, monkeypatch):
+    (tmp_path / "report.html").write_text("<p>")
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    with pytest.raises(SystemExit):
+        main(["open", str(tmp_path)])
+    assert opened == [(tmp_path / "report.html").as_uri()]
+    with pytest.raises(SystemExit) as end:
+        main(["open", str(tmp_path / "nothing")])
+    assert end.value.code == 2
+    assert "report.html" in capsys.readouterr().err
