@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, as shells give it
 NAMED = 5  # changes that a title names
+OPTIONS = {
+    "stop_time": "--stop",
+    "master.step": "--step",
+    "master.algorithm": "--algorithm",
+}  # of a scene, by options of their own
 # of verdicts, where the terminal has colours
 COLOURS = {
     "yes": "green",
@@ -223,6 +228,8 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
     """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
     name, equals, value = text.partition("=")
     unit, parameter = scene.split(name.strip())
+    if option := OPTIONS.get(name.strip()):
+        raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name.strip()} is no parameter of a unit.")
     if not equals or not parameter or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
     return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", value_of(value)

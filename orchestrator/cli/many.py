@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
+from ...components.core.errors import visible_lines
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
@@ -39,9 +40,12 @@ from .options import (
     Quantities,
     SceneName,
     Scheduler,
+    Step,
+    Stop,
     ranges_of,
     refuse,
     reports,
+    times_of,
 )
 
 if TYPE_CHECKING:
@@ -59,6 +63,8 @@ def sweep(
     output: Output = Path("sweep"),
     values: Changes = None,
     presets: Presets = None,
+    step: Step = None,
+    stop: Stop = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     add: Annotated[int, Option(help="Further points of a plan by Sobol's sequence or at random.")] = 0,
@@ -72,12 +78,13 @@ def sweep(
     Points that the directory has already are not run again.
     """
     from ..harness import report
+    from ..harness.many.failures import failure_groups
     from ..output import locked
     from ..systems import many
 
     if plan is not None:
         refuse({"--over": over}, "none with --plan", "Give one of them.")
-    loaded = scene_of(scene, values, presets, {"sweep": ranges_of(over) or None})
+    loaded = scene_of(scene, values, presets, {**times_of(step, stop), "sweep": ranges_of(over) or None})
     with locked(output):  # now, not after a long sweep
         results = many.sweep(
             loaded,
@@ -99,8 +106,8 @@ def sweep(
     kept = f", {earlier} of an earlier call" if earlier else ""
     print_written(written, f"{len(results.outcomes)} points{kept}, {len(failed)} failed; ")
     print(verified(results))
-    for reason in list(dict.fromkeys(failed))[:20]:
-        print(f"cosimo: {reason}", file=sys.stderr)
+    for sentence in failure_groups(results.outcomes, results.varied)[:20]:
+        print(f"cosimo: {visible_lines(sentence)}", file=sys.stderr)
     stopped_early(results)
     if failed:
         raise SystemExit(FAILED_RUN)
@@ -117,6 +124,8 @@ def sensitivity(
     output: Output = Path("sensitivity"),
     values: Changes = None,
     presets: Presets = None,
+    step: Step = None,
+    stop: Stop = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     no_verify: NoVerify = False,
@@ -126,7 +135,7 @@ def sensitivity(
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets)
+    loaded = scene_of(scene, values, presets, times_of(step, stop))
     with locked(output):
         answer = many.sensitivity(
             loaded,
@@ -169,6 +178,8 @@ def uncertainty(
     output: Output = Path("uncertainty"),
     values: Changes = None,
     presets: Presets = None,
+    step: Step = None,
+    stop: Stop = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     no_verify: NoVerify = False,
@@ -179,7 +190,7 @@ def uncertainty(
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets)
+    loaded = scene_of(scene, values, presets, times_of(step, stop))
     with locked(output):
         answer = many.uncertainty(
             loaded,
@@ -224,6 +235,8 @@ def fit(
     output: Output = Path("fit"),
     values: Changes = None,
     presets: Presets = None,
+    step: Step = None,
+    stop: Stop = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     no_verify: NoVerify = False,
@@ -233,7 +246,7 @@ def fit(
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets)
+    loaded = scene_of(scene, values, presets, times_of(step, stop))
     with locked(output), _search() as observe:
         answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe, verify=not no_verify)
         written = [answer.save(output), answers.for_fit(answer, output)]
@@ -258,6 +271,8 @@ def design(
     output: Output = Path("design"),
     values: Changes = None,
     presets: Presets = None,
+    step: Step = None,
+    stop: Stop = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     no_verify: NoVerify = False,
@@ -269,7 +284,7 @@ def design(
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets)
+    loaded = scene_of(scene, values, presets, times_of(step, stop))
     with locked(output), _search() as observe:
         answer = many.design(
             loaded,
@@ -315,6 +330,7 @@ def bearing_faults(
     scheduler: Scheduler = "",
 ) -> None:
     """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
+    from ..harness.many.failures import failure_groups
     from ..output import locked
     from ..systems.bearings.fault_check import check
     from ..systems.bearings.fault_data import Sensor, fault_data
@@ -345,8 +361,8 @@ def bearing_faults(
             f"a random forest labels {100.0 * result.accuracy:.0f} % of {result.records} test records right "
             f"(by chance {100.0 * result.chance:.0f} %)"
         )
-    if failed := _failed(runs):
-        raise fail(f"{len(failed)} runs failed: {failed[0]}")
+    if _failed(runs):
+        raise fail(failure_groups(runs.outcomes, runs.varied)[0])
 
 
 def verified(results: Sweep) -> str:

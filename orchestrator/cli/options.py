@@ -27,6 +27,7 @@ SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipp
 Output = Annotated[Path, Option("-o", "--output", help="Directory for the tables and the report.")]
 OptionalOutput = Annotated[Path | None, Option("-o", "--output", help="Directory for the results.")]
 Stop = Annotated[float | None, Option(help="End of the run, s.")]
+Step = Annotated[float | None, Option(help="Macro step, s.")]
 AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[
     bool, Option("--in-process", help="Run components in this process, not as FMUs: bit-identical results, faster.")
@@ -107,6 +108,11 @@ def limits_of(table: str, conditions: Sequence[str] | None) -> dict[str, Any] | 
         return None
     place = str(Path(table).resolve()) if table.endswith(".toml") else table
     return {"table": place, "conditions": list(conditions or ())}
+
+
+def times_of(step: float | None, stop: float | None) -> dict[str, Any]:
+    """Changes of a scene by --step and --stop; None where one is not given."""
+    return {"master.step": step, "stop_time": stop}
 
 
 def reports(command: Callable[..., None]) -> Callable[..., None]:

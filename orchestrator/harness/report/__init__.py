@@ -14,6 +14,7 @@ from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
+from ..many.failures import failure_groups
 from ..summary import Summary, SummaryRow, with_error, with_errors
 from ..validation.limits_of_run import judge
 from . import generic, many_runs, numerics, sweeps, trust
@@ -170,8 +171,8 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     """`report.html` of a sweep: its section against the last parameter that varies, and the measures."""
     scene = sweep.scene
     blocks: list[Block] = []
-    if failed := [o for o in sweep.outcomes if o != "done"]:
-        blocks.append(Text([f"{len(failed)} of {len(sweep.outcomes)} points failed: {failed[0]}"], "warning"))
+    if failures := failure_groups(sweep.outcomes, sweep.varied):
+        blocks.append(Text(failures, "warning"))
     blocks += [Text(sweep.remarks, "note")] if sweep.remarks else []
     table = many_runs.table_of(sweep)
     blocks += [text] if (text := many_runs.outside_text(table)) is not None else []
