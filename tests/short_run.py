@@ -17,6 +17,12 @@ ONE_A_SYSTEM = tuple({component_class(name).system: name for name in CATALOGUE}.
 FIRST_OF_SYSTEM = {file.parent.parent.name: name for name, file in reversed(scene_files().items())}  # system -> its first scene
 
 
+@functools.cache
+def shipped_scenes() -> Mapping[str, Scene]:
+    """All shipped scenes by their names, read once in a process: lists of parameters ask for them."""
+    return {name: load_scene(name) for name in sorted(scene_files())}
+
+
 def full_but(kept: Collection[Any], cases: Iterable[Any]) -> list[Any]:
     """Parameters of a test: all but the kept ones only in the complete run. A case is a value, or a tuple of values."""
     return [
@@ -47,5 +53,4 @@ def covering_scenes(but: frozenset[str] = frozenset()) -> tuple[str, ...]:
 
     but: components that need no scene.
     """
-    scenes = {name: load_scene(name) for name in sorted(scene_files())}
-    return covering(scenes, lambda scene: {scene.master.algorithm, *(u.component for u in scene.units.values())} - but)
+    return covering(shipped_scenes(), lambda scene: {scene.master.algorithm, *(u.component for u in scene.units.values())} - but)

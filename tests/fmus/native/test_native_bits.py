@@ -6,10 +6,8 @@ Here a component of each system, and those that no shipped scene has. The others
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE
-from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
-from cosimo.tests.short_run import ONE_A_SYSTEM
+from cosimo.tests.short_run import ONE_A_SYSTEM, shipped_scenes
 
 OTHERS = [
     ("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
@@ -17,7 +15,7 @@ OTHERS = [
     ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ()),
 ]
 QUICK = ("PlanarLink",)
-IN_SCENES = {unit.component for name in scene_files() for unit in load_scene(name).units.values()}
+IN_SCENES = {unit.component for scene in shipped_scenes().values() for unit in scene.units.values()}
 ALONE = [n for n in CATALOGUE if n in {*QUICK, *ONE_A_SYSTEM} or n not in IN_SCENES]
 ALL = [pytest.param(n, (), (), marks=() if n in QUICK else pytest.mark.full) for n in ALONE]
 ALL += [pytest.param(*other, marks=pytest.mark.full) for other in OTHERS]

@@ -10,12 +10,11 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import FINER, uniform
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene, summary
-from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price
+from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
 from cosimo.tests.support import two_masses
 
-SHORTEST = min(scene_files(), key=lambda name: price(load_scene(name)))
+SHORTEST = min(shipped_scenes(), key=lambda name: price(shipped_scenes()[name]))
 
 
 def page(result, directory):
@@ -26,7 +25,7 @@ def page(result, directory):
     ("name", "steps"),
     full_but(
         ((SHORTEST, 1), (SHORTEST, 10)),
-        [*((name, 1) for name in sorted(scene_files())), *((name, 10) for name in sorted({SHORTEST, *FIRST_OF_SYSTEM.values()}))],
+        [*((name, 1) for name in shipped_scenes()), *((name, 10) for name in sorted({SHORTEST, *FIRST_OF_SYSTEM.values()}))],
     ),
 )
 def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):

@@ -11,14 +11,13 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report import for_run
 from cosimo.orchestrator.native import initial_inputs
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.settings import SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages
 from cosimo.orchestrator.units.component import make
 from cosimo.tests.scene.ssp import systems
-from cosimo.tests.short_run import full_but
+from cosimo.tests.short_run import full_but, shipped_scenes
 from cosimo.tests.units.native import native_fmu
 from fmpy.ssp.ssd import find_components, find_connectors, get_connections, read_ssd
 from lxml import etree
@@ -252,7 +251,7 @@ def test_a_packed_railway_has_the_figures_of_its_scene(tmp_path):
 
 @pytest.mark.full
 def test_every_shipped_scene_without_contacts_can_be_packed_with_valid_files(tmp_path):
-    scenes = [scene for scene in map(load_scene, scene_files()) if not scene.contacts]
+    scenes = [scene for scene in shipped_scenes().values() if not scene.contacts]
     assert len(scenes) > 5
     for scene in scenes:
         path = write(scene, tmp_path / f"{scene.name}.ssp")

@@ -7,10 +7,10 @@ import pytest
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.fmus.build import build
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units import describe
+from cosimo.tests.short_run import shipped_scenes
 
 ORDERS = {"catenary first": ["catenary", "pantograph"], "pantograph first": ["pantograph", "catenary"]}
 SCHEMES = [("jacobi", None), ("iterative", None), *(("gauss-seidel", order) for order in ORDERS)]
@@ -53,9 +53,9 @@ def test_the_mean_force_is_that_of_the_pantographs_own_balance(scheme, step):
 
 def moving_scenes():
     """Shipped scenes with an input that is a place which moves on and gets its value from another unit."""
-    for name in sorted(scene_files()):
-        interfaces = load_scene(name).coupling.interfaces
-        if any(interfaces[u].inputs[n].moving for link in load_scene(name).coupling.links for u, n in [link.target]):
+    for name, scene in shipped_scenes().items():
+        interfaces = scene.coupling.interfaces
+        if any(interfaces[u].inputs[n].moving for link in scene.coupling.links for u, n in [link.target]):
             yield name
 
 

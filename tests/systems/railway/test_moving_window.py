@@ -10,7 +10,7 @@ from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
-from cosimo.tests.short_run import covering
+from cosimo.tests.short_run import covering, shipped_scenes
 
 PLAIN = {"record.signals": None, "record.interval": None, "record.snapshots": [], "record.snapshot_interval": None}
 LONG = {"units.catenary.parameters.spans": 30, "stop_time": 23.0, "analysis": {}}
@@ -49,7 +49,7 @@ def error(scene, other):
 
 def lines() -> tuple[str, ...]:
     """Scenes with a line whose waves a window cuts, which together have every effect of such lines."""
-    railway = {name: load_scene(name) for name, file in scene_files().items() if file.parent.parent.name == "railway"}
+    railway = {name: scene for name, scene in shipped_scenes().items() if scene_files()[name].parent.parent.name == "railway"}
     cut = {name: scene for name, scene in railway.items() if windowed(scene)}
     return covering(cut, lambda scene: {e for u in scene.units.values() if u.component == "Catenary" for e in u.effects})
 
