@@ -35,12 +35,16 @@ STANDARD = {
 
 @dataclass(frozen=True)
 class Step:
-    """One length of the step. error: the largest of the outputs, as a share; seconds: CPU time of a second of simulated time."""
+    """One length of the step.
+
+    error: the largest of the quantities, as a share, and `of` which it is; seconds: CPU time of a second of simulated time.
+    """
 
     length: float
     error: float
     seconds: float
     outcome: str = "done"
+    of: str = ""
 
 
 @dataclass(frozen=True)
@@ -67,18 +71,20 @@ class Evidence:
     def summary(self) -> str:
         """One sentence for the description of the FMU."""
         of_step = next((s for s in self.steps if s.length == self.step), None)
-        error = "" if of_step is None else f" Error at a step of {self.step:g} s: {100.0 * of_step.error:.2g} %."
+        name = "" if of_step is None or not of_step.of else f" ({of_step.of})"
+        error = "" if of_step is None else f" Error at a step of {self.step:g} s: {100.0 * of_step.error:.2g} %{name}."
         return f"{error} {self.stable}".strip()
 
     def section(self) -> str:
         """HTML for the documentation of the FMU."""
         rows = "\n".join(
-            f"<tr><td>{s.length:g}</td><td>{100.0 * s.error:.3g}</td><td>{s.seconds:.3g}</td><td>{html.escape(s.outcome)}</td></tr>"
+            f"<tr><td>{s.length:g}</td><td>{100.0 * s.error:.3g}</td><td>{html.escape(s.of)}</td>"
+            f"<td>{s.seconds:.3g}</td><td>{html.escape(s.outcome)}</td></tr>"
             for s in self.steps
         )
         return f"""<h2>Evidence</h2>
 <p>{html.escape(self.meaning)} {html.escape(self.stable)}</p>
-<table><tr><th>step, s</th><th>error, %</th><th>CPU time of 1 s, s</th><th>outcome</th></tr>
+<table><tr><th>step, s</th><th>error, %</th><th>of</th><th>CPU time of 1 s, s</th><th>outcome</th></tr>
 {rows}
 </table>
 <p>An experiment with reference results: <code>{FOLDER}</code>. {html.escape(self.source)}</p>
@@ -134,8 +140,8 @@ class Evidence:
         return file.getvalue().encode()
 
     def _steps(self) -> bytes:
-        rows = "\n".join(f"{s.length!r},{s.error!r},{s.seconds:.4g},{s.outcome}" for s in self.steps)
-        return f"step (s),error (1),CPU time of a second (s),outcome\n{rows}\n".encode()
+        rows = "\n".join(f'{s.length!r},{s.error!r},"{s.of}",{s.seconds:.4g},{s.outcome}' for s in self.steps)
+        return f"step (s),error (1),of,CPU time of a second (s),outcome\n{rows}\n".encode()
 
 
 def with_evidence(described: Any, evidence: Evidence | None) -> Any:

@@ -49,7 +49,7 @@ def scene_evidence(scene: Scene) -> Evidence:
         )
     uncertainty = errors(quantities, near, reference)
     steps = [
-        Step(factor * step, _worst(quantities, history, reference, uncertainty), seconds, why or "done")
+        _measured(factor * step, quantities, history, reference, uncertainty, seconds, why)
         for factor, (history, seconds, why) in runs.items()
         if factor != FINEST
     ]
@@ -95,12 +95,22 @@ def _scene_run(scene: Scene, step: float) -> tuple[TimeHistory | None, float, st
     return TimeHistory(result.time, {name: np.asarray(result[name]) for name in result.columns}), seconds, ""
 
 
-def _worst(
-    quantities: Sequence[Quantity], history: TimeHistory | None, reference: TimeHistory, uncertainty: Mapping[str, float]
-) -> float:
+def _measured(
+    length: float,
+    quantities: Sequence[Quantity],
+    history: TimeHistory | None,
+    reference: TimeHistory,
+    uncertainty: Mapping[str, float],
+    seconds: float,
+    why: str = "",
+) -> Step:
+    """A step with its largest error; `uncertainty`: the reference's own; `why`: there is no history."""
     if history is None:
-        return inf
-    return max(error + uncertainty.get(name, 0.0) for name, error in errors(quantities, history, reference).items())
+        return Step(length, inf, seconds, why)
+    error, name = max(
+        (error + uncertainty.get(name, 0.0), name) for name, error in errors(quantities, history, reference).items()
+    )
+    return Step(length, error, seconds, of=name)
 
 
 def _tolerance(values: np.ndarray, others: np.ndarray) -> float:
@@ -183,20 +193,29 @@ def component_evidence(make: Callable[[], Component]) -> Evidence:
         for n, values in reference.columns.items()
         if not np.array_equal(values, np.round(values))
     ]
+    if not quantities:
+        expected = "outputs that follow the inputs"
+        raise BadInput(
+            f"{cls.__name__}: --evidence", "outputs that stand still or count", expected, "Give parameters and effects."
+        )
     factors = list(FACTORS)
     for factor in factors:
         step, n = factor * usual, round(stop / (factor * usual))
         try:
             rows, seconds = solved(make(), step, n)
-            steps.append(Step(step, _worst(quantities, history(rows, step), reference, {}), seconds / stop))
+            steps.append(_measured(step, quantities, history(rows, step), reference, {}, seconds / stop))
         except (StepFailed, BadInput):
             steps.append(Step(step, inf, inf, "failed"))
         if factor == factors[-1] > SHORTEST and largest_within(steps) is None:
             factors.append(0.5 * factor)
     chosen = largest_within(steps)
-    step = min(s.length for s in steps) if chosen is None else chosen
+    step = usual if chosen is None else chosen
     n = min(round(stop / step), ROWS)
-    rows, finer = (solved(component, step, n)[0] for component in (make(), _finer(make)))
+    rows = solved(make(), step, n)[0]
+    try:
+        finer = solved(_finer(make), step, n)[0]
+    except BadInput:  # a substep has no effect where nothing is integrated
+        finer = rows
     outputs = dict(zip(first.outputs, rows.T, strict=True))
     times = step * np.arange(n + 1)
     limit = first.stable_step() if isfinite(first.stable_step()) else 0.0
@@ -225,10 +244,7 @@ def _finer(make: Callable[[], Any]) -> Component:
     component = make()
     for name, factor in (("substep", 0.5), ("tolerance", 0.1)):
         if name in component.parameters:
-            try:
-                finer = type(component)(tuple(component.on), {**component.parameters, name: factor * component.parameters[name]})
-            except BadInput:
-                continue
+            finer = type(component)(tuple(component.on), {**component.parameters, name: factor * component.parameters[name]})
             finer.u[0] = component.u[0]
             return finer
     return component

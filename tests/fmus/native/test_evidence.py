@@ -11,6 +11,7 @@ import fmpy
 import numpy as np
 import pytest
 from cosimo.components.catalogue import component_class
+from cosimo.components.core.errors import BadInput
 from cosimo.fmus.evidence import FOLDER, MANIFEST, Evidence, Step, experiments
 from cosimo.fmus.evidence_check import replayed
 from cosimo.fmus.native.build import build_native, own_target
@@ -87,6 +88,11 @@ def test_a_result_alone_is_that_of_the_default_experiment(link, tmp_path):
     assert "not in the FMU: none" in text
     assert "no numbers: text" in text
     assert "gone.exp (experiment) is not in the FMU" in text
+
+
+def test_a_component_whose_outputs_stand_still_has_none():
+    with pytest.raises(BadInput, match="outputs that stand still or count"):
+        component_evidence(partial(component_class("PipeRobot"), (), {}))
 
 
 def test_an_fmu_without_evidence_has_no_fault(tmp_path):
