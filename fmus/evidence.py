@@ -25,6 +25,7 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"
 NAMESPACE, EXPERIMENTS = "http://fmi-standard.org/fmi-ls-manifest", "application/x-ma-hs-experiments"
 OLDER = "application/x-ma-ls-experiments"  # in an example of the standard
+CSV, KNOWN = "text/csv", ("TransientSimulation", "Parameters", "Stimuli", "References", "Annotations")
 TOLERANCES = "cosimo.tolerances"  # type of the annotation
 STANDARD = {
     "fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
@@ -187,7 +188,7 @@ def experiments(files: Mapping[str, bytes]) -> tuple[list[Experiment], list[str]
             continue
         if place not in files:
             left.append(f"{source or 'a source without a name'} ({role}) is not in the FMU")
-        elif role == "result" and kind == "text/csv":
+        elif role == "result" and kind == CSV:
             results.append(place)
         elif role != "result" and kind in (EXPERIMENTS, OLDER):
             replayable += _experiments_of(place, files, left)
@@ -206,6 +207,13 @@ def _experiments_of(place: str, files: Mapping[str, bytes], left: list[str]) -> 
         sources = {child.tag: child.get("source", "") for child in element}
         places = {tag: _place(sources[tag], place) if tag in sources else "" for tag in ("Parameters", "Stimuli", "References")}
         missing = [sources[tag] for tag, at in places.items() if at and at not in files]
+        other = [child.tag for child in element if child.tag not in KNOWN]
+        other += [
+            kind for tag in ("Stimuli", "References") for child in element.iter(tag) if (kind := child.get("type", CSV)) != CSV
+        ]
+        if other:
+            left.append(f"experiment {name!r} has {other[0]}, which is not replayed")
+            continue
         if not places["References"] or missing:
             left.append(f"experiment {name!r} has " + (f"no file {missing[0]}" if missing else "no reference results"))
             continue

@@ -107,14 +107,18 @@ def test_the_older_form_of_experiments_is_read():
             <Related type="text/csv" source="https://example.org/r.csv" role="result"/>
             <Related type="text/csv" source="../../../r.csv" role="result"/></fmiReferences>""",
         f"{FOLDER}/sub/a.exp": b"""<Experiments name="a"><Experiment name="one" startTime="0.5" stopTime="2" stepSize="0.1">
-            <Parameters source="p.ssv"/><References source="../r%201.csv"/></Experiment><Experiment name="two"/></Experiments>""",
+            <Parameters source="p.ssv"/><References source="../r%201.csv"/></Experiment><Experiment name="two"/>
+            <Experiment name="three"><Linearization/><References source="../r%201.csv"/></Experiment>
+            <Experiment name="four"><References source="../r%201.csv" type="application/hdf5"/></Experiment></Experiments>""",
         f"{FOLDER}/sub/p.ssv": b"",
         f"{FOLDER}/r 1.csv": b"",
     }
     (one,), left = experiments(files)
     assert (one.start, one.stop, one.step) == (0.5, 2.0, 0.1)
     assert (one.reference, one.parameters) == (f"{FOLDER}/r 1.csv", f"{FOLDER}/sub/p.ssv")
-    assert len(left) == 3
+    assert len(left) == 5
+    assert "experiment 'three' has Linearization, which is not replayed" in left
+    assert "experiment 'four' has application/hdf5, which is not replayed" in left
     assert "experiment 'two' has no reference results" in left
 
 

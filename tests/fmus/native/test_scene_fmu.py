@@ -281,6 +281,19 @@ def test_parameters_act_as_those_of_the_scene(built):
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"]).tobytes()
 
 
+@pytest.mark.full
+def test_force_tension_and_speed_of_en50318_set_from_outside(built):
+    """The equilibrium of the wires and the initial contact follow in the FMU, with the bits of the scene that says so itself."""
+    given = {"pantograph.static_force": 90.0, "catenary.contact_wire_tension": 22e3, "pantograph.speed": 60.0}
+    scene = load_scene("en50318-2002")
+    changes = {f"units.{unit}.parameters.{name}": v for key, v in given.items() for unit, name in [key.split(".")]}
+    reference = run(short(scene, STEPS, changes), in_process=True)
+    for path in built("en50318-2002"):
+        recorded = outputs_of(path, STEPS, scene.master.step, start_values=given)
+        for column in ("pantograph.contact_force", "catenary.wire_height"):
+            assert recorded[column].tobytes() == np.asarray(reference[column]).tobytes(), column
+
+
 @pytest.fixture
 def instances(built):
     """Two initialized instances of one FMU, and what describes it."""
