@@ -25,6 +25,7 @@ def solved(name):
     return net, net.solve(), found, start
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("name", PLACES)
 def test_the_table_has_the_numbers_of_the_network(name):
     """Elasticities, preloads, lengths and reaction; the middle of each range is what was printed, to four digits."""

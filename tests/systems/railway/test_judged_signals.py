@@ -88,10 +88,11 @@ def test_a_scene_of_ones_own_is_judged_by_the_whole_force(seed):
             assert ours[f"{unit}{ends}.mean"] == pytest.approx(force[kept].mean(), rel=0.1)
 
 
+@pytest.mark.full
 def test_half_a_collector_is_not_judged():
     scene = load_scene("overlap").with_changes(
         {
-            "stop_time": 4.0,
+            "stop_time": 0.01,
             "record.snapshots": [],
             "record.snapshot_interval": None,
             "analysis.spans": [2, 3],

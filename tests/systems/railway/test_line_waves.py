@@ -94,6 +94,7 @@ def test_both_methods_agree_under_a_moving_force_on_a_stitched_line():
     assert np.abs(heights[0] - heights[1]).max() < 0.01 * np.ptp(heights[0])
 
 
+@pytest.mark.full
 def test_the_window_moves_stitches_and_leaves_equilibrium_behind():
     made = line(STITCHED, "explicit", ("damping", "moving_window"), **{"moving_window.ahead": 40.0, "moving_window.behind": 20.0})
     for i in range(400):
