@@ -70,12 +70,14 @@ def test_bad_input_leaves_no_file(folder, capsys):
     (folder / "bad.csv").write_text("position [m];hight [m]\n0;5,3\n")
     (folder / "back.csv").write_text("position [m]\n0\n50\n40\n")
     (folder / "short.csv").write_text("position [m]\n0\n50\n100\n")
+    (folder / "commas.csv").write_text("position [m],contact height [m]\n0,5,3\n50,5,3\n")
     before = set(folder.iterdir())
     for arguments, named in (
         (("line", "line.toml", "supports.csv"), "there already"),
         (("line", "new.txt", "supports.csv"), "ends with .toml"),
         (("line", "new.toml", "bad.csv"), "'contact height [m]'"),
         (("line", "new.toml", "back.csv"), "behind the one before"),
+        (("line", "new.toml", "commas.csv"), "separated by semicolons"),
         (("line", "new.toml", "supports.csv", "--contact-tension", "22 kg"), "dimension of N"),
         (("scene", "new.toml"), "neither units nor --line"),
         (("scene", "new.toml", "Pantograf"), "'Pantograph'"),

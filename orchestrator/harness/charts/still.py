@@ -29,6 +29,7 @@ def still(figure: Spec, name: str) -> str:
     layout = figure["layout"]
     height = layout["height"]
     axes = axes_of(figure)
+    right = max(axis.end for name, axis in axes.items() if name[0] == "x")
     parts: list[str] = []
     shapes = list(layout.get("shapes", ()))
     parts += [_shape(s, layout, axes) for s in shapes if s.get("layer") == "below"]
@@ -39,7 +40,7 @@ def still(figure: Spec, name: str) -> str:
         own = [t for t in figure["data"] if (t.get("xaxis", "x"), t.get("yaxis", "y")) == (x, y)]
         traces = "".join(draw_trace(t, own, axes[x], axes[y]) for t in own)
         parts.append(f'<clipPath id="{name}c{k}"><rect {box}/></clipPath><g clip-path="url(#{name}c{k})">{traces}</g>')
-        parts += [draw_scale(t, axes[x], axes[y]) for t in own if has_scale(t)]
+        parts += [draw_scale(t, axes[x], axes[y], right) for t in own if has_scale(t)]
     parts += [_shape(s, layout, axes) for s in shapes if s.get("layer") != "below"]
     parts += [_note(n, layout, axes) for n in layout.get("annotations", ())]
     parts += _legends(figure)

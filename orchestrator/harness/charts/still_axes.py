@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -134,7 +135,14 @@ def _has_markers(figure: Spec, name: str) -> bool:
 
 
 def _values(figure: Spec, name: str) -> Iterator[Any]:
-    """What traces have along an axis."""
+    """What traces and shapes have along an axis."""
+    for shape in figure["layout"].get("shapes", ()):
+        if shape.get(f"{name[0]}ref", name[0]) == name:
+            if shape["type"] == "path":  # x and y in turn
+                numbers = [float(n) for n in re.findall(r"[-+0-9.eE]*\d", shape["path"])]
+                yield from numbers["xy".index(name[0]) :: 2]
+            else:
+                yield from (shape[f"{name[0]}0"], shape[f"{name[0]}1"])
     for trace in figure["data"]:
         if trace.get(f"{name[0]}axis", name[0]) == name:
             yield from trace.get(name[0], ())

@@ -133,9 +133,9 @@ def marker_at(symbol: str, x: float, y: float, r: float, colour: str) -> str:
         turn = f' transform="rotate(45 {x:.1f} {y:.1f})"' if shape == "diamond" else ""
         return f'<rect x="{x - r:.1f}" y="{y - r:.1f}" width="{2 * r:.1f}" height="{2 * r:.1f}" {paint}{turn}/>'
     if shape in ("x", "cross", "x-thin", "cross-thin"):
-        turn = 45 if shape.startswith("x") else 0
+        angle = 45 if shape.startswith("x") else 0
         at = f"M{x - r:.1f} {y:.1f}h{2 * r:.1f}M{x:.1f} {y - r:.1f}v{2 * r:.1f}"
-        return f'<path d="{at}" stroke="{colour}" stroke-width="2" transform="rotate({turn} {x:.1f} {y:.1f})"/>'
+        return f'<path d="{at}" stroke="{colour}" stroke-width="2" transform="rotate({angle} {x:.1f} {y:.1f})"/>'
     if shape.startswith("triangle"):
         return f'<path d="M{x - r:.1f} {y + r:.1f}h{2 * r:.1f}L{x:.1f} {y - r:.1f}Z" {paint}/>'
     return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{r:.1f}" {paint}/>'
@@ -162,8 +162,8 @@ def _bars(trace: Spec, bars: Sequence[Spec], x: Axis, y: Axis) -> str:
         ends = sorted((_on_axis(of_values, base), _on_axis(of_values, base + value)))
         side = of_places.pixel(place) + offset - 0.5 * thick
         size = ends[1] - ends[0]
-        box = (ends[0], side, size, thick) if lying else (side, ends[0], thick, size)
-        parts.append('<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}"/>'.format(*box, colour))
+        a, b, width, tall = (ends[0], side, size, thick) if lying else (side, ends[0], thick, size)
+        parts.append(f'<rect x="{a:.1f}" y="{b:.1f}" width="{width:.1f}" height="{tall:.1f}" fill="{colour}"/>')
         if k < len(halves) and halves[k]:
             a, b, middle = of_values.pixel(value - halves[k]), of_values.pixel(value + halves[k]), side + 0.5 * thick
             parts.append(segment((a, middle), (b, middle), INK) if lying else segment((middle, a), (middle, b), INK))
@@ -246,18 +246,18 @@ def has_scale(trace: Spec) -> bool:
     return bool(trace.get("marker", {}).get("showscale"))
 
 
-def draw_scale(trace: Spec, x: Axis, y: Axis) -> str:
-    """The scale of colours at the right of a panel."""
+def draw_scale(trace: Spec, x: Axis, y: Axis, right: float) -> str:
+    """The scale of colours at the right of its panel, or of all panels, whose end is `right`, where it has no place of its own."""
     of_map = trace.get("type") in ("heatmap", "contour")
     own = trace if of_map else trace["marker"]
     low, high = _grid(trace)[1].tolist() if of_map else (own["cmin"], own["cmax"])
     colours = _on_scale(np.linspace(low, high, 24), low, high, own["colorscale"])
-    left, step = x.end + 10.0, (y.start - y.end) / 24
+    bar = own.get("colorbar", {})
+    left, step = (x.end if "x" in bar else right) + 10.0, (y.start - y.end) / 24
     parts = [
         f'<rect x="{left:.1f}" y="{y.start - (k + 1) * step:.1f}" width="12" height="{step + 0.5:.1f}" fill="rgb({r},{g},{b})"/>'
         for k, (r, g, b, _) in enumerate(colours.tolist())
     ]
-    bar = own.get("colorbar", {})
     texts = dict(zip(bar.get("tickvals", ()), bar.get("ticktext", ()), strict=True)) or {low: f"{low:.3g}", high: f"{high:.3g}"}
     parts += [
         text_at(t, left + 15, y.start + (v - low) / ((high - low) or 1) * (y.end - y.start) + 4, size=11)

@@ -51,7 +51,14 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
         cells = {c: cell.strip() for c, cell in zip(header, record, strict=False) if cell.strip()}
         if not cells:
             continue
-        support = {
+        if len(record) != len(header):
+            raise BadInput(
+                f"{path}, line {number}",
+                f"{len(record)} cells",
+                f"{len(header)}, as the first line has",
+                "With decimal commas, cells are separated by semicolons.",
+            )
+        support: dict[str, Any] = {
             c: cell if c in ("section", "held") else _number(cell, f"{path}, line {number}, {c}") for c, cell in cells.items()
         }
         if "position [m]" not in support:
