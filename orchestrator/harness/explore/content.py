@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # macro steps that a page offers, over the scene's
 FEWEST = 20  # macro steps of a run
 MOST_EFFECTS = 3  # switches: a module for each set of them
+NUMERICAL = ("*.substep", "*.tolerance")  # parameters that no slider is offered for: accuracy has its own place
 FIRST = 8  # parameters with a slider, where the user names none
 SPAN = 0.5  # of its value, to either side: a slider's range where none is given
 EXACT = 2**53
@@ -90,7 +91,7 @@ def content_of(
     else:
         say("finding the parameters that move the figures most")
         limits = {r["name"]: (-inf if r["low"] is None else r["low"], inf if r["high"] is None else r["high"]) for r in rows}
-        fixed = getattr(knowledge, "FIXED", ())
+        fixed = (*NUMERICAL, *getattr(knowledge, "FIXED", ()))
         first = [n for n in screened(scene, {row["name"]: row["value"] for row in rows}, limits, jobs) if not _is_any(n, fixed)][
             :FIRST
         ]

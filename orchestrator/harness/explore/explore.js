@@ -165,6 +165,8 @@ function build() {
     byId(`signal${k}`).value = start[k - 1] ?? names[0];
     byId(`signal${k}`).addEventListener("change", () => drawCurve(k));
   });
+  data.signals.forEach((s) => byId("over2").append(element("option", { value: s.name }, s.name)));
+  byId("over2").addEventListener("change", () => drawCurve(2));
   byId("reset").addEventListener("click", () => change(initial(), true));
   byId("pin").addEventListener("click", () => {
     pinned = pinned ? null : shown && { run: shown, address: address(state) };
@@ -224,11 +226,11 @@ const answers = {
     byId("results").dataset.answered = (performance.now() - asked).toFixed(1);
     answered();
   },
-  errors({ errors, worst, said }) {
+  errors({ errors, worst, figure, said }) {
     shown.errors = errors;
-    if (worst > 0.05) {
+    if (said || worst > 0.05) {
       tell([problem, said ? `With half the macro step the run ends early: ${said}.`
-        : `The numbers are off by about ${digits(100 * worst, 2)} % of a signal's deviation: the macro step is too long for this state.`].filter(Boolean).join(" "));
+        : `${figure} is known to ${digits(100 * worst, 2)} % of its size only: the macro step is too long for this state, or the motion is so sensitive that a longer run is needed.`].filter(Boolean).join(" "));
     }
     showNumbers();
     byId("results").dataset.judged = question;
@@ -300,31 +302,44 @@ async function plot(id, traces, layout) {
   again.add(id);
   return Plotly.newPlot(id, drawn, of, config);
 }
-const line = (run, y, name, colour, more = {}) => ({ type: "scatter", mode: "lines", name, ...thinned(run, y), line: { color: colour, width: 1.4, ...more } });
+const ORBIT = 4000; // points of one signal over another
+function orbit(x, y) {
+  const every = Math.max(1, Math.ceil(y.length / ORBIT)), some = (values) => Array.from(values).filter((_, k) => k % every === 0);
+  return { x: some(x), y: some(y) };
+}
+const labelled = ({ name, unit, text: what }) => { // of an axis
+  const whole = `${what}${unit === "1" ? "" : `, ${unit}`}`;
+  return whole.length > 42 ? `${name.split(".").at(-1)}, ${unit}` : whole;
+};
 function drawCurve(k) {
   if (!shown) return;
-  const name = byId(`signal${k}`).value, signal = data.signals.find((s) => s.name === name), colours = data.colours, traces = [];
+  const name = byId(`signal${k}`).value, over = k === 2 ? byId("over2").value : "", colours = data.colours, traces = [];
+  const of = (signal) => data.signals.find((s) => s.name === signal);
+  const line = (run, y, title, colour, more = {}) => ({
+    type: "scatter", name: title, ...(over ? { ...orbit(run.columns[over], y), mode: "markers", marker: { color: colour, size: 2.5 } }
+      : { ...thinned(run, y), mode: "lines", line: { color: colour, width: 1.4, ...more } }),
+  });
   const parts = (run) => Object.entries(run.smooth).filter(([key]) => key.startsWith(`${name} below`));
   if (pinned) traces.push(line(pinned.run, parts(pinned.run)[0]?.[1] ?? pinned.run.columns[name], "pinned", colours.pinned, { dash: "dot" }));
   const smooth = parts(shown);
   traces.push(line(shown, shown.columns[name], smooth.length ? "unfiltered" : "this state", smooth.length ? colours.raw : colours.line));
   smooth.forEach(([key, y]) => traces.push(line(shown, y, key.slice(name.length + 1), colours.line, { width: 2 })));
   const layout = structuredClone(data.layouts.curve);
-  layout.yaxis.title.text = `${signal.text}${signal.unit === "1" ? "" : `, ${signal.unit}`}`;
-  if (layout.yaxis.title.text.length > 42) layout.yaxis.title.text = `${name.split(".").at(-1)}, ${signal.unit}`;
+  layout.yaxis.title.text = labelled(of(name));
+  if (over) layout.xaxis.title.text = labelled(of(over));
   return plot(`curve${k}`, traces, layout);
 }
 function drawAccuracy() {
   const rungs = ladder.filter(Boolean), good = rungs.filter((r) => r.stable && r.error > 0), bad = rungs.find((r) => !r.stable), colours = data.colours;
   const layout = structuredClone(data.layouts.accuracy), here = data.steps[state.step].length;
-  layout.yaxis.title.text = "error";
+  layout.yaxis.title.text = "error of the numbers";
   const traces = [{ type: "scatter", mode: "lines+markers", name: "error", x: good.map((r) => r.length), y: good.map((r) => r.error), line: { color: colours.line } }];
   const at = good.find((r) => r.length === here);
   if (at) traces.push({ type: "scatter", mode: "markers", name: "this state", x: [here], y: [at.error], marker: { size: 13, color: colours.bad, symbol: "diamond" } });
   layout.shapes = bad ? [{ type: "line", x0: bad.length, x1: bad.length, y0: 0, y1: 1, yref: "paper", line: { color: colours.bad, dash: "dash" } }] : [];
   const ends = [data.steps[0].length, data.steps.at(-1).length].map(Math.log10);
   layout.xaxis.range = [ends[0] - 0.1, ends[1] + 0.1];
-  byId("limit").textContent = `Difference from the shortest step, rms over the standard deviation; the largest of the signals that the numbers are made of. ${
+  byId("limit").textContent = `Largest difference of the numbers from those of the shortest step, over their size. ${
     bad ? `The dashed line: with ${digits(1000 * bad.length, 4)} ms the run is unstable${bad.said ? ` (${bad.said})` : ""}.` : rungs.length === data.steps.length ? "No step that the page offers is unstable here." : ""}`;
   return plot("accuracy", traces, layout);
 }

@@ -11,6 +11,7 @@ from ..analysis.records import KINDS
 from ..analysis.signals import Filter, _sections
 from ..studies.quantities import EDGE, quantities_of
 
+MOST = 12  # figures of a scene without a system that knows better
 LIVE_KINDS = (*KINDS, "end", "mean + 3 σ", "mean - 3 σ", "share not above zero", "amplitude")
 
 
@@ -57,7 +58,7 @@ def figures_of_study(scene: Scene) -> tuple[LiveFigure, ...]:
             figures.append(
                 LiveFigure(
                     f"{q.signal}, {text}",
-                    text,
+                    f"{q.signal}, {text}",
                     q.unit,
                     (q.signal,),
                     live,
@@ -67,7 +68,7 @@ def figures_of_study(scene: Scene) -> tuple[LiveFigure, ...]:
                     frequency=q.frequency,
                 )
             )
-    return tuple({f.name: f for f in figures}.values())
+    return tuple({f.name: f for f in figures}.values())[:MOST]
 
 
 def filters(figures: Iterable[LiveFigure], step: float) -> dict[str, dict[str, Any]]:

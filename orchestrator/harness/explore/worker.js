@@ -88,6 +88,17 @@ function deviation(x, y) { // rms of the difference over the standard deviation 
 }
 const spread = (x) => { const mean = x.reduce((s, v) => s + v, 0) / x.length; return Math.sqrt(x.reduce((s, v) => s + (v - mean) ** 2, 0) / x.length); };
 
+// The largest difference of figures over their size: a number, or the deviation of its signal where that is larger. With its figure.
+function apart(numbers, others, run) {
+  let largest = { share: 0, figure: "" };
+  for (const f of data.figures) {
+    const size = Math.max(Math.abs(numbers[f.name]), ...f.signals.map((name) => Math.abs(f.factor) * spread(run.columns[name])));
+    const share = size > 0 ? Math.abs(numbers[f.name] - others[f.name]) / size : 0;
+    if (share > largest.share) largest = { share, figure: f.name };
+  }
+  return largest;
+}
+
 async function serve() {
   busy = true;
   while (wish) {
@@ -115,27 +126,28 @@ async function answer(job, newer) {
   const worst = second.whole ? Math.max(0, ...judged().map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
   const factor = worst > data.error.limit ? data.error.unsure : data.error.sure;
   const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => [name, factor * Math.abs(value - others[name])]));
-  postMessage({ id: job.id, kind: "errors", errors, worst: factor * worst, said: second.said });
+  const { share, figure } = apart(numbers, others, first);
+  postMessage({ id: job.id, kind: "errors", errors, worst: factor * share, figure, said: second.said });
   await breathe();
   if (!newer()) await ladder(job, newer);
 }
 
 // The same state with every macro step that the page offers, the shortest first, which is the reference of the others.
 async function ladder(job, newer) {
-  let reference = null, size = {};
+  let reference = null, size = {}, best = null;
   for (let k = 0; k < data.steps.length; k++) {
-    const { length, exact } = data.steps[k];
+    const { length, exact, filters } = data.steps[k];
     const one = await run(job, length, exact, newer);
     if (!one) return;
-    const names = judged();
+    const names = judged(), { numbers } = figuresOf(data.figures, { ...one, filters });
     if (!reference && one.whole) {
       reference = one;
+      best = numbers;
       size = Object.fromEntries(names.map((name) => [name, spread(one.columns[name])]));
     }
     let error = NaN, stable = one.whole;
     if (one.whole && reference) {
-      const every = Math.round(length / reference.step);
-      error = Math.max(...names.map((name) => deviation(reference.columns[name].filter((_, i) => i % every === 0), one.columns[name])));
+      error = apart(best, numbers, reference).share;
       stable = names.every((name) => spread(one.columns[name]) <= GROWN * size[name] || size[name] === 0);
     }
     postMessage({ id: job.id, kind: "ladder", place: k, length, error: one === reference ? NaN : error, stable, said: one.said, spent: one.spent });

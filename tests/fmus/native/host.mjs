@@ -35,7 +35,7 @@ const read = k => {
     done(x.fmi3GetFloat64(c, outputs, job.outputs.length, results, job.count), 'fmi3GetFloat64');
     rows.set(new Float64Array(x.memory.buffer, results, job.count), k * job.count);
 };
-const driven = new Float64Array(fs.readFileSync(job.driven).buffer);
+const driven = new Float64Array(new Uint8Array(fs.readFileSync(job.driven)).buffer); // a copy: small files share a buffer
 const restore = content => {
     const state = words([0]), kept = bytes(content);
     done(x.fmi3DeserializeFMUState(c, kept, content.length, state), 'fmi3DeserializeFMUState');
