@@ -222,7 +222,8 @@ const answers = {
     byId("status").textContent = `${digits(reached, 6)} s computed in ${run.spent.toFixed(0)} ms, ${digits((1000 * reached) / run.spent, 2)} times as fast as real time.`;
     tell([problem, run.whole ? "" : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
     showNumbers();
-    drawAll();
+    drawCurve(1);
+    drawCurve(2);
     byId("results").dataset.answered = (performance.now() - asked).toFixed(1);
     answered();
   },

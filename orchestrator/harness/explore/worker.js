@@ -1,5 +1,5 @@
 // Computes runs: the latest wish wins, between pieces of a run the worker looks whether there is a newer one.
-const PIECE = 25; // ms
+const PIECE = 12; // ms
 const GROWN = 3; // times the deviation of a signal with the shortest step: the coupling adds energy that is not there
 let data, modules, wish = null, busy = false;
 const instances = [];
