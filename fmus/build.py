@@ -15,6 +15,7 @@ from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description, shared_files
+from .evidence import Evidence
 from .interface import interface
 from .own import own_sources
 
@@ -46,14 +47,21 @@ keep(globals())
 """
 
 
-def build(name: str | type, directory: Path, *, derivatives: bool = False) -> Path:
+def build(name: str | type, directory: Path, *, derivatives: bool = False, evidence: Evidence | None = None) -> Path:
     """Write the FMU of a component to directory/<class>.fmu and return its path.
 
     name: of the catalogue, "module:Class", or the class.  derivatives: list "der(v)" and "der(v,2)" of each input, for masters
-    that extrapolate. Raises `BadInput` for a component that does not exist or cannot be packed.
+    that extrapolate.  evidence: of the component without effects, to be packed with it. Raises `BadInput` for a component that does
+    not exist or cannot be packed.
     """
     name = name if isinstance(name, str) else component_name(name)
-    return write(_members(name, derivatives)[1], Path(directory) / f"{file_stem(name)}.fmu")
+    members = _members(name, derivatives)[1]
+    if evidence is not None:
+        members |= evidence.members(False)
+        members["modelDescription.xml"] = evidence.described(members["modelDescription.xml"])
+        page = documentation(file_stem(name), component_class(name, "build"), section=evidence.section())
+        members["documentation/index.html"] = page
+    return write(members, Path(directory) / f"{file_stem(name)}.fmu")
 
 
 def built(name: str) -> Path:

@@ -14,7 +14,6 @@ import io
 import posixpath
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 from urllib.parse import unquote, urlsplit
 from xml.etree import ElementTree as ET
@@ -91,6 +90,14 @@ class Evidence:
 <p>An experiment with reference results: <code>{FOLDER}</code>. {html.escape(self.source)}</p>
 """
 
+    def described(self, description: bytes) -> bytes:
+        """A model description with the step of the default experiment, and a sentence on it."""
+        root = _parsed(description)
+        root.set("description", f"{root.get('description')}. {self.summary}")
+        for experiment in root.iter("DefaultExperiment"):
+            experiment.set("stepSize", repr(self.step))
+        return _finished(root)
+
     def members(self, arrays: bool) -> dict[str, bytes]:
         """Path in the FMU -> content; arrays: elements of an array are one variable, as in FMI 3."""
         files = {
@@ -143,15 +150,6 @@ class Evidence:
     def _steps(self) -> bytes:
         rows = "\n".join(f'{s.length!r},{s.error!r},"{s.of}",{s.seconds:.4g},{s.outcome}' for s in self.steps)
         return f"step (s),error (1),of,CPU time of a second (s),outcome\n{rows}\n".encode()
-
-
-def with_evidence(described: Any, evidence: Evidence | None) -> Any:
-    """What a model description comes from, with the step of the evidence, and what it says of it."""
-    if evidence is None:
-        return described
-    names = ("default_stop", "variables", "ports", "start_inputs", "needs_scipy")
-    more = {name: getattr(described, name) for name in names}
-    return SimpleNamespace(title=f"{described.title}. {evidence.summary}", default_step=evidence.step, **more)
 
 
 def _finished(root: ET.Element) -> bytes:

@@ -25,7 +25,7 @@ from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
 from ..build import is_sound, write
 from ..description import documentation, shared_files
-from ..evidence import Evidence, with_evidence
+from ..evidence import Evidence
 from .description import HOST, description2, description3, listed, name_of
 from .instance import Model, Places, model_of
 from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of
@@ -257,14 +257,13 @@ def pack(
 ) -> Path:
     """One FMU file of a library; `derivatives`: list those of its inputs; `file`: its name without suffix, else the library's."""
     describe, described = {2: description2, 3: description3}[fmi], done.described
-    measured = with_evidence(described, evidence)
     present = [v for _, v in listed(done.variables, derivatives)]
     scalars = tuple(v.scalar for v in present)
     ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
     notes = dict.fromkeys(TARGETS[target].note for target in done.binaries if TARGETS[target].note)
     members = {
         "modelDescription.xml": describe(
-            done.name, measured, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
+            done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
         ),
         "documentation/index.html": documentation(
             done.name, described, scalars, " ".join([done.host, *notes]), evidence.section() if evidence else ""
@@ -272,6 +271,8 @@ def pack(
         **shared_files(done.name, described, ends, fmi),
         **(evidence.members(fmi == 3) if evidence else {}),
     }
+    if evidence is not None:
+        members["modelDescription.xml"] = evidence.described(members["modelDescription.xml"])
     for folder, (target, content) in _folders(done.binaries, fmi).items():
         members[f"binaries/{folder}/{done.name}{TARGETS[target].suffix}"] = content
     return write(members, Path(directory) / f"{file or done.name}{'.fmi3' if fmi == 3 else ''}.fmu")

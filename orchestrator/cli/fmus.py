@@ -16,6 +16,7 @@ from .completion import components as component_names
 from .options import AsJson, Changes, Native, Presets, SceneName, listed, parameters_of, preset_of, refuse, share
 
 if TYPE_CHECKING:
+    from ...components.core.component import Component
     from ...fmus.evidence import Evidence
     from ..scene.scene import Scene
 
@@ -55,8 +56,7 @@ def build(
     evidence: Annotated[
         bool,
         Option(
-            "--evidence",
-            help="With --native: measure what steps cost in accuracy, and pack it with reference results; some seconds for each.",
+            "--evidence", help="Measure what steps cost in accuracy, and pack it with reference results; some seconds for each."
         ),
     ] = False,
 ) -> None:
@@ -64,14 +64,15 @@ def build(
     if native:
         _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives, evidence)
         return
-    from ...components.catalogue import CATALOGUE
+    from ...components.catalogue import CATALOGUE, component_class
     from ...fmus.build import build as build_fmu
 
-    only_native = {"--evidence": evidence, "--target": target}
+    only_native = {"--target": target}
     only_native |= {"--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
     refuse(only_native, "none without --native: other FMUs are configured by their host", "Add --native, or leave it out.")
     for name in names or CATALOGUE:
-        print(build_fmu(name, output, derivatives=derivatives))
+        measured = _evidence_of(evidence, name, component_class(name, "build"))
+        print(build_fmu(name, output, derivatives=derivatives, evidence=measured))
 
 
 def _build_native(
@@ -88,10 +89,8 @@ def _build_native(
 ) -> None:
     """Build FMUs without Python, of components by their names or of a scene's units, and print their paths."""
     from ...components.catalogue import CATALOGUE, component_class
-    from ...components.core.component import Component
     from ...fmus.native.build import build_native, own_target
     from ...fmus.native.machine_code import TARGETS
-    from ..harness.evidence import component_evidence
 
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
@@ -104,12 +103,10 @@ def _build_native(
         in_vain = {"--effects": effects, "--derivatives": derivatives}
         refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
     for name in scenes:
-        from ..harness.evidence import scene_evidence
-        from ..scene_fmu import build_scene_fmu, refuse_what_needs_python
+        from ..scene_fmu import build_scene_fmu
 
         whole = scene_of(name, values, presets)
-        refuse_what_needs_python(whole)
-        measured = _evidence(evidence, name, lambda: scene_evidence(whole))  # noqa: B023
+        measured = _evidence_of_scene(evidence, whole)
         for path in build_scene_fmu(whole, output, targets, [int(v) for v in versions], measured):
             print(path)
     if scenes and not (names := [name for name in names if name not in scenes]):
@@ -137,7 +134,7 @@ def _build_native(
     refused = 0
     for name, make in units.items():
         try:
-            measured = _evidence(evidence, name, lambda: component_evidence(make))  # noqa: B023
+            measured = _evidence_of(evidence, name, make)
             for path in build_native(name, make, output, targets, [int(v) for v in versions], derivatives, measured):
                 print(path)
         except BadInput as error:
@@ -154,12 +151,26 @@ def _build_native(
         )
 
 
-def _evidence(wished: bool, name: str, measure: Callable[[], Evidence]) -> Evidence | None:
-    """What `measure` gives, if it is wished for."""
+def _evidence_of(wished: bool, name: str, make: Callable[[], Component]) -> Evidence | None:
+    """The evidence of a component, if it is wished for."""
     if not wished:
         return None
+    from ..harness.evidence import component_evidence
+
     with status_spinner(f"measuring what steps of {name} cost in accuracy"):
-        return measure()
+        return component_evidence(make)
+
+
+def _evidence_of_scene(wished: bool, scene: Scene) -> Evidence | None:
+    """The evidence of a scene that can be an FMU, if it is wished for."""
+    if not wished:
+        return None
+    from ..harness.evidence import scene_evidence
+    from ..scene_fmu import refuse_what_needs_python
+
+    refuse_what_needs_python(scene)
+    with status_spinner(f"measuring what steps of {scene.name} cost in accuracy"):
+        return scene_evidence(scene)
 
 
 @app.command()

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from cosimo.components.catalogue import component_class
 from cosimo.components.core.errors import BadInput
+from cosimo.fmus.build import build
 from cosimo.fmus.evidence import FOLDER, MANIFEST, Evidence, Step, experiments
 from cosimo.fmus.evidence_check import replayed
 from cosimo.fmus.native.build import build_native, own_target
@@ -61,6 +62,14 @@ def test_its_fmus_replay_it_exactly(link):
         assert float(description.defaultExperiment.stepSize) == evidence.step
         assert "Error at a step of" in description.description
     assert "11 of 11 signals" in replayed(str(files[0]))[1]
+
+
+def test_its_fmu_in_python_replays_it_exactly(link, tmp_path):
+    path = build("PlanarLink", tmp_path, evidence=link[1])
+    ok, text = replayed(str(path))
+    assert ok, text
+    assert "11 of 11 signals" in text
+    assert "Error at a step of" in fmpy.read_model_description(str(path)).description
 
 
 def test_a_result_that_does_not_hold_is_named(link, tmp_path):
