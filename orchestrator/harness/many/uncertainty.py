@@ -177,8 +177,7 @@ def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDE
     from scipy.stats import beta
 
     r = np.arange(1, n // 2 + 1)
-    enough = beta.sf(content, n + 1 - 2 * r, 2 * r) >= confidence if r.size else np.zeros(0, dtype=bool)
-    return int(r[enough].max(initial=0))
+    return int(r[beta.sf(content, n + 1 - 2 * r, 2 * r) >= confidence].max(initial=0))
 
 
 def uncertainty(

@@ -84,7 +84,7 @@ def test_sensitivity_of_a_scene(tmp_path):
 
 def test_tolerance_ranks_are_those_of_wilks():
     """The smallest numbers of samples for two-sided 95 % / 95 %: 93, 153 for the second order statistics (published tables)."""
-    assert [tolerance_rank(n) for n in (92, 93, 152, 153)] == [0, 1, 1, 2]
+    assert [tolerance_rank(n) for n in (0, 1, 92, 93, 152, 153)] == [0, 0, 0, 1, 1, 2]
     inside = 0
     rng = np.random.default_rng(4)
     for _ in range(2000):  # of a uniform distribution the content is the distance of the ends
