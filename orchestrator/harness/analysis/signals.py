@@ -52,14 +52,14 @@ class Filter:
 
         if not self.cutoff < 0.5 * rate:
             raise BadInput("filter", f"cut-off {self.cutoff:g} Hz at {rate:g} samples per second", f"less than {0.5 * rate:g} Hz")
-        sections = _sections(self, rate)
+        passes = sections(self, rate)
         if not self.zero_phase:
-            return sosfilt(sections, x, zi=sosfilt_zi(sections) * x[0])[0]
-        return sosfiltfilt(sections, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
+            return sosfilt(passes, x, zi=sosfilt_zi(passes) * x[0])[0]
+        return sosfiltfilt(passes, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
 
 
 @lru_cache(maxsize=64)  # a report and the errors of its numbers apply the same few filters many times
-def _sections(of: Filter, rate: float) -> np.ndarray:
+def sections(of: Filter, rate: float) -> np.ndarray:
     """Second-order sections of a pass at a rate in Hz."""
     from scipy.signal import butter
 

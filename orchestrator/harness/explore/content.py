@@ -151,7 +151,7 @@ def _variants(scene: Scene, offered: Sequence[str], say: Callable[[str], None]) 
     for k, states in enumerate(sets, 1):
         say(f"compiling module {k} of {len(sets)}")
         off = [name for name, on in zip(offered, states, strict=True) if not on]
-        changes = {}
+        changes: dict[str, Any] = {}
         for unit, settings in scene.units.items():
             without = {name.rpartition(".")[2] for name in off if name.rpartition(".")[0] == unit}
             if without:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...scene.scene import Scene
 from ..analysis.records import KINDS
-from ..analysis.signals import Filter, _sections
+from ..analysis.signals import Filter, sections
 from ..studies.quantities import EDGE, quantities_of
 
 MOST = 12  # figures of a scene without a system that knows better
@@ -77,10 +77,6 @@ def filters(figures: Iterable[LiveFigure], step: float) -> dict[str, dict[str, A
 
     rate, needed = 1.0 / step, {}
     for cutoff in {f.cutoff for f in figures if 0.0 < f.cutoff < 0.5 * rate}:
-        sections = _sections(Filter(cutoff), rate)
-        needed[f"{cutoff:g}"] = {
-            "sections": sections.tolist(),
-            "rest": sosfilt_zi(sections).tolist(),
-            "ends": int(3 * rate / cutoff),
-        }
+        passes = sections(Filter(cutoff), rate)
+        needed[f"{cutoff:g}"] = {"sections": passes.tolist(), "rest": sosfilt_zi(passes).tolist(), "ends": int(3 * rate / cutoff)}
     return needed

@@ -30,7 +30,12 @@ def explore_page(
     """Write a page that computes the scene in the browser; arguments as of `content_of`. Raises `BadInput`."""
     content = content_of(scene, knowledge, parameters=parameters, effects=effects, jobs=jobs, say=say)
     colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION}
-    plain = {"height": 300, "showlegend": True, "margin": {"l": 70, "r": 16, "t": 30, "b": 46}, "uirevision": "kept"}
+    plain: dict[str, Any] = {
+        "height": 300,
+        "showlegend": True,
+        "margin": {"l": 70, "r": 16, "t": 30, "b": 46},
+        "uirevision": "kept",
+    }
     figures = {
         "curve": layout(**plain, xaxis=axis("time, s"), yaxis=axis("", grid=True)),
         "accuracy": layout(**plain, xaxis=axis("macro step, s", type="log"), yaxis=axis("", grid=True, type="log")),
@@ -40,7 +45,7 @@ def explore_page(
     )
     environment.filters["json"] = as_json
     html = environment.get_template("page.html").render(
-        data=content.data | {"colours": colours, "layouts": figures},
+        data=dict(content.data) | {"colours": colours, "layouts": figures},
         title=content.data["title"],
         drawing=str(scene.show()),
         css=asset("page.css") + _asset("explore.css"),

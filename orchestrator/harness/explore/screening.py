@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...scene.scene import Scene
 from ..many.plan import from_columns
 from ..sweep import sweep
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ..summary import Summary
 
 SHARE = 0.1  # of its value, by which a parameter moves
 BASES = 2  # points that effects start from: the scene, and one beside it
@@ -33,8 +38,13 @@ def screened(scene: Scene, values: Mapping[str, float], limits: Mapping[str, tup
             up = _within(start[i] + SHARE * abs(values[name]), limits[name])
             rows.append([*start[:i], up if up != start[i] else start[i] - SHARE * abs(values[name]), *start[i + 1 :]])
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
-    points = sweep(scene, from_columns(columns), jobs=jobs, summarize=lambda result: result.summary, verify=False)
+    points = sweep(scene, from_columns(columns), jobs=jobs, summarize=_summary, verify=False)
     return _ranked(names, points.measures)
+
+
+def _summary(result: Result) -> Summary:
+    """Of a worker's run, too: it has to have a name."""
+    return tuple(result.summary)
 
 
 def _within(value: float, limits: tuple[float, float]) -> float:

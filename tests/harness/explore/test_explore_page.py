@@ -253,7 +253,7 @@ def test_numbers_are_printed_as_in_reports(small, opened):
         ("mass-on-spring", {"parameters": {"mass.mass": (3.0, 2.0)}}, "a range around"),
         ("mass-on-spring", {"effects": ["mass.gravity"]}, "an effect that is on"),
         ("link-split", {}, "iterative"),
-        ("rov-thruster-failed", {}, "faults"),
+        ("en50318-2002-interface-model", {}, "a contact"),
     ],
 )
 def test_what_no_page_can_hold_is_refused(scene, options, words, tmp_path):
