@@ -52,10 +52,10 @@ class Filter:
 
         if not self.cutoff < 0.5 * rate:
             raise BadInput("filter", f"cut-off {self.cutoff:g} Hz at {rate:g} samples per second", f"less than {0.5 * rate:g} Hz")
-        passes = sections(self, rate)
+        coefficients = sections(self, rate)
         if not self.zero_phase:
-            return sosfilt(passes, x, zi=sosfilt_zi(passes) * x[0])[0]
-        return sosfiltfilt(passes, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
+            return sosfilt(coefficients, x, zi=sosfilt_zi(coefficients) * x[0])[0]
+        return sosfiltfilt(coefficients, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
 
 
 @lru_cache(maxsize=64)  # a report and the errors of its numbers apply the same few filters many times

@@ -77,6 +77,10 @@ def filters(figures: Iterable[LiveFigure], step: float) -> dict[str, dict[str, A
 
     rate, needed = 1.0 / step, {}
     for cutoff in {f.cutoff for f in figures if 0.0 < f.cutoff < 0.5 * rate}:
-        passes = sections(Filter(cutoff), rate)
-        needed[f"{cutoff:g}"] = {"sections": passes.tolist(), "rest": sosfilt_zi(passes).tolist(), "ends": int(3 * rate / cutoff)}
+        coefficients = sections(Filter(cutoff), rate)
+        needed[f"{cutoff:g}"] = {
+            "sections": coefficients.tolist(),
+            "rest": sosfilt_zi(coefficients).tolist(),
+            "ends": int(3 * rate / cutoff),
+        }
     return needed
