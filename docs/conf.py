@@ -16,6 +16,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "site"))
 
 import cosimo_pages  # noqa: E402  (needs the path above)
+import live  # noqa: E402
 import plotly  # noqa: E402
 
 project = "cosimo"
@@ -52,12 +53,13 @@ os.environ["IPYTHONDIR"] = str(_profile)
 
 
 def setup(app):
-    """Put Plotly, which comes with its Python package, beside the pages; remove the profile of the notebooks at the end."""
+    """Put Plotly, which comes with its Python package, and live scenes beside the pages; remove the profile of the notebooks."""
 
     def copy_plotly(app, exception):
         shutil.rmtree(_profile, ignore_errors=True)
         if exception is None and app.builder.format == "html":
             source = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
             shutil.copy(source, Path(app.outdir) / "_static")
+            live.build(Path(app.outdir))
 
     app.connect("build-finished", copy_plotly)

@@ -56,6 +56,7 @@ def link(app: Any, page: str, source: list[str]) -> None:
         return
     from cosimo.components.catalogue import CATALOGUE
     from cosimo.orchestrator.scene.scene import scene_files
+    from live import frame
     from scene_pages import cards
 
     folders = dict.fromkeys(CATALOGUE, "components") | dict.fromkeys(scene_files(), "scenes")
@@ -65,6 +66,8 @@ def link(app: Any, page: str, source: list[str]) -> None:
         return f"| [`{name}`](../generated/{folders[name]}/{name}.md) |" if name in folders else match[0]
 
     text = re.sub(r"^\| `([\w.-]+)` \|", linked, source[0], flags=re.MULTILINE)
+    heading, _, rest = text.partition("\n")
+    text = f"{heading}\n\n{frame(page)}{rest}"
     source[0] = text.rstrip() + "\n\n## Gallery\n\n" + cards(page.partition("/")[2], "../generated/scenes/") + "\n"
 
 

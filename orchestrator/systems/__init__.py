@@ -202,7 +202,7 @@ def write_report(result: Result, directory: str | Path) -> Path:
 def explore_page(scene: Scene, path: str | Path, **options: Any) -> Path:
     """Write a page that computes the scene in the browser, with the figures of its system; returns its path.
 
-    Options are those of `harness.explore.explore_page`: parameters, effects, jobs, say. Raises `BadInput`.
+    Options are those of `harness.explore.explore_page`: parameters, effects, jobs, library, say. Raises `BadInput`.
     """
     from ..harness.explore import explore_page as write
 

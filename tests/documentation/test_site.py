@@ -37,7 +37,7 @@ def site(tmp_path_factory):
     path = os.pathsep.join(p or os.curdir for p in sys.path)
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(source), str(out)],
-        env={**os.environ, "PYTHONPATH": path},
+        env={**os.environ, "PYTHONPATH": path, "COSIMO_DOCS_LIVE": "mass-on-spring"},
         capture_output=True,
         text=True,
         timeout=900,
@@ -184,6 +184,15 @@ def test_no_page_is_cut_or_moves_sideways_at_any_width(browser, site, scheme):
                 wide[f"{path.name} at {width} px"] = beyond
     page.close()
     assert wide == {}
+
+
+def test_the_page_of_a_system_computes_its_scene(browser, address):
+    visit = Visit(browser, address, "systems/two_axis_joint.html")
+    frame = visit.page.frame_locator("iframe.live")
+    frame.locator("#numbers dd").first.wait_for()
+    assert "computed in" in frame.locator("#status").text_content()
+    assert frame.locator("#curve1 .main-svg").count()
+    visit.close()
 
 
 def test_the_search_finds_a_component(browser, address):

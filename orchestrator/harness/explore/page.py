@@ -25,9 +25,13 @@ def explore_page(
     parameters: Mapping[str, tuple[float, float] | None] | None = None,
     effects: Sequence[str] | None = None,
     jobs: int | None = None,
+    library: str = "",
     say: Callable[[str], None] = lambda text: None,
 ) -> Path:
-    """Write a page that computes the scene in the browser; arguments as of `content_of`. Raises `BadInput`."""
+    """Write a page that computes the scene in the browser; arguments as of `content_of`. Raises `BadInput`.
+
+    library: where the page finds Plotly; without it Plotly is in the page.
+    """
     content = content_of(scene, knowledge, parameters=parameters, effects=effects, jobs=jobs, say=say)
     colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION}
     plain: dict[str, Any] = {
@@ -53,7 +57,8 @@ def explore_page(
         modules=[compressed(module) for module in content.modules],
         worker=_asset("analysis.js") + _asset("worker.js"),
         script=asset("shared.js") + _asset("words.js") + _asset("explore.js"),
-        plotly=compressed_plotly(),
+        library=library,
+        plotly="" if library else compressed_plotly(),
     )
     ensure_directory(path.parent)
     with replaced(path) as file:
