@@ -67,7 +67,7 @@ def build(
     from ...components.catalogue import CATALOGUE, component_class
     from ...fmus.build import build as build_fmu
 
-    only_native = {"--target": target}
+    only_native: dict[str, object] = {"--target": target}
     only_native |= {"--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
     refuse(only_native, "none without --native: other FMUs are configured by their host", "Add --native, or leave it out.")
     for name in names or CATALOGUE:
