@@ -34,7 +34,7 @@ from .settings_axes import refined
 from .trial import trial
 
 SCENE, NUMBERS = "scene digest", "rms of signals"
-NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study"}
+NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study", "interface", "limits", "connections"}
 SAME = 1e-4  # of a signal's rms, or of a thousandth of its nominal value: what differs less is the same number
 TIMED = 0.05  # of a run, whose time tells that of the whole, and at least `TIMED_STEPS` macro steps of each setting
 TIMED_STEPS = 1000
@@ -50,6 +50,9 @@ def scene_digest(scene: Scene) -> str:
         unit["parameters"] = {k: v for k, v in unit["parameters"].items() if k not in {"substep", *meshes}}
         if unit["fmu"]:
             unit["fmu"] = short_digest(Path(unit["fmu"]).read_bytes())
+    coupling = scene.coupling  # its links are the same however the scene writes them
+    data["links"] = sorted([".".join(link.source), ".".join(link.target), link.factor, link.offset] for link in coupling.links)
+    data["texts"] = sorted([".".join(link.source), ".".join(link.target)] for link in coupling.texts)
     looked_at = [(q.name, q.transient) for q in quantities_of(scene)]
     return short_digest(json.dumps([data, looked_at], sort_keys=True).encode())
 
