@@ -14,6 +14,7 @@ from .engine.algorithms import master_of
 from .engine.stepping.adaptive import clock_for
 from .engine.stepping.faults import Faults
 from .open_units import open_units, read_in_every_step
+from .run_info import scene_info
 from .scene.scene import Scene
 from .units.component import make
 from .units.native import NativeFmu
@@ -89,7 +90,8 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
 
 def with_native_fmus(scene: Scene) -> Scene:
     """The scene with its components replaced by their native FMUs, which hold its effects, parameters and initial inputs."""
-    changes: dict[str, Any] = {}
+    # an FMU does not say which of its variables are a port
+    changes: dict[str, Any] = {"connections": scene_info(scene)["connections"]}
     for name, fmu in native_fmus(scene).items():
         unit = scene.units[name]
         inputs = {n: value for n, value in unit.parameters.items() if n in fmu.starts}

@@ -1,9 +1,13 @@
-"""Scenes that compute in the pages of their systems. `COSIMO_DOCS_LIVE`: "all" (default), "off", or the name of one scene."""
+"""Scenes that compute in the pages of their systems. `COSIMO_DOCS_LIVE`: "all" (default), "off", or the name of one scene.
+
+Without zig (extra `native`), which compiles them, there are none.
+"""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 FOLDER = "_static/live"  # in the built site
@@ -78,7 +82,7 @@ SCENES = (
 
 def wanted() -> list[Live]:
     """The scenes that this build makes."""
-    choice = os.environ.get("COSIMO_DOCS_LIVE", "all")
+    choice = os.environ.get("COSIMO_DOCS_LIVE", "all") if find_spec("ziglang") is not None else "off"
     return [live for live in SCENES if choice in ("all", live.scene)]
 
 

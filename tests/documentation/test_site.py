@@ -186,6 +186,7 @@ def test_no_page_is_cut_or_moves_sideways_at_any_width(browser, site, scheme):
     assert wide == {}
 
 
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="zig is not installed (extra 'native')")
 def test_the_page_of_a_system_computes_its_scene(browser, address):
     visit = Visit(browser, address, "systems/two_axis_joint.html")
     frame = visit.page.frame_locator("iframe.live")

@@ -255,7 +255,7 @@ def test_pages_of_both_systems_are_written(tmp_path):
     for result in (bearing_run(), rotor_run()):
         html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
         assert result.scene.title in html
-        assert html.count("<figure>") >= 5
+        assert html.count('<div class="plot"') >= 5
 
 
 @pytest.mark.parametrize(
