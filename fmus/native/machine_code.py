@@ -258,7 +258,9 @@ def _compile(source: Source, counted: bool) -> str:
     if text is None:
         texts = {}
         of_kernels = digest_of(compiled, called_kernels, reached, source.owner)  # for blocks of any layout
-        for name, (code, symbol, kinds) in _kernels(source, copies, of_arguments, of_kernels).items():
+        kept = load(of_kernels, KERNELS) if of_kernels else None
+        kernels = json.loads(kept) if kept else _kernels(source, copies, of_arguments)
+        for name, (code, symbol, kinds) in kernels.items():
             texts[name] = (
                 code
                 + f"""
@@ -269,19 +271,17 @@ define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %addres
 """
             )
         text = _linked(source, texts, [k.__name__ for k in reached])
-        if digest:
+        if digest:  # what is refused is not kept: the next refusal has to find its line again
             save(digest, text)
+        if of_kernels and not kept:
+            save(of_kernels, json.dumps(kernels), KERNELS)
     return text
 
 
-def _kernels(
-    source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any, ...], digest: str | None
-) -> dict[str, tuple[str, str, list[str]]]:
-    """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times; kept by a digest."""
+def _kernels(source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any, ...]) -> dict[str, tuple[str, str, list[str]]]:
+    """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times."""
     from numba import types as t
 
-    if digest and (kept := load(digest, KERNELS)):
-        return json.loads(kept)
     kernels = {}
     for name, kernel in copies.items():
         times = len(source.block.entries[name])
@@ -290,8 +290,6 @@ def _kernels(
         overload = kernel.overloads[signature]
         check_result(kernel, overload)
         kernels[name] = (overload.library.get_llvm_str(), overload.fndesc.llvm_func_name, list(kinds_of(overload, times)))
-    if digest:
-        save(digest, json.dumps(kernels), KERNELS)
     return kernels
 
 

@@ -78,6 +78,17 @@ def test_a_component_without_native_form_is_refused_with_what_prevents_it(cls, w
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
+def test_a_refusal_is_the_same_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path))
+    texts = []
+    for _ in range(2):
+        with pytest.raises(BadInput) as caught:
+            compile_entries(source_of(initialized(Allocating())))
+        texts.append(str(caught.value))
+    assert texts[0] == texts[1]
+    assert "test_native_refusals.py, line" in texts[0]
+
+
 def test_a_missing_compiler_is_one_message(monkeypatch):
     monkeypatch.setattr(build, "find_spec", lambda name: None)
     monkeypatch.setattr(build.shutil, "which", lambda name: None)
