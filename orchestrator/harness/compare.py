@@ -46,7 +46,7 @@ class FigureDifference:
     @property
     def share(self) -> float:
         """The same over the largest size of the figure; 0 where all are 0."""
-        size = float(np.nanmax(np.abs(self.values)))
+        size = float(np.abs(self.values[np.isfinite(self.values)]).max(initial=0.0))
         return self.difference / size if size else 0.0 * self.difference
 
     @property

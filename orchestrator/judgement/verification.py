@@ -417,7 +417,8 @@ def _suggestion(scene: Scene, verification: Verification, name: str) -> str:
     if error.half <= AIM:
         return f"With {what} {0.5 * step:.3g} s it is {_percent(error.half)}"
     if verification.runs > 2 and not error.order > LOWEST_ORDER:
-        return f"Shorter steps did not bring it down: with {0.5 * step:.3g} s it is {_percent(error.half)}"
+        trend = "falls slowly" if error.half < error.rms else "does not fall"
+        return f"The error {trend} with the step: with {0.5 * step:.3g} s it is {_percent(error.half)}"
     order = min(error.order, 2.0) if isfinite(error.order) else 1.0
     known, at = (error.half, 0.5 * step) if isfinite(error.half) else (error.rms, step)
     seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if the error falls with the step"

@@ -148,10 +148,17 @@ def _move(drive: Drive, axis: str, first: int, last: int, end: int, band: float)
     settling_time = None
     if not outside.size:
         settling_time = lasts
-    elif outside[-1] < error[section].size - 1:
-        settling_time = float(time[last + outside[-1] + 1]) - begin
+    elif outside[-1] < error[section].size - 1:  # between the last row outside and the first inside, on a straight line
+        row = last + int(outside[-1])
+        edge = band if error[row] > 0.0 else -band
+        settling_time = float(np.interp(edge, *_rising(error[row : row + 2], time[row : row + 2]))) - begin
     overshoot = max(0.0, float(np.max(-np.sign(way) * error[section])))
     return Move(axis, begin, lasts, way, settling_time, overshoot, float(error[end]))
+
+
+def _rising(values: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two values and their times in the order of the values."""
+    return (values, time) if values[0] < values[1] else (values[::-1], time[::-1])
 
 
 def standing(drive: Drive) -> float:

@@ -28,7 +28,7 @@ def test_moves_have_their_times_and_errors():
     drive = drives(drive_run())[0]
     feed, rotation = moves(drive)
     assert (feed.axis, feed.begin, feed.lasts, feed.way) == ("feed", pytest.approx(AT), 0.0, STEP)
-    assert feed.settling_time == pytest.approx(math.log(STEP / 1e-4) / RATE, abs=1e-3)
+    assert feed.settling_time == pytest.approx(math.log(STEP / 1e-4) / RATE, abs=1e-5)  # between two rows
     assert feed.overshoot == 0.0
     assert feed.left == pytest.approx(0.0, abs=1e-12)
     assert (rotation.axis, rotation.begin, rotation.lasts) == ("rotation", pytest.approx(0.2), pytest.approx(0.3))
