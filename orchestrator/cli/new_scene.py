@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import combinations, product
 from pathlib import Path
 from typing import Annotated, Any
@@ -101,6 +102,7 @@ def scene(
         list[str] | None,
         Argument(metavar="[NAME=]COMPONENT...", help="units: components, module:Class or FMUs, which are joined by their ports"),
     ] = None,
+    source: Annotated[str, Option("--from", metavar="SCENE", help="Instead: a copy of a shipped scene, to change.")] = "",
     line: Annotated[Path | None, Option(help="Instead: pantographs under the line of this table.")] = None,
     droppers: Annotated[Path | None, Option(help="CSV of droppers of the line.")] = None,
     pantograph: Annotated[
@@ -114,24 +116,58 @@ def scene(
     """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
 
     Or of a line: cosimo new scene my-scene.toml --line my-line.toml --pantographs 2 --speed "250 km/h" --limits en50367
+
+    Or like another: cosimo new scene my-scene.toml --from friction-drive-step
     """
     from ..harness.validation.limits_of_run import with_limits
     from ..systems import load_scene
     from ..systems.railway.new_line import scene_text
 
-    if (line is None) == (not units):
-        raise BadInput("new scene", "both units and --line" if units else "neither units nor --line", "one of them")
-    if line is not None:
+    if (line is not None) + bool(units) + bool(source) != 1:
+        given = [what for what, is_given in (("units", units), ("--line", line), ("--from", source)) if is_given]
+        raise BadInput("new scene", " and ".join(given) or "nothing to make it of", "units, or --line, or --from")
+    tables: dict[Path, bytes] = {}
+    if source:
+        text, tables = _copied_scene(file, source)
+        text = f'limits = "{limits}"\n{text}' if limits else text
+    elif line is not None:
         text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, distance, speed, limits)
     else:
         text = _joined_scene(file, units or [], limits)
     _write(file, text)
+    for table, content in tables.items():
+        table.write_bytes(content)
+    if tables:
+        print_written(list(tables))
     try:
         with_limits(load_scene(file))
     except BadInput:
-        file.unlink()
+        for path in (file, *tables):
+            path.unlink()
         raise
     print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
+
+
+def _copied_scene(file: Path, source: str) -> tuple[str, dict[Path, bytes]]:
+    """The text of a scene for a file of another folder, and the tables that it names, to stand beside that file."""
+    from ..scene.files import read_text, scene_path
+
+    origin = scene_path(source, "--from")
+    if origin.suffix != ".toml":
+        raise BadInput("--from", repr(source), "a scene in TOML")
+    text = re.sub(r"^#:schema .*\n", "", read_text(origin))
+    tables = {}
+    for name in set(re.findall(r'"([^"\n]+\.[a-z]+)"', text)):
+        table, beside = origin.parent / name, file.parent / Path(name).name
+        if not table.is_file():
+            continue
+        if beside.exists() or beside == file:
+            raise BadInput(
+                "file", f"{beside}, which is there already", "a folder without it", f"{source} brings a table of that name."
+            )
+        tables[beside] = table.read_bytes()
+        text = text.replace(f'"{name}"', f'"{beside.name}"')
+    return text, tables
 
 
 def _joined_scene(file: Path, units: list[str], limits: str) -> str:

@@ -59,6 +59,22 @@ def test_units_are_joined_by_their_ports(tmp_path):
     assert command("new", "scene", tmp_path / "rotor.toml", "BeamRotor", "DeepGrooveBearing") == 0
 
 
+@pytest.mark.parametrize("name", ["en50318-2018-ac-stitched", "overlap", "mass-on-spring"])
+def test_a_copy_of_a_shipped_scene_is_the_scene(tmp_path, name):
+    assert command("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 0
+    mine, shipped = load_scene(tmp_path / "mine" / "my.toml"), load_scene(name)
+    assert (mine.connections, mine.master, mine.stop_time) == (shipped.connections, shipped.master, shipped.stop_time)
+    assert {n: u.component for n, u in mine.units.items()} == {n: u.component for n, u in shipped.units.items()}
+    for unit, settings in mine.units.items():
+        for key, value in settings.parameters.items():
+            if str(value).endswith(".toml"):  # the table of a line came with the scene
+                other = shipped.units[unit].parameters[key]
+                assert (tmp_path / "mine" / value).read_bytes() == (tmp_path / other).read_bytes()
+            else:
+                assert value == shipped.units[unit].parameters[key]
+    assert command("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 2  # overwrites nothing
+
+
 def test_a_table_of_a_scenes_figures_is_kept_by_the_scene(tmp_path):
     limits = tmp_path / "limits.toml"
     assert command("new", "table", limits, "lumped-catenary") == 0
@@ -79,7 +95,10 @@ def test_bad_input_leaves_no_file(folder, capsys):
         (("line", "new.toml", "back.csv"), "behind the one before"),
         (("line", "new.toml", "commas.csv"), "separated by semicolons"),
         (("line", "new.toml", "supports.csv", "--contact-tension", "22 kg"), "dimension of N"),
-        (("scene", "new.toml"), "neither units nor --line"),
+        (("scene", "new.toml"), "nothing to make it of"),
+        (("scene", "new.toml", "Pantograph", "--from", "overlap"), "units and --from"),
+        (("scene", "new.toml", "--from", "overlpa"), "'overlap'"),
+        (("scene", "line.toml", "--from", "mass-on-spring"), "there already"),
         (("scene", "new.toml", "Pantograf"), "'Pantograph'"),
         (("scene", "new.toml", "Pantograph", "Pantograph"), "names that are unique"),
         (("scene", "new.toml", "Pantograph", "--limits", "en5036"), "'en50367'"),
