@@ -27,6 +27,7 @@ from ..output import locked
 from ..results import Result
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
+from ..views.data import library
 from .many.execute import Computing
 from .many.files import NOT_RUN, collect, provenance, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
@@ -37,6 +38,8 @@ from .many.repetition import Repeated, compared, ends_and_some, repeat
 from .many.store import SIGNAL, TIME, Store, array_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from .summary import Summary
 
 
@@ -83,6 +86,27 @@ class Sweep:
             for some, table in store.pieces(places, [TIME, SIGNAL + name], SIGNALS_AT_ONCE)
             for k in range(some.stop - some.start)
         )
+
+    def __repr__(self) -> str:
+        """Points, ranges, errors: one line each."""
+        done = int(self.done.sum())
+        lines = [f"<Sweep of {self.scene.name}: {done} of {len(self.outcomes)} points done, {len(self.measures)} columns>"]
+        for name, values in self.varied.items():
+            several = values.dtype.kind not in "fiu" and ", ".join(dict.fromkeys(map(str, values)))
+            unit = f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""
+            lines.append(f"{name}: {several or f'{values.min():g} to {values.max():g}{unit}'}")
+        if self.repeated is not None:
+            lines.append(self.repeated.summary(len(self.outcomes)))
+        return "\n".join(lines)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row a point: what varies, every measure, outcome. attrs["units"]: of measure, by column.
+
+        Raises `BadInput` where pandas is missing.
+        """
+        frame = library("pandas").DataFrame({**self.varied, **self.measures, "outcome": self.outcomes})
+        frame.attrs = {"units": dict(self.units)}
+        return frame
 
     @property
     def done(self) -> np.ndarray:

@@ -28,6 +28,7 @@ EXPECTED = {
 }
 BOUNDS = {"greater_than": "greater than", "greater_than_equal": "of at least", "less_than_equal": "of at most"}
 LITERAL = re.compile("'(.*?)'")
+MOST_KEYS = 8  # of a table that a message names
 LONGEST = 200  # characters of a value that are shown
 
 
@@ -69,7 +70,9 @@ def one_message(error: ValidationError, model: type[BaseModel], name: str, *tabl
         return BadInput(where, actual, f"a number {BOUNDS[kind]} {limit:g}")
     if kind.endswith("_type") and "parameters" in path:
         return BadInput(_where(name, *places[: places.index("parameters") + 1]), actual, "a number, a text or a truth value")
-    return BadInput(where, actual, EXPECTED.get(kind, finding["msg"]))
+    keys = list(_model_at(model, path).model_fields) if kind.startswith("model_") else []
+    remedy = f"Its keys are {', '.join(keys[:MOST_KEYS])}{', ...' if len(keys) > MOST_KEYS else ''}." if keys else ""
+    return BadInput(where, actual, EXPECTED.get(kind, finding["msg"]), remedy)
 
 
 def _first(error: ValidationError) -> Any:

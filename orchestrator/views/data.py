@@ -24,7 +24,7 @@ def to_pandas(result: Recorded, signals: Iterable[str] | None = None) -> pd.Data
 
     Raises `BadInput` where pandas is missing, or for a signal that was not recorded.
     """
-    pandas = _library("pandas")
+    pandas = library("pandas")
     names = result.signals(signals)
     frame = pandas.DataFrame({n: result[n] for n in names}, index=pandas.Index(result.time, name="time"), columns=names)
     frame.attrs = {"units": {n: result.measures.get(n, "") for n in names}, **_provenance(result)}
@@ -37,7 +37,7 @@ def to_xarray(result: Recorded, signals: Iterable[str] | None = None) -> xr.Data
     Attributes of the data set: title, outcome, message, warnings, versions, and all of run.json as text in "run". With `signals`
     only those, and no snapshots but those that it names. Raises `BadInput` where xarray is missing, or for an unknown signal.
     """
-    xarray = _library("xarray")
+    xarray = library("xarray")
     wanted = None if signals is None else list(signals)
     arrays = [n for n in result.snapshots if wanted is None or n in wanted]
     names = result.signals(None if wanted is None else [n for n in wanted if n not in arrays])
@@ -51,7 +51,8 @@ def to_xarray(result: Recorded, signals: Iterable[str] | None = None) -> xr.Data
     return xarray.Dataset(data, coordinates, _provenance(result))
 
 
-def _library(name: str) -> Any:
+def library(name: str) -> Any:
+    """A library that cosimo can do without; raises `BadInput` where it is missing."""
     try:
         return import_module(name)
     except ImportError:

@@ -87,6 +87,17 @@ class Design:
         """The parameters of the best run; empty where there is none."""
         return dict(zip(self.names, self.steps[self.best].parameters, strict=True)) if self.best >= 0 else {}
 
+    def __repr__(self) -> str:
+        """The best run, or the ends of a front."""
+        ends = [self.front[0], self.front[-1]] if len(self.front) > 1 else list(self.front)
+        units = {n: u if u != "1" else "" for n, u in self.units.items()}
+        lines = [f"<Design: {len(self.steps)} runs, {len(self.front) or 'none'} best>"]
+        for place in ends:
+            step = self.steps[place]
+            named = zip((*self.quantities, *self.names), (*step.quantities, *step.parameters), strict=True)
+            lines.append(", ".join(f"{n} {v:.5g} {units.get(n, '')}".rstrip() for n, v in named))
+        return "\n".join([*lines, *self.messages])
+
     def save(self, directory: str | Path) -> Path:
         """Write design.csv: a row a run, and which of them are on the front."""
         header = [

@@ -45,6 +45,13 @@ class SceneFit:
     computed: int
     sweep: Sweep | None = None
 
+    def __repr__(self) -> str:
+        """A line a parameter, with its standard deviation."""
+        lines = [f"<SceneFit of {self.scene.name}: {'converged' if self.fit.converged else 'not converged'}, {self.runs} runs>"]
+        for name, value, deviation, *_ in self.fit.rows():
+            lines.append(f"{name}: {value:.6g} ± {deviation:.2g} {self.units[name] if self.units[name] != '1' else ''}".rstrip())
+        return "\n".join([*lines, *self.fit.messages])
+
     def save(self, directory: str | Path) -> Path:
         """Write fit.csv: a row a parameter, with its correlations with the others."""
         header = [

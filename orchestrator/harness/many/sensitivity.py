@@ -80,6 +80,15 @@ class Sensitivity:
         texts += blurred(self.sweep.repeated, varying)
         return texts
 
+    def __repr__(self) -> str:
+        """A line a quantity: the index of each parameter with its interactions, ST or mu*, the largest first."""
+        index = {(i.quantity, i.parameter): i.total if self.method == "sobol" else i.first for i in self.indices}
+        lines = [f"<Sensitivity of {self.sweep.scene.name}: {'ST' if self.method == 'sobol' else 'mu*'} of each parameter>"]
+        for quantity in dict.fromkeys(i.quantity for i in self.indices):
+            of = sorted(((v, p) for (q, p), v in index.items() if q == quantity), reverse=True)
+            lines.append(f"{quantity}: {', '.join(f'{p} {v:.3g}' for v, p in of)}")
+        return "\n".join([*lines, *self.messages])
+
     def save(self, directory: str | Path) -> Path:
         """Write sensitivity.csv."""
         first, total = self.columns

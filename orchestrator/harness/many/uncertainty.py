@@ -90,6 +90,19 @@ class Uncertainty:
     left_error: float = float("nan")
     messages: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """A line a quantity: mean, standard deviation, the tolerance interval."""
+        lines = [f"<Uncertainty of {self.sweep.scene.name}: {len(self.sweep.outcomes)} samples>"]
+        for s in self.spreads:
+            unit = f" {s.unit}" if s.unit != "1" else ""
+            inside = (
+                f", tolerance interval {s.tolerance[0]:.4g} to {s.tolerance[1]:.4g}{unit}"
+                if np.isfinite(s.tolerance).all()
+                else ""
+            )
+            lines.append(f"{s.quantity}: mean {s.mean:.5g}{unit}, deviation {s.deviation:.3g}{unit}{inside}")
+        return "\n".join(lines)
+
     def save(self, directory: str | Path) -> list[Path]:
         """Write uncertainty.csv; limits.csv where there are limits, effects.csv where effects were looked at."""
         header = [

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.scene import Scene
-from .quantities import Quantity, TimeHistory, errors, quantities_to_judge, recording
+from .quantities import Quantity, TimeHistory, errors, percent, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .trial import REPEATS, SCATTER, Timing, Trial, trial
@@ -96,6 +96,14 @@ class Accuracy:
     shares: str = ""
     mesh_error: Mapping[str, float] = field(default_factory=dict)
     marks: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """The scene's own settings and the front, a line each."""
+        lines = [f"<Accuracy of {self.name}: {len(self.points)} settings>"]
+        for point in dict.fromkeys((self.own, *self.front())):
+            text = f"error {percent(point.error)}, {point.seconds:.3g} s"
+            lines.append(f"{point.series}: {text if point.outcome == 'done' else f'{point.outcome}, {point.reason}'}")
+        return "\n".join(lines)
 
     @property
     def uncertainty(self) -> dict[str, float]:

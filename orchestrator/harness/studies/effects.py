@@ -111,6 +111,12 @@ class Effects:
     runs: int
     remarks: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        """A line an effect: whether it is in the smallest set, and why."""
+        lines = [f"<Effects of {self.scene.name}: the smallest set within {percent(self.tolerance)}>"]
+        lines += [f"{'with' if f.chosen else 'without'} {f.name}: {f.why(self.tolerance)}" for f in self.findings]
+        return "\n".join([*lines, *self.remarks])
+
     def save(self, directory: str | Path) -> Path:
         """Write effects.csv: one row an effect, the first line the column names."""
         values = [[getattr(f, field) for field in COLUMNS] for f in self.findings]

@@ -86,6 +86,15 @@ class Stability:
         """The limits of one scheme, in the order of the map."""
         return tuple(limit for limit in self.limits if (limit.algorithm, limit.extrapolation) == scheme)
 
+    def __repr__(self) -> str:
+        """A line a scheme: its longest stable macro step, of a map the shortest and the longest of them."""
+        lines = [f"<Stability of {self.scene.name}: longest stable macro step, s>"]
+        for algorithm, extrapolation in self.schemes:
+            of = sorted(self.of((algorithm, extrapolation)), key=lambda limit: limit.longest)
+            ends = dict.fromkeys(limit_text(limit.longest, limit.tried) for limit in (of[0], of[-1]))
+            lines.append(f"{algorithm}, extrapolation {extrapolation}: {' to '.join(ends)}")
+        return "\n".join([*lines, *self.remarks])
+
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each scheme at each point."""
         names = [f"{name}, {unit}" if unit else name for name, unit in self.varied.items()]

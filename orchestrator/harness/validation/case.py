@@ -194,6 +194,16 @@ class CaseResult:
     findings: Findings
     report: Path | None = None
 
+    def __repr__(self) -> str:
+        """The verdict, and a line for each row or claim."""
+        lines = [f"<{self.case.name}: {self.verdict}>"]
+        lines += [
+            f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {r.reference.unit}; inside: {r.answer}"
+            for r in self.findings.rows
+        ]
+        lines += [f"{c.claim.number} {c.verdict}: {c.claim.announced}" for c in self.findings.claims]
+        return "\n".join(lines)
+
     @property
     def outcome(self) -> str:
         """ "passed", "failed", "undecided" or "recalled"; a paper passes if every claim has the verdict of its last review."""

@@ -9,6 +9,7 @@ from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.sensitivity import analyse, sample, sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import tolerance_rank, uncertainty
+from cosimo.orchestrator.harness.sweep import sweep
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.harness.many.points import formula
 from cosimo.tests.harness.test_sweep import MASS
@@ -80,6 +81,22 @@ def test_sensitivity_of_a_scene(tmp_path):
             {"vary": {"f.a": UNIT, "f.b": UNIT}, "method": "random", "points": 1, "correlation": [["f.a", "f.b", 0.5]]},
             quantities=["f.linear, end"],
         )
+
+
+def test_answers_in_a_console_are_lines_of_their_numbers():
+    """f = 2 a + b: everything follows."""
+    scene, vary = read_scene(formula(a=1.0)), {"f.a": {"low": 0.0, "high": 1.0}}
+    found = design(scene, {"minimise": ["f.linear, end"], "vary": vary})
+    assert repr(found).startswith(
+        f"<Design: {len(found.steps)} runs, 1 best>\nf.linear, end {found.steps[found.best].quantity:.5g}"
+    )
+    fitted = fit(scene, {"vary": vary, "targets": [{"quantity": "f.linear, end", "value": 1.0, "deviation": 0.1}]})
+    assert f"f.a: {fitted.fit.values[0]:.6g} ± {fitted.fit.deviations[0]:.2g}" in repr(fitted)
+    table = sweep(scene, {"vary": {"f.a": [0.0, 0.25, 0.5]}})
+    assert repr(table).splitlines()[1] == "f.a: 0 to 0.5"
+    frame = table.to_pandas()
+    assert frame["f.linear, maximum"].tolist() == [0.0, 0.5, 1.0]
+    assert frame["outcome"].tolist() == ["done"] * 3
 
 
 def test_tolerance_ranks_are_those_of_wilks():
