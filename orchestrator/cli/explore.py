@@ -20,19 +20,21 @@ def explore(
         list[str] | None,
         Option(
             metavar="UNIT.PARAMETER[=FROM:TO]",
-            help="A parameter with a slider, and its range; may be repeated. Default: those that move the figures most, ± 50 %.",
+            help="A parameter with a slider, and its range; may be repeated. Default: [explore], or what moves the figures most.",
         ),
     ] = None,
     effects: Annotated[
         list[str] | None,
         Option(
-            "--effects", metavar="UNIT.EFFECT", help="An effect of the scene to switch off and on; may be repeated, at most 3."
+            "--effects",
+            metavar="UNIT.EFFECT",
+            help="An effect to switch off and on; may be repeated, at most 3. Default: [explore], or those it runs without.",
         ),
     ] = None,
     values: Changes = None,
     presets: Presets = None,
 ) -> None:
-    """Write a page that computes a scene. Example: cosimo explore en50318-2002 --effects catenary.dropper_slackening -o page.html
+    """Write a page that computes a scene. Example: cosimo explore en50318-2002 -o page.html
 
     One file, which needs no server and no network: sliders, effects, macro step; curves, figures with their errors, ranges.
     """

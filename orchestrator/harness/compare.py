@@ -23,7 +23,7 @@ from .summary import SummaryTable, with_error
 
 MOST_PANELS = 8  # signals that are drawn: those that differ most
 MOST_NUMBERS = 4  # of the answer at the top
-NOT_SETTINGS = ("name", "title", "sweep", "study")
+NOT_SETTINGS = ("name", "title", "sweep", "study", "explore")
 ABSENT = "–"
 
 

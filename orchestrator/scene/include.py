@@ -31,7 +31,7 @@ def expanded(
 
     Paths are relative to `folder`. `above`: the files that include this one; `files`: counts all files.
     What a unit of a subsystem is called in its own file stands behind the entry's name: "subsystem.unit". Stop time, master,
-    records, interface, faults, sweep, analysis and study of the included scene belong to its own runs and are not taken over.
+    records, interface, faults, sweep, analysis, study and explore of the included scene belong to its own runs and are not taken over.
     """
     if not isinstance(data.get("units"), Mapping):
         return dict(data), ()

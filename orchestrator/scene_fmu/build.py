@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...fmus.evidence import Evidence
 from ...fmus.native.build import Library, assembled, check_versions, compiler, pack
+from ...fmus.native.instance import Model
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.algorithms import master_of
@@ -52,12 +53,9 @@ def _refusal(scene: Scene, actual: str) -> BadInput:
     )
 
 
-def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] = ()) -> Library:
-    """Compile a scene for all targets; `BadInput` where something of it is no kernel, or no compiler is found.
-
-    sources: further ones of the runtime.
-    """
-    compilers = {target: compiler(target) for target in targets}
+@contextmanager
+def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
+    """Where everything of a scene lies, and its block before initialization; `BadInput` where something of it is no kernel."""
     refuse_what_needs_python(scene)
     shown = scene.coupling.shown.values()
     with ExitStack() as stack:
@@ -72,13 +70,29 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
         changes = fault_changes(scene)
         Faults(scene.faults, scene.coupling, master, clock_for(scene, scene.coupling, *edges(scene.faults))).before_start()
         layout = Layout.of(scene, master)
+        yield layout, model_of(scene, layout, changes)
+
+
+def scene_block(scene: Scene) -> Model:
+    """The block of a scene before initialization, with the tables that say what lies in it."""
+    with _laid_out(scene) as (_, model):
+        return model
+
+
+def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] = ()) -> Library:
+    """Compile a scene for all targets; `BadInput` where something of it is no kernel, or no compiler is found.
+
+    sources: further ones of the runtime.
+    """
+    compilers = {target: compiler(target) for target in targets}
+    with _laid_out(scene) as (layout, model):
         variables = with_sizes(list(variables_of(scene, layout)))
         same = {"canHandleVariableCommunicationStepSize": "true"}
         return assembled(
             re.sub(r"\W", "_", scene.name),
             described(scene),
             variables,
-            model_of(scene, layout, changes),
+            model,
             [compile_entries(source) for source in layout.sources],
             compilers,
             abilities={

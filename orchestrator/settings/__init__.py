@@ -1,6 +1,7 @@
 """What a scene may say, as frozen, typed models: each fault of a single setting is found here. One file a table."""
 
 from .analysis import AnalysisKeys
+from .explore import ExploreSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
 from .scene import ConnectionSettings, ContactSettings, FaultSettings, InterfaceSettings, RecordSettings, SceneSettings
@@ -12,6 +13,7 @@ __all__ = [
     "ConnectionSettings",
     "ContactSettings",
     "ControlSettings",
+    "ExploreSettings",
     "FaultSettings",
     "InterfaceSettings",
     "IterationSettings",

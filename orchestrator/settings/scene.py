@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, SerializeAsAny, WithJsonSchema, field_s
 
 from ...components.core.errors import BadInput
 from .analysis import AnalysisKeys
+from .explore import ExploreSettings
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth
 from .plan import RunLimits
@@ -205,6 +206,7 @@ class SceneSettings(Model):
         default=AnalysisKeys(), description="for sweeps and reports; its keys depend on its `system`"
     )
     study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
+    explore: ExploreSettings = Field(default=ExploreSettings(), description="what a page of cosimo explore can change")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())
 

@@ -1,5 +1,19 @@
-/* A run of a scene for a page: all macro steps in one call. The page may change the macro step, which an FMU has fixed. */
+/* A run of a scene for a page: all macro steps in one call. The page may change the macro step, which an FMU has fixed, and cells of
+   the block before initialization that another setting of the master fills with other numbers. */
 #include "scene.h"
+
+static struct { uint32_t count; const uint32_t *cells; const int64_t *values; } changed;
+static void change(int64_t *cells) {
+    for (uint32_t k = 0; k < changed.count; k++) cells[changed.cells[k]] = changed.values[k];
+}
+
+/* Cells with other values than at build, for instances made from now on; both arrays stay the caller's and have to stay. */
+EXPORT void live_cells(uint32_t count, const uint32_t *cells, const int64_t *values) {
+    changed.count = count;
+    changed.cells = cells;
+    changed.values = values;
+    scene_changed = change;
+}
 
 /* Seconds of a macro step; numerator / denominator is the same number, 0 where no whole numbers are. Before initialization. */
 EXPORT void live_macro_step(double length, double numerator, double denominator) {

@@ -5,8 +5,11 @@
 
 #define EXACT ((int64_t)1 << 53) /* whole numbers up to this are doubles */
 
+void (*scene_changed)(int64_t *cells) = NULL;
+
 void model_place(int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
+    if (scene_changed) scene_changed(cells);
     for (uint32_t k = 0; k < scene_place_count; k++) {
         const Place *p = scene_places + k;
         cells[p->cell] = p->function ? (int64_t)(intptr_t)p->function : address + 8 * (int64_t)p->target;

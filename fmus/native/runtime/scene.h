@@ -16,6 +16,7 @@ typedef struct {
 } Unit;
 /* What becomes of a fault behind so many macro steps: the cell that says so. */
 typedef struct { int64_t steps; uint32_t cell; int64_t change; } Change;
+extern void (*scene_changed)(int64_t *cells); /* what a host changes in the block of the build, each time that it is filled */
 /* ---- written at build ---- */
 extern const Change scene_changes[];
 extern const uint32_t scene_change_count, scene_follow_rows[2];

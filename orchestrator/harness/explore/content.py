@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import number_in
 from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.thresholds import ORDER_UNSURE
 from ...run import run
 from ...scene.scene import Scene
-from ...scene_fmu import refuse_what_needs_python, scene_library
+from ...scene_fmu import refuse_what_needs_python
+from ...settings.explore import ENDS
 from ..validation.reference import STANDINGS, load_table, table_files
 from .figures import LiveFigure, figures_of_study, filters
+from .modules import Variant, switches, variants
 from .screening import screened
 
 if TYPE_CHECKING:
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
 
 FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # macro steps that a page offers, over the scene's
 FEWEST = 20  # macro steps of a run
-MOST_EFFECTS = 3  # switches: a module for each set of them
 NUMERICAL = ("*.substep", "*.tolerance")  # parameters that no slider is offered for: accuracy has its own place
 FIRST = 8  # parameters with a slider, where the user names none
 SPAN = 0.5  # of its value, to either side: a slider's range where none is given
@@ -41,14 +42,6 @@ class Knowledge(Protocol):
 
     def conditions(self, result: Result, names: Iterable[str]) -> Mapping[str, Mapping[str, float]]:
         """Condition of a reference table -> the parameters that say so."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """The scene with some of the offered effects on."""
-
-    effects: Mapping[str, bool]
-    library: Library
 
 
 @dataclass(frozen=True)
@@ -70,23 +63,31 @@ def content_of(
 ) -> Content:
     """Compile a scene for a page. parameters: "unit.parameter" -> range of its slider, None for the usual one.
 
-    effects: "unit.effect" that can be switched; by default none.  say: is told what is being done.  Raises `BadInput`.
+    effects: "unit.effect" that can be switched. Both by default those of the scene's table [explore], and without them those
+    that move the figures most, and those without which the scene runs.
+    say: is told what is being done.  Raises `BadInput`.
     """
     refuse_what_needs_python(scene)
+    table = scene.explore
     scene = scene.with_changes({"record.interval": None})
     say("running the scene once")
     result = run(scene, in_process=True)
-    variants = list(_variants(scene, _checked_effects(scene, effects or ()), say))
-    base = variants[0].library
+    if effects is None:
+        effects = table.effects
+    built = list(variants(scene, switches(scene, effects, say), table.algorithms, say))
+    base = built[0].library
+    numbers = {v.scalar.name: v for v in _numbers(base, "PARAMETER")}
+    if parameters is None and table.parameters is not None:
+        parameters = {name: _ends(scene, name, given, numbers) for name, given in table.parameters.items()}
     ranges = parameters or {}
-    rows = [_parameter(v, ranges.get(v.scalar.name)) for v in _numbers(base, "PARAMETER")]
+    rows = [_parameter(v, ranges.get(name)) for name, v in numbers.items()]
     rows = [row for row in rows if _acts(scene, row["name"], row["to"])]
     names = [row["name"] for row in rows]
-    if unknown := [name for name in parameters or () if name not in names]:
+    if unknown := [name for name in ranges if name not in names]:
         raise BadInput(
             "explore", f"parameter {unknown[0]!r}", "a real parameter that is not structural", nearest(unknown[0], names)
         )
-    if parameters:
+    if parameters is not None:
         first = list(parameters)
     else:
         say("finding the parameters that move the figures most")
@@ -97,28 +98,95 @@ def content_of(
         ]
     steps = _steps(scene)
     figures = tuple(getattr(knowledge, "figures", lambda result: ())(result)) or figures_of_study(scene)
-    table, conditions = _table(scene, knowledge, result, {f.measure for f in figures if f.measure})
+    reference, conditions = _table(scene, knowledge, result, {f.measure for f in figures if f.measure})
+    presets = [{"name": name, "values": dict(values)} for name, values in conditions.items()]
+    presets += [_preset(scene, name, given, built, numbers, steps) for name, given in table.presets.items()]
     data = {
         "name": scene.name,
         "title": scene.title or scene.name,
         "stop": scene.stop_time,
         "step": scene.master.step,
         "steps": [s | {"filters": filters(figures, s["length"])} for s in steps],
-        "variants": [_references(v) for v in variants],
-        "effects": _described_effects(scene, variants),
+        "variants": [_references(v) for v in built],
+        "effects": _described_effects(scene, built),
+        "algorithms": list(dict.fromkeys(v.algorithm for v in built)),
+        "extrapolation": scene.master.extrapolation,
         "parameters": sorted(rows, key=lambda row: first.index(row["name"]) if row["name"] in first else len(first)),
         "first": first,
         "signals": [
             {"name": v.scalar.name, "unit": v.scalar.unit or "1", "text": v.scalar.text} for v in _numbers(base, "OUTPUT")
         ],
         "figures": [f.to_json() for f in figures],
-        "table": table,
-        "presets": [{"name": name, "values": dict(values)} for name, values in conditions.items()],
-        "settings": scene.settings(),
+        "table": reference,
+        "presets": presets,
+        "settings": {key: value for key, value in scene.settings().items() if key != "explore"},
         "error": {"sure": SURE, "unsure": UNSURE, "limit": ORDER_UNSURE},
         "standings": STANDINGS,
     }
-    return Content(data, [v.library.binaries["wasm32"] for v in variants])
+    return Content(data, [v.library.binaries["wasm32"] for v in built])
+
+
+def _number(scene: Scene, name: str, value: Any, numbers: Mapping[str, NativeVariable], where: str) -> float:
+    """The number of a parameter of the page, of a text such as "250 km/h" in the parameter's unit; within its limits."""
+    if name not in numbers:
+        raise BadInput(
+            f"{scene.name}: {where}",
+            f"parameter {name!r}",
+            "a real parameter that is not structural",
+            nearest(name, list(numbers)),
+        )
+    scalar = numbers[name].scalar
+    place = f"{scene.name}: {where}.{name}"
+    number = number_in(value, scalar.unit or "1", place) if isinstance(value, str) else value
+    if isinstance(number, bool) or not isinstance(number, int | float) or not scalar.low <= number <= scalar.high:
+        raise BadInput(place, repr(value), f"a number in {scalar.unit or '1'} from {scalar.low:g} to {scalar.high:g}")
+    return float(number)
+
+
+def _ends(scene: Scene, name: str, given: Mapping[str, Any], numbers: Mapping[str, NativeVariable]) -> tuple[float, float] | None:
+    """The ends of a slider's range; None for the usual ones."""
+    if not given:
+        return None
+    low, high = (_number(scene, name, given[end], numbers, "explore.parameters") for end in ENDS)
+    return low, high
+
+
+def _preset(
+    scene: Scene,
+    name: str,
+    given: Mapping[str, Any],
+    built: Sequence[Variant],
+    numbers: Mapping[str, NativeVariable],
+    steps: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
+    """A state of the page: values of parameters, effects that are off, and settings of the master where the preset has some."""
+    where = f"explore.presets.{name}"
+    preset: dict[str, Any] = {"name": name, "values": {}}
+    choices = {
+        "master.step": [step["length"] for step in steps],
+        "master.algorithm": [v.algorithm for v in built],
+        "master.extrapolation": sorted(built[0].extrapolations),
+    }
+    for key, value in given.items():
+        unit, rest = scene.split(key)
+        if key in choices:
+            if value not in choices[key]:
+                offered = ", ".join(f"{choice}" for choice in dict.fromkeys(choices[key]))
+                raise BadInput(f"{scene.name}: {where}.{key}", repr(value), f"one that the page offers: {offered}")
+            preset[key.partition(".")[2]] = value
+        elif rest.startswith("effects."):
+            effect = f"{unit}.{rest.removeprefix('effects.')}"
+            if effect not in built[0].effects or not isinstance(value, bool):
+                raise BadInput(
+                    f"{scene.name}: {where}",
+                    f"{key} = {value!r}",
+                    "true or false for an effect that the page offers",
+                    nearest(effect, list(built[0].effects)),
+                )
+            preset.setdefault("effects", {})[effect] = value
+        else:
+            preset["values"][key] = _number(scene, key, value, numbers, where)
+    return preset
 
 
 def _acts(scene: Scene, name: str, value: float) -> bool:
@@ -135,39 +203,13 @@ def _is_any(name: str, patterns: Collection[str]) -> bool:
     return any(name.endswith(p.removeprefix("*")) for p in patterns)
 
 
-def _checked_effects(scene: Scene, effects: Sequence[str]) -> list[str]:
-    """The offered effects, those of the scene by their full names."""
-    known = [f"{unit}.{effect}" for unit, settings in scene.units.items() for effect in settings.effects]
-    if unknown := [e for e in effects if e not in known]:
-        raise BadInput("explore", f"effect {unknown[0]!r}", "an effect that is on in the scene", nearest(unknown[0], known))
-    if len(effects) > MOST_EFFECTS:
-        raise BadInput("explore", f"{len(effects)} effects", f"at most {MOST_EFFECTS}: each set of them is a module of the page")
-    return list(effects)
-
-
-def _variants(scene: Scene, offered: Sequence[str], say: Callable[[str], None]) -> Iterator[Variant]:
-    """All sets of the offered effects, the scene itself first."""
-    sets = list(product((True, False), repeat=len(offered)))
-    for k, states in enumerate(sets, 1):
-        say(f"compiling module {k} of {len(sets)}")
-        off = [name for name, on in zip(offered, states, strict=True) if not on]
-        changes: dict[str, Any] = {}
-        for unit, settings in scene.units.items():
-            without = {name.rpartition(".")[2] for name in off if name.rpartition(".")[0] == unit}
-            if without:
-                changes[f"units.{unit}.effects"] = [e for e in settings.effects if e not in without]
-                kept = {n: v for n, v in settings.parameters.items() if n.partition(".")[0] not in without}
-                changes[f"units.{unit}.parameters"] = kept
-        changed = scene.with_changes(changes) if changes else scene
-        yield Variant(dict(zip(offered, states, strict=True)), scene_library(changed, ["wasm32"], ("live.c",)))
-
-
 def _numbers(library: Library, role: str) -> list[NativeVariable]:
-    """Real variables of a role; of parameters those that are no element of an array."""
+    """Real outputs; or what is set before a run and is no element of an array: parameters, and inputs that nothing drives."""
+    roles = ("OUTPUT",) if role == "OUTPUT" else ("PARAMETER", "INPUT")
     return [
         v
         for v in library.variables
-        if v.role == role and v.scalar.type == "Real" and (role == "OUTPUT" or (v.size == 1 and "[" not in v.scalar.name))
+        if v.role in roles and v.scalar.type == "Real" and (role == "OUTPUT" or (v.size == 1 and "[" not in v.scalar.name))
     ]
 
 
@@ -178,6 +220,8 @@ def _references(variant: Variant) -> dict[str, Any]:
     }
     return {
         "effects": variant.effects,
+        "algorithm": variant.algorithm,
+        "extrapolations": variant.extrapolations,
         "token": variant.library.token,
         "parameters": named["PARAMETER"],
         "outputs": named["OUTPUT"],

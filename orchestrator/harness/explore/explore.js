@@ -4,7 +4,8 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 const parameters = Object.fromEntries(data.parameters.map((p) => [p.name, p]));
 const usualStep = data.steps.findIndex((s) => s.length === data.step);
-const initial = () => ({ values: {}, off: [], step: usualStep });
+const usual = { algorithm: data.algorithms[0], extrapolation: data.extrapolation };
+const initial = () => ({ values: {}, off: [], step: usualStep, ...usual });
 let state = initial(), pinned = null, shown = null, ladder = [], question = 0, problem = "";
 const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
@@ -15,10 +16,11 @@ const unitText = (unit) => (unit === "1" ? "" : ` ${unit}`);
 
 // ---- the state as an address, a command, a scene ----
 const text = (value) => String(value);
-function address({ values, off, step }) {
+function address({ values, off, step, ...master }) {
   const parts = Object.entries(values).map(([name, value]) => `${name}=${text(value)}`);
   off.forEach((name) => parts.push(`off=${name}`));
   if (step !== usualStep) parts.push(`step=${data.steps[step].length}`);
+  for (const [key, value] of Object.entries(usual)) if (master[key] !== value) parts.push(`${key}=${master[key]}`);
   return parts.join("&");
 }
 function stateOf(hash) { // what is not known is left out, with a sentence
@@ -27,6 +29,8 @@ function stateOf(hash) { // what is not known is left out, with a sentence
     const [name, value] = part.split("="), number = Number(value);
     if (name === "off" && data.effects.some((e) => e.name === value)) next.off.push(value);
     else if (name === "step" && data.steps.some((s) => s.length === number)) next.step = data.steps.findIndex((s) => s.length === number);
+    else if (name === "algorithm" && data.algorithms.includes(value)) next.algorithm = value;
+    else if (name === "extrapolation" && value in data.variants[0].extrapolations) next.extrapolation = number;
     else if (name in parameters && value !== "" && !refusal(parameters[name], value)) next.values[name] = number;
     else if (part !== "results") unknown.push(part);
   }
@@ -39,7 +43,7 @@ function unitOf(name) { // a unit of a subsystem has dots in its name
   const unit = units.sort((a, b) => b.length - a.length)[0];
   return unit === undefined ? place(name) : [unit, name.slice(unit.length + 1)];
 }
-function changesOf({ values, off, step }) { // as `with_changes` takes them
+function changesOf({ values, off, step, ...master }) { // as `with_changes` takes them
   const changes = {};
   for (const [name, value] of Object.entries(values)) {
     const [unit, parameter] = unitOf(name);
@@ -51,9 +55,10 @@ function changesOf({ values, off, step }) { // as `with_changes` takes them
     changes[`units.${unit}.effects`] = data.settings.units[unit].effects.filter((e) => !without.includes(e));
   }
   if (step !== usualStep) changes["master.step"] = data.steps[step].length;
+  for (const [key, value] of Object.entries(usual)) if (master[key] !== value) changes[`master.${key}`] = master[key];
   return changes;
 }
-function settingsOf({ values, off, step }) {
+function settingsOf({ values, off, step, algorithm, extrapolation }) {
   const settings = structuredClone(data.settings);
   for (const name of off) {
     const [unit, effect] = unitOf(name), of = settings.units[unit];
@@ -64,22 +69,25 @@ function settingsOf({ values, off, step }) {
     const [unit, parameter] = unitOf(name);
     if (available(name)) (settings.units[unit].parameters ??= {})[parameter] = value;
   }
-  settings.master.step = data.steps[step].length;
+  Object.assign(settings.master, { step: data.steps[step].length, algorithm, extrapolation });
   return settings;
 }
 function elsewhere() {
-  const { values, off, step } = state, numbers = Object.entries(values).filter(([name]) => available(name));
+  const { values, off, step, algorithm, extrapolation } = state, numbers = Object.entries(values).filter(([name]) => available(name));
   const sets = numbers.map(([name, value]) => ` --set ${name}=${text(value)}`);
   if (step !== usualStep) sets.push(` --step ${data.steps[step].length}`);
+  if (algorithm !== usual.algorithm) sets.push(` --algorithm ${algorithm}`);
+  if (extrapolation !== usual.extrapolation) sets.push(` --extrapolation ${extrapolation}`);
   byId("command").value = off.length ? "cosimo run scene.toml  # the scene below: effects are off" : `cosimo run ${data.name}${sets.join("")}`;
   const changes = JSON.stringify(changesOf({ ...state, values: Object.fromEntries(numbers) }), null, 4);
-  const changed = Object.keys(values).length || off.length || step !== usualStep;
+  const changed = address(state) !== address(initial());
   byId("python").value = `import cosimo\n\nscene = cosimo.load_scene(${JSON.stringify(data.name)})${changed ? `.with_changes(${changes})` : ""}\nresult = cosimo.run(scene)\nprint(result.summary)`;
   byId("toml").value = toml(settingsOf(state));
 }
 
 // ---- settings ----
-const variantOf = ({ off }) => data.variants.findIndex((v) => Object.entries(v.effects).every(([name, on]) => on !== off.includes(name)));
+const variantOf = ({ off, algorithm }) => data.variants.findIndex((v) => v.algorithm === algorithm
+  && Object.entries(v.effects).every(([name, on]) => on !== off.includes(name)));
 const available = (name) => name in data.variants[variantOf(state)].parameters;
 function refusal(p, value) { // why a text is no value of a parameter; "" for one that is
   const number = Number(value);
@@ -132,6 +140,12 @@ function knob(p) {
   };
   return box;
 }
+function choice(key, values, shownAs) { // of a setting of the master: nothing to choose, nothing shown
+  const select = byId(key);
+  select.parentElement.hidden = values.length < 2;
+  values.forEach((value) => select.append(element("option", { value }, `${shownAs(value)}${value === usual[key] ? ", as the scene" : ""}`)));
+  select.addEventListener("change", () => change({ ...state, [key]: values[select.selectedIndex] }, true));
+}
 function build() {
   const first = new Set(data.first);
   byId("first").append(...data.first.map((name) => knob(parameters[name])));
@@ -149,12 +163,15 @@ function build() {
   }
   data.steps.forEach((s, k) => byId("step").append(element("option", { value: k }, `${digits(1000 * s.length, 6)} ms${k === usualStep ? ", as the scene" : ""}`)));
   byId("step").addEventListener("change", () => change({ ...state, step: Number(byId("step").value) }, true));
+  choice("algorithm", data.algorithms, String);
+  choice("extrapolation", Object.keys(data.variants[0].extrapolations).map(Number), (degree) => ["0, held", "1, linear", "2, quadratic"][degree]);
   for (const preset of data.presets) {
     const button = element("button", { type: "button" }, preset.name);
     button.addEventListener("click", () => {
-      const values = { ...state.values, ...preset.values };
-      for (const name of Object.keys(preset.values)) if (Math.abs(values[name] - parameters[name].value) <= 1e-6 * Math.abs(parameters[name].value)) delete values[name];
-      change({ ...state, values }, true);
+      const { name, values: given, effects = {}, step, ...master } = preset, values = { ...state.values, ...given };
+      for (const name of Object.keys(given)) if (Math.abs(values[name] - parameters[name].value) <= 1e-6 * Math.abs(parameters[name].value)) delete values[name];
+      const off = data.effects.map((e) => e.name).filter((n) => (n in effects ? !effects[n] : state.off.includes(n)));
+      change({ ...state, ...master, off, values, step: step === undefined ? state.step : data.steps.findIndex((s) => s.length === step) }, true);
     });
     byId("presets").append(button);
   }
@@ -193,6 +210,7 @@ function change(next, settled, keep) {
   data.parameters.forEach((p) => p.show(keep));
   data.effects.forEach(({ name }) => { byId(`e-${name}`).checked = !state.off.includes(name); });
   byId("step").value = state.step;
+  for (const key of Object.keys(usual)) byId(key).value = state[key];
   elsewhere();
   ask();
 }
@@ -209,7 +227,7 @@ function ask() {
   }, patience);
   send();
 }
-function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step }); }
+function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation }); }
 const tell = (sentence) => { byId("sentence").hidden = !sentence; byId("sentence").textContent = sentence; };
 const answers = {
   progress({ time }) { clearTimeout(waiting); byId("status").textContent = `Computing: ${digits(time, 3)} of ${data.stop} s.`; },
@@ -220,7 +238,7 @@ const answers = {
     byId("results").classList.remove("waiting");
     const reached = (run.count - 1) * run.step;
     byId("status").textContent = `${digits(reached, 6)} s computed in ${run.spent.toFixed(0)} ms, ${digits((1000 * reached) / run.spent, 2)} times as fast as real time.`;
-    tell([problem, run.whole ? "" : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
+    tell([problem, run.whole ? windowOf(run) : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
     showNumbers();
     drawCurve(1);
     drawCurve(2);
@@ -246,6 +264,13 @@ const answers = {
   },
   error({ text: what }) { clearTimeout(waiting); tell(`The computation failed: ${what}.`); },
 };
+
+function windowOf(run) { // why there are no numbers: "" where there are some
+  const none = data.figures.find((f) => f.window && Number.isNaN(run.numbers[f.name]));
+  if (!none) return "";
+  const [signal, from, to] = none.window, x = run.columns[signal];
+  return `The figures are those from ${digits(from, 6)} to ${digits(to, 6)} of ${signal}, and this run covers ${digits(x[0], 4)} to ${digits(x.at(-1), 4)}: there are no numbers.`;
+}
 
 // ---- numbers ----
 function showNumbers() {

@@ -31,7 +31,11 @@ function instanceOf(variant) { // the module of a variant, started once
     };
     const names = data.signals.map((s) => s.name), { outputs, token } = data.variants[variant];
     const bytes = (string) => put(new TextEncoder().encode(string + "\0"));
+    const changes = Object.fromEntries(Object.entries(data.variants[variant].extrapolations).map(([degree, cells]) => [degree, {
+      count: cells.length, cells: put(Uint32Array.from(cells, ([cell]) => cell)), values: put(Uint32Array.from(cells.flatMap(([, low, high]) => [low, high]))),
+    }]));
     return {
+      changes,
       x, said, put, names, token: bytes(token), unit: bytes("page"),
       outputs: put(Uint32Array.from(names, (name) => outputs[name])), parameters: data.variants[variant].parameters,
     };
@@ -39,10 +43,12 @@ function instanceOf(variant) { // the module of a variant, started once
 }
 
 // A run of whole steps. `newer` says whether to give up; returns null then.
-async function run({ variant, values }, length, exact, newer, progress) { // exact: the length as whole numbers
+async function run({ variant, values, extrapolation }, length, exact, newer, progress) { // exact: the length as whole numbers
   const of = instanceOf(variant), { x, said, put } = of, n = of.names.length, count = Math.round(data.stop / length);
   said.length = 0;
   x.live_macro_step(length, exact[0], exact[1]);
+  const { count: cells, cells: at, values: to } = of.changes[extrapolation];
+  x.live_cells(cells, at, to);
   const began = performance.now();
   const unit = x.fmi3InstantiateCoSimulation(of.unit, of.token, 0, 0, 0, 0, 0, 0, 0, 0, x.host_logger(), 0);
   const names = Object.keys(values).filter((name) => name in of.parameters);

@@ -34,7 +34,7 @@ from .settings_axes import refined
 from .trial import trial
 
 SCENE, NUMBERS = "scene digest", "rms of signals"
-NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study", "interface", "limits", "connections"}
+NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study", "explore", "interface", "limits", "connections"}
 SAME = 1e-4  # of a signal's rms, or of a thousandth of its nominal value: what differs less is the same number
 TIMED = 0.05  # of a run, whose time tells that of the whole, and at least `TIMED_STEPS` macro steps of each setting
 TIMED_STEPS = 1000

@@ -37,7 +37,7 @@ def small(tmp_path_factory):
 def railway(tmp_path_factory):
     """The page of the railway scene, as the command writes it."""
     path = tmp_path_factory.mktemp("page") / "railway.html"
-    main_done(["explore", "en50318-2002", "--effects", "catenary.dropper_slackening", "-o", str(path)])
+    main_done(["explore", "en50318-2002", "-o", str(path)])
     return path
 
 
@@ -97,7 +97,8 @@ def test_the_railway_page_at_random_states(railway, opened):
     first, compared = page.evaluate("data.first"), 0
     for _ in range(12):
         names = chance.sample(first, 3)
-        values = {n: float(f"{chance.uniform(0.8, 1.2) * offered[n]['value']:.5g}") for n in names}
+        low = {"pantograph.speed": 1.0}  # slower, the run does not reach the window of the figures
+        values = {n: float(f"{chance.uniform(low.get(n, 0.8), 1.2) * offered[n]['value']:.5g}") for n in names}
         step, off = chance.choice((0.001, 0.002)), chance.random() < 0.3
         fragment = "&".join([*(f"{n}={v}" for n, v in values.items()), *(["off=catenary.dropper_slackening"] if off else []),
                              *([f"step={step}"] if step != 0.001 else [])])  # fmt: skip
@@ -264,5 +265,5 @@ def test_what_no_page_can_hold_is_refused(scene, options, words, tmp_path):
 
 def test_modules_of_the_page_are_whole(small):
     text = small.read_text(encoding="utf-8")
-    (module,) = re.findall(r'id="module\d+">([^<]+)<', text)
-    assert gzip.decompress(b64decode(module))[:4] == b"\0asm"
+    modules = re.findall(r'id="module\d+">([^<]+)<', text)
+    assert [gzip.decompress(b64decode(module))[:4] for module in modules] == 2 * [b"\0asm"]  # of two algorithms
