@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
+from ...components.core.measure import is_quantity
 from ..delivery import PLACES, delivered
 from .completion import parameters, presets, scenes
 
@@ -59,8 +60,9 @@ Presets = Annotated[
 Over = Annotated[
     list[str] | None,
     Option(
-        metavar="UNIT.PARAMETER=FROM:TO:POINTS",
-        help="Values of a parameter, instead of the scene's own table; several make a grid or a map.",
+        metavar="UNIT.PARAMETER=FROM:TO:POINTS|VALUE,VALUE",
+        help='Values of a parameter, instead of the scene\'s own table; each may have its unit, "200 km/h". '
+        "Several parameters make a grid or a map.",
     ),
 ]
 PlanFile = Annotated[Path, Option(help="TOML file: what varies, how points are chosen, what is kept of each run.")]
@@ -229,15 +231,26 @@ def preset_of(texts: Sequence[str] | None) -> str:
 
 
 def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
-    """ "unit.parameter" -> range, of each "unit.parameter=from:to:points"."""
-    ranges = {}
+    """ "unit.parameter" -> range or list, of each "unit.parameter=from:to:points" or "unit.parameter=value,value"."""
+    ranges: dict[str, Any] = {}
     for text in texts or ():
         place, _, values = text.partition("=")
+        ends = [part.strip() for part in values.split(":")]
         try:
-            first, last, points = values.split(":")
-            ranges[place.strip()] = {"from": float(first), "to": float(last), "points": int(points)}
+            if len(ends) == 3:
+                ranges[place.strip()] = {"from": _number(ends[0]), "to": _number(ends[1]), "points": int(ends[2])}
+            else:
+                ranges[place.strip()] = [_number(value.strip()) for value in values.split(",")]
         except ValueError:
             raise BadInput(
-                "--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31."
+                "--over",
+                repr(text),
+                "unit.parameter=from:to:points or unit.parameter=value,value",
+                'As in --over bearing.speed=100:400:31, or --over pantograph.speed="200 km/h,250 km/h".',
             ) from None
     return ranges
+
+
+def _number(text: str) -> float | str:
+    """A number, or the text of one with its unit; raises `ValueError`."""
+    return text if is_quantity(text) else float(text)

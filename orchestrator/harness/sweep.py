@@ -28,6 +28,7 @@ from ..results import Result
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
 from ..views.data import library
+from .many.columns import check_columns, column_name
 from .many.execute import Computing
 from .many.files import NOT_RUN, collect, provenance, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
@@ -147,6 +148,7 @@ def sweep(
     limits: str = "",
     conditions: Sequence[str] = (),
     verify: bool = True,
+    columns: Sequence[str] = (),
 ) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
@@ -155,14 +157,16 @@ def sweep(
     `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
     `cube`: points (n, d) of the unit cube in the place of the method's own. `limits`, `conditions`: a validation table whose rows
     are limits, and which of them. `verify`: whether some points, those at the ends and three at random, run again with half of
-    every macro step, as far as they take no more than 5 s. Neither the number of workers nor their order changes a number.
+    every macro step, as far as they take no more than 5 s. `columns`: that an answer needs; those and the limits' that no run has
+    are refused before the first run, figures of a system behind the first. Neither the number of workers nor their order changes a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
-    settings = sweep_settings(scene) if plan is None else plan_settings(plan)
+    settings = sweep_settings(scene) if plan is None else plan_settings(plan, scene=scene)
     settings = with_rows(settings, table=limits, conditions=conditions)
     chosen = plan_of(scene, _with_more(settings, add), cube)
-    check_analysis(scene)
     task = Task.of(scene, settings.keep, summarize)
+    check_analysis(task.scene())
+    known = all([check_columns(task, settings.limits, "limits"), check_columns(task, columns, "quantities")])
     with points_directory(directory, "cosimo-sweep-") as folder:
         store, digests = Store(folder / POINTS / task.base), chosen.digests(task.base)
         missing = store.missing(digests, retry)
@@ -170,8 +174,16 @@ def sweep(
         title = f"Sweep of {scene.title or scene.name}"
         with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
             with Computing(jobs, scheduler, live.count) as computing:
-                if missing.size:
-                    stopped = computing(task, chosen, digests, missing, store)
+                first = missing[:0] if known else missing[:1]
+                if first.size:
+                    stopped = computing(task, chosen, digests, first, store)
+                    row = store.row(int(store.places(digests[first])[0]))
+                    if row.outcome == "done":
+                        check_limits(settings.limits, row.units)
+                        for name in columns:
+                            column_name(row.numbers, name, "quantities")
+                if missing.size > first.size and stopped is None:
+                    stopped = computing(task, chosen, digests, missing[first.size :], store)
             repeating = verify and stopped is None
             if repeating:
                 live.repeating()

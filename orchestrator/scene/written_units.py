@@ -10,6 +10,7 @@ from ...components.core.errors import BadInput
 from ...components.core.measure import is_quantity, number_in
 from ..units.fmu import declared_signals
 
+TIMES = ("stop_time", "master.step", "record.interval")  # settings that may vary and are times
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
 
@@ -20,20 +21,57 @@ def with_numbers(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
     """
     if not isinstance(units := data.get("units"), Mapping):
         return data
-    return {**data, "units": {name: _unit(unit, f"{scene}: units.{name}") for name, unit in units.items()}}
+    changed = {"units": {name: _unit(unit, f"{scene}: units.{name}") for name, unit in units.items()}}
+    if isinstance(axes := data.get("sweep"), Mapping):
+        changed["sweep"] = axes_with_numbers(axes, units, f"{scene}: sweep")
+    if isinstance(study := data.get("study"), Mapping) and isinstance(axes := study.get("stability"), Mapping):
+        changed["study"] = {**study, "stability": axes_with_numbers(axes, units, f"{scene}: study.stability")}
+    return {**data, **changed}
+
+
+def axes_with_numbers(axes: Mapping[str, Any], units: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, Any]:
+    """What varies, by "unit.parameter" or in nested tables, with numbers in the place of texts such as "250 km/h": in lists, in
+    ranges and in distributions. units: the table [units] of the scene. Raises `BadInput` for a unit of another dimension."""
+    changed: dict[str, Any] = {}
+    for key, value in axes.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping) and all(isinstance(v, Mapping | list | tuple) for v in value.values()):
+            changed[key] = axes_with_numbers(value, units, where, f"{name}.")
+        elif isinstance(value, Mapping) and _has_quantity(value):
+            changed[key] = {k: _in_axis(name, v, units, where) for k, v in value.items()}
+        elif isinstance(value, list | tuple) and any(map(is_quantity, value)):
+            changed[key] = [_in_axis(name, v, units, where) for v in value]
+        else:
+            changed[key] = value
+    return changed
+
+
+def _in_axis(name: str, value: Any, units: Mapping[str, Any], where: str) -> Any:
+    """A value that varies, as a number where it is a text with its unit."""
+    if not is_quantity(value):
+        return value
+    plain = name.removeprefix("units.")
+    unit = max((u for u in units if plain.startswith(f"{u}.")), key=len, default="")
+    if not unit:
+        return number_in(value, "s", f"{where}: {name}") if name in TIMES else value
+    convert = _convert(units[unit], f"{where}: {unit}")
+    return value if convert is None else convert(plain.removeprefix(f"{unit}.").removeprefix("parameters."), value)
 
 
 def _unit(unit: Any, where: str) -> Any:
     parameters = unit.get("parameters") if isinstance(unit, Mapping) else None
     if not isinstance(parameters, Mapping) or not _has_quantity(parameters):
         return unit
-    if isinstance(unit.get("component"), str) and unit["component"]:
-        convert = _of_component(unit["component"], where)
-    elif isinstance(unit.get("fmu"), str) and unit["fmu"]:
-        convert = _of_fmu(unit["fmu"], where)
-    else:
-        return unit
-    return {**unit, "parameters": _converted(parameters, "", convert)}
+    convert = _convert(unit, where)
+    return unit if convert is None else {**unit, "parameters": _converted(parameters, "", convert)}
+
+
+def _convert(unit: Any, where: str) -> Convert | None:
+    """How texts become numbers of a unit's parameters; None for a unit that is neither a component nor an FMU."""
+    for key, of in (("component", _of_component), ("fmu", _of_fmu)):
+        if isinstance(unit, Mapping) and isinstance(unit.get(key), str) and unit[key]:
+            return of(unit[key], where)
+    return None
 
 
 def _has_quantity(value: Any) -> bool:

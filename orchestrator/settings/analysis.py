@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -36,3 +36,6 @@ class AnalysisKeys(Model):
         links: (unit, output) -> (unit, input).
         """
         return ()
+
+    def check(self, scene: Any) -> None:
+        """Refuse, before a run of a scene with these keys, what the run cannot have, such as a window beyond its end."""

@@ -16,11 +16,12 @@ from ...scene.scene import Scene, read_toml
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
 from ..sweep import Sweep
-from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
+from .columns import column_name
+from .evaluations import Evaluations, Observe, SearchSettings, Summarize, keep_for
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
-from .plan import other_starts, unit_of
+from .plan import other_starts, unit_of, with_vary_in_units
 from .repetition import Repeated
 from .searches import Ask, differences, run_searches
 
@@ -147,13 +148,18 @@ def design(
     """
     if isinstance(settings, str | Path):
         path = Path(settings)
-        settings = with_rows(validated(DesignSettings, read_toml(path), path.name), path.parent)
-    wanted = with_rows(validated(DesignSettings, settings, "design"), table=limits, conditions=conditions)
+        settings = with_rows(
+            validated(DesignSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent
+        )
+    given = with_vary_in_units(settings, scene, "design")
+    wanted = with_rows(validated(DesignSettings, given, "design"), table=limits, conditions=conditions)
     several = len(wanted.aims) > 1
     if several:
         check_pymoo()
     keep = keep_for([*wanted.aims, *wanted.constraints], wanted.keep)
-    with Evaluations(scene, wanted.vary, keep, summarize, SearchSettings(directory, jobs, scheduler, observe)) as runs:
+    search = SearchSettings(directory, jobs, scheduler, observe)
+    needed = {"design": wanted.aims, "design: constraints": wanted.constraints}
+    with Evaluations(scene, wanted.vary, keep, summarize, search, needed) as runs:
         start = runs.start(wanted.vary)
         (first,) = runs([start])
         if first.outcome != "done":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....components.core.errors import BadInput, nearest
 from ...results import Result
 from ...scene.scene import Scene
 from ...settings.answers import RangeSettings
 from ...settings.plan import KeepSettings
-from ...settings.study import wanted
 from ..journal import Stopped
 from ..sweep import POINTS, Sweep, collected_sweep, points_directory
+from .columns import check_columns, is_quantity
 from .execute import Computing
 from .executors import BatchRows
-from .measures import Row, Task
+from .measures import Row, Task, check_analysis
 from .plan import Column, Points, changes, place, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store
@@ -36,7 +35,7 @@ RECENT = 256  # rows that are in memory
 
 def keep_for(names: Iterable[str], keep: KeepSettings) -> KeepSettings:
     """What must be kept of a run for columns of these names, and no more."""
-    quantities = [n for n in names if _is_quantity(n)]
+    quantities = [n for n in names if is_quantity(n)]
     others = [n for n in names if n not in quantities]
     return KeepSettings(
         statistics=False,
@@ -48,28 +47,7 @@ def keep_for(names: Iterable[str], keep: KeepSettings) -> KeepSettings:
 
 def default_quantities(scene: Scene, keep: KeepSettings) -> tuple[str, ...]:
     """What an answer is about where nothing is asked for: the numbers, not the time histories, of the plan and of [study]."""
-    return tuple(q for q in dict.fromkeys([*keep.quantities, *scene.study.quantities]) if _is_quantity(q))
-
-
-def _is_quantity(name: str) -> bool:
-    if ", " in name:
-        with suppress(BadInput):
-            return wanted(name).kind != "time history"
-    return False
-
-
-def column_name(names: Iterable[str], name: str, where: str) -> str:
-    """A quantity as the columns of a sweep have it; raises `BadInput` with near names."""
-    key = str(wanted(name)) if _is_quantity(name) else name
-    names = list(names)
-    if key not in names:
-        raise BadInput(
-            where,
-            repr(name),
-            'a figure of summary.json, "unit.output, kind", or what an own function gives',
-            nearest(name, names),
-        )
-    return key
+    return tuple(q for q in dict.fromkeys([*keep.quantities, *scene.study.quantities]) if is_quantity(q))
 
 
 @dataclass(frozen=True)
@@ -85,7 +63,8 @@ class SearchSettings:
 class Evaluations:
     """Runs of a scene at values of parameters within bounds, kept as the points of a sweep; a context that ends its processes.
 
-    computed: runs of this call.  Raises `BadInput` for bounds that the scene refuses.
+    columns: that the search needs, by what names them.  computed: runs of this call.  Raises `BadInput` for bounds that the scene
+    refuses, and for columns that no run has.
     """
 
     def __init__(
@@ -95,6 +74,7 @@ class Evaluations:
         keep: KeepSettings,
         summarize: Summarize | None,
         search: SearchSettings,
+        columns: Mapping[str, Iterable[str]],
     ):
         self.names = list(vary)
         for name in self.names:
@@ -102,9 +82,11 @@ class Evaluations:
         self.low, self.high = (np.array([getattr(vary[n], end) for n in self.names]) for end in ("low", "high"))
         self._own, self._keep, self._search = scene, keep, search
         self._task = Task.of(scene, keep, summarize)
+        for where, needed in columns.items():
+            check_columns(self._task, needed, where)
         self.scene = self._task.scene()
         for end in (self.low, self.high):  # before a long search
-            self.scene.with_changes(changes(self.scene, self.values(end)))
+            check_analysis(self.scene.with_changes(changes(self.scene, self.values(end))))
         self._points: dict[int, np.ndarray] = {}  # that were asked for, by digest, in this order
         self._computing = Computing(search.jobs, search.scheduler, self._count)
         self.computed = 0

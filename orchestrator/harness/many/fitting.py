@@ -21,9 +21,10 @@ from ..charts.chart import Chart
 from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
-from .evaluations import Evaluations, Observe, SearchSettings, Summarize, column_name, keep_for
+from .columns import column_name
+from .evaluations import Evaluations, Observe, SearchSettings, Summarize, keep_for
 from .measures import Row
-from .plan import changes, other_starts, unit_of
+from .plan import changes, other_starts, unit_of, with_vary_in_units
 from .repetition import OF_DEVIATION
 from .searches import Ask, differences, run_searches
 
@@ -95,9 +96,9 @@ def fit(
     """
     if isinstance(settings, str | Path):
         path = Path(settings)
-        wanted, folder = validated(FitSettings, read_toml(path), path.name), path.parent
+        wanted, folder = validated(FitSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent
     else:
-        wanted, folder = validated(FitSettings, settings, "fit"), Path(folder)
+        wanted, folder = validated(FitSettings, with_vary_in_units(settings, scene, "fit"), "fit"), Path(folder)
     for curve in wanted.curves:
         read_curve(curve, folder)
     for spectrum in wanted.spectra:
@@ -105,7 +106,9 @@ def fit(
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
-    with Evaluations(scene, wanted.vary, keep, summarize, SearchSettings(directory, jobs, scheduler, observe)) as runs:
+    search = SearchSettings(directory, jobs, scheduler, observe)
+    needed = {"fit: targets": [t.quantity for t in wanted.targets]}
+    with Evaluations(scene, wanted.vary, keep, summarize, search, needed) as runs:
         return _Fitting(scene, wanted, folder, runs).answer(verify)
 
 

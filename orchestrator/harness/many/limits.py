@@ -10,8 +10,8 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
-from ...settings.study import wanted
 from ..validation.reference import Table, TableRow, load_table, rows_of, table_rows
+from .columns import as_column, column_name
 
 S = TypeVar("S", PlanSettings, DesignSettings)
 Limits = Mapping[str, LimitSettings]
@@ -39,7 +39,7 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     chosen = rows_under(given.rows, wanted_rows)
     field = "limits" if isinstance(settings, PlanSettings) else "constraints"
     own: Limits = getattr(settings, field)
-    limits = {_column(r.measure): _limit(r) for r in chosen}
+    limits = {as_column(r.measure): _limit(r) for r in chosen}
     if twice := sorted(limits.keys() & own.keys()):
         raise BadInput(
             field,
@@ -62,13 +62,7 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
 def check_limits(limits: Limits, units: Mapping[str, str]) -> None:
     """Refuse limits of columns that runs do not have, and those in another unit. units: by column; "" where it is not known."""
     for name, limit in limits.items():
-        if name not in units:
-            raise BadInput(
-                "limits",
-                repr(name),
-                'a figure of summary.json, "unit.output, kind", or what an own function gives',
-                nearest(name, units),
-            )
+        column_name(units, name, "limits")
         if limit.unit and units[name] not in ("", limit.unit):
             raise BadInput(f"limits: {name}", f"unit {limit.unit!r}", f"{units[name]!r}, which the column has")
 
@@ -77,11 +71,6 @@ def recalled(limits: Limits) -> list[str]:
     """A sentence that names the limits whose ranges are recalled; none without any."""
     names = [limit.quantity or name for name, limit in limits.items() if limit.standing == "recalled"]
     return [f"recalled ranges, which no run passes or fails by: {'; '.join(names)}"] if names else []
-
-
-def _column(name: str) -> str:
-    """A measure as columns are named."""
-    return str(wanted(name)) if "," in name else name
 
 
 def _limit(row: TableRow) -> LimitSettings:
@@ -122,10 +111,10 @@ def rows_under(rows: Sequence[TableRow], settings: RowsSettings, unique: bool = 
         if condition not in known:
             raise BadInput(where, f"condition {condition!r}", "one of " + ", ".join(map(repr, known)), nearest(condition, known))
     chosen = [r for r in rows if not settings.conditions or r.condition in settings.conditions]
-    measures = [_column(r.measure) for r in chosen] if unique else []
+    measures = [as_column(r.measure) for r in chosen] if unique else []
     for measure in measures:
         if measures.count(measure) > 1:
-            clashing = [r.condition for r in chosen if _column(r.measure) == measure]
+            clashing = [r.condition for r in chosen if as_column(r.measure) == measure]
             raise BadInput(
                 where,
                 f"{len(clashing)} ranges of {measure}, under {', '.join(map(repr, clashing))}",

@@ -211,7 +211,9 @@ def section_points(result: Result) -> np.ndarray:
 
 
 def check_analysis(scene: Scene) -> None:
-    """Refuse, before the first run, a section or a transient that no run could have."""
+    """Refuse, before the first run, a section, a transient or a window that no run could have."""
+    from ..studies.quantities import quantities_to_judge
+
     recorded = [".".join(end) for end in scene.coupling.signals]
     section, transient = scene.analysis.section, scene.analysis.transient
     for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
@@ -221,3 +223,6 @@ def check_analysis(scene: Scene) -> None:
         raise BadInput(
             f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.stop_time:g} s"
         )
+    if scene.study.quantities:
+        quantities_to_judge(scene)
+    scene.analysis.check(scene)

@@ -16,10 +16,13 @@ import numpy as np
 
 from ....components.catalogue import component_class
 from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import conversion
 from ...scene.scene import Scene, read_toml
+from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
 from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
 from .limits import with_rows
+from .measures import check_analysis
 
 SMALLEST = 2.0**-53  # of a probability: quantiles at 0 and 1 may be infinite
 MOST_CHECKED = 200  # values of one axis that are checked before the first run
@@ -96,13 +99,25 @@ class Points:
         return digests
 
 
-def plan_settings(data: PlanSettings | Mapping[str, Any] | str | Path, name: str = "plan") -> PlanSettings:
-    """A plan from plain data, or from its TOML file, with the rows of its tables, which are looked for beside the file; checked."""
+def plan_settings(
+    data: PlanSettings | Mapping[str, Any] | str | Path, name: str = "plan", scene: Scene | None = None
+) -> PlanSettings:
+    """A plan from plain data, or from its TOML file, with the rows of its tables, which are looked for beside the file; checked.
+
+    scene: by whose parameters numbers with their units are converted, "250 km/h"; None where there are none.
+    """
     if not isinstance(data, str | Path):
-        return validated(PlanSettings, data, name)
+        return validated(PlanSettings, with_vary_in_units(data, scene, name), name)
     path = Path(data)
-    settings = with_rows(validated(PlanSettings, read_toml(path), path.name), path.parent)
+    settings = with_rows(validated(PlanSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent)
     return settings.model_copy(update={"table": str(path.parent / settings.table)}) if settings.table else settings
+
+
+def with_vary_in_units(data: Any, scene: Scene | None, name: str) -> Any:
+    """The data of a plan, a fit or a design with numbers in the place of texts with their units in [vary]."""
+    if scene is None or not isinstance(data, Mapping) or not isinstance(data.get("vary"), Mapping):
+        return data
+    return {**data, "vary": axes_with_numbers(data["vary"], scene.settings()["units"], f"{name}: vary")}
 
 
 def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None) -> Points:
@@ -215,14 +230,18 @@ def read_table(path: Path, scene: Scene) -> dict[str, Choices]:
     columns: dict[str, Choices] = {}
     for k, text in enumerate(header):
         name, comma, unit = (part.strip() for part in text.partition(","))
-        if comma and unit != unit_of(scene, name):
-            raise BadInput(str(path), f"{name} in {unit!r}", f"its SI unit, {unit_of(scene, name)!r}")
+        factor, offset = 1.0, 0.0
+        if comma and unit != (own := unit_of(scene, name)):
+            factor, offset = conversion(unit, own, f"{path}: {name}")
         if name in columns:
             raise BadInput(str(path), f"{name!r} twice", "each name once")
         try:
-            columns[name] = Choices(tuple(_cell(row[k]) for row in rows))
+            cells = [_cell(row[k]) for row in rows]
         except IndexError:
             raise BadInput(str(path), f"a line without {name}", f"{len(header)} values in each line") from None
+        if factor != 1.0 or offset:
+            cells = [factor * c + offset if isinstance(c, int | float) else c for c in cells]
+        columns[name] = Choices(tuple(cells))
     return columns
 
 
@@ -335,13 +354,13 @@ def _check_values(scene: Scene, plan: Points) -> None:
         for column in plan.columns.values():
             if column.choices is not None:
                 checked |= {int(k) for k in np.unique(column.numbers, return_index=True)[1][:MOST_CHECKED]}
-    scene.with_changes(changes(scene, first))
+    check_analysis(scene.with_changes(changes(scene, first)))
     for i in sorted(checked - {0}):
         other = plan.values(i)
         for name in plan.columns:
             if other[name] != first[name]:
                 try:
-                    scene.with_changes(changes(scene, first | {name: other[name]}))
+                    check_analysis(scene.with_changes(changes(scene, first | {name: other[name]})))
                 except BadInput:
                     # refused with the first point's other values; only what no other values could mend ends the sweep
                     if plan.settings.method != "grid" or len(plan.columns) == 1 or not _elsewhere(scene, name, other[name]):
@@ -351,7 +370,7 @@ def _check_values(scene: Scene, plan: Points) -> None:
 def _elsewhere(scene: Scene, name: str, value: Any) -> bool:
     """Whether the scene's own settings take the value."""
     try:
-        scene.with_changes(changes(scene, {name: value}))
+        check_analysis(scene.with_changes(changes(scene, {name: value})))
     except BadInput:
         return False
     return True

@@ -22,7 +22,8 @@ from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ..sweep import Sweep, sweep
-from .evaluations import Summarize, column_name, default_quantities, keep_for
+from .columns import column_name
+from .evaluations import Summarize, default_quantities, keep_for
 from .plan import SMALLEST, plan_settings
 from .repetition import blurred
 
@@ -118,7 +119,7 @@ def sensitivity(
     """
     if find_spec("SALib") is None:
         raise BadInput("sensitivity", "no SALib", "an installed SALib", "pip install cosimo[many]")
-    settings = plan_settings(plan)
+    settings = plan_settings(plan, scene=scene)
     if method not in METHODS or samples < FEWEST_BLOCKS:
         raise BadInput("sensitivity", f"method {method!r}, {samples} samples", f"{' or '.join(METHODS)}, {FEWEST_BLOCKS} or more")
     if settings.correlation:
@@ -144,6 +145,7 @@ def sensitivity(
         progress=progress,
         summarize=summarize,
         verify=verify,
+        columns=names,
         cube=np.clip(points, SMALLEST, 1.0 - SMALLEST),
     )
     indices: list[Index] = []

@@ -21,7 +21,8 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
-from .evaluations import Summarize, column_name, default_quantities, keep_for
+from .columns import column_name
+from .evaluations import Summarize, default_quantities, keep_for
 from .limits import recalled, with_rows
 from .measures import Row, Task
 from .plan import plan_settings
@@ -217,7 +218,7 @@ def uncertainty(
     `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
     left out alone, the small ones together, and a run with what remains decides. Raises `BadInput`.
     """
-    settings = plan_settings(plan)
+    settings = plan_settings(plan, scene=scene)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)
@@ -234,6 +235,7 @@ def uncertainty(
         progress=progress,
         summarize=summarize,
         verify=verify,
+        columns=names,
     )
     if runs.stopped is not None:
         return Uncertainty(runs, ())

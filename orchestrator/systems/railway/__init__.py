@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -28,6 +28,12 @@ class RailwayKeys(AnalysisKeys):
         """The wire's height at every contact point, on either wire, and the uplifts at supports."""
         heights = [source for source, (_, name) in links if name.rpartition(".")[2] == "wire_height"]
         return (*heights, *((unit, "support_uplift") for unit in dict.fromkeys(unit for unit, _ in heights)))
+
+    def check(self, scene: Any) -> None:
+        """Refuse a window of analysis that a pantograph of the scene does not pass within the run."""
+        from .records import check_window  # which needs these keys
+
+        check_window(scene, self)
 
     @model_validator(mode="after")
     def _one_of_them(self) -> RailwayKeys:

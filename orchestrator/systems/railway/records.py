@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
@@ -17,6 +18,7 @@ from .contact import ContactRecord, ContactStatistics
 
 if TYPE_CHECKING:
     from ...results import Result
+    from ...scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -85,26 +87,59 @@ def _track(values: Mapping[str, Any]) -> Track:
 
 def analysis_window(result: Result) -> tuple[float, float]:
     """The window of analysis, m along the track: the scene's spans of the catenary of the run, or what it gives in m."""
-    keys, scene = result.scene.analysis_as(RailwayKeys), result.scene
+    return _window(result.scene.analysis_as(RailwayKeys), result.scene.name, lambda: track_of(result))
+
+
+def _window(keys: RailwayKeys, scene: str, track_of: Callable[[], Track]) -> tuple[float, float]:
     if keys.window is not None:
         return keys.window
     if keys.spans is None:
         raise BadInput(
-            f"{scene.name}: analysis.spans",
+            f"{scene}: analysis.spans",
             "nothing",
             "the first and the last span for the statistics",
             "Add spans = [first, last] to [analysis], or window = [from, to] in m.",
         )
-    track = track_of(result)
+    track = track_of()
     if not track.span > 0.0:
         raise BadInput(
-            f"{scene.name}: analysis.spans",
+            f"{scene}: analysis.spans",
             f"[{keys.spans[0]}, {keys.spans[1]}]",
             "a catenary with a parameter span_length",
             "Give window = [from, to] in m instead.",
         )
     first, last = keys.spans
     return track.support(first - 1), track.support(last)
+
+
+def check_window(scene: Scene, keys: RailwayKeys) -> None:
+    """Refuse a window that the pantographs of a scene do not pass, as far as their parameters tell; one that gains speed does not."""
+    for link in scene.coupling.links:
+        (source, _), (unit, name) = link.source, link.target
+        if name != "wire_height" or (keys.spans is None and keys.window is None):
+            continue
+        pantograph, catenary = _parameters(scene, unit), _parameters(scene, source)
+        if not {"start_position", "speed"} <= pantograph.keys() or "acceleration.rate" in pantograph or not catenary:
+            continue
+        begin = float(pantograph["start_position"])
+        way = float(pantograph["speed"]) * np.array([scene.stop_time, 2.0 * scene.master.step])
+        low, high = _window(keys, scene.name, lambda values=catenary: _track(values))  # type: ignore[misc]
+        if begin > low or begin + way[0] < high - way[1]:
+            raise BadInput(
+                f"{scene.name}: analysis.{'window' if keys.spans is None else 'spans'}",
+                f"from {low:g} to {high:g} m, where {unit} runs from {begin:g} to {begin + way[0]:g} m",
+                "a window within the run",
+                "Lengthen the run or move the window.",
+            )
+
+
+def _parameters(scene: Scene, unit: str) -> Mapping[str, Any]:
+    """Of a component of a scene; none of another unit."""
+    settings = scene.units.get(unit)
+    if settings is None or not settings.component:
+        return {}
+    cls = component_class(settings.component, f"units.{unit}")
+    return cls(settings.effects, settings.parameters, preset=settings.preset, name=unit).parameters
 
 
 SECOND = ".second_wire"  # behind the name of a pantograph: what it does on a second contact wire

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field, model_validator
 
 from ....components.core.errors import BadInput
@@ -23,6 +25,12 @@ class RotorKeys(AnalysisKeys):
             if not low < high:
                 raise BadInput("orbit_windows", f"[{low:g}, {high:g}]", "an end after the start")
         return self
+
+    def check(self, scene: Any) -> None:
+        for low, high in self.orbit_windows:
+            if high > scene.stop_time * (1.0 + 1e-9):
+                where = f"{scene.name}: analysis.orbit_windows"
+                raise BadInput(where, f"[{low:g}, {high:g}] s", f"within the run of {scene.stop_time:g} s", "Lengthen the run.")
 
 
 SYSTEM = System("rotor", "Rotors", __name__, RotorKeys)

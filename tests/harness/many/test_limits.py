@@ -15,7 +15,7 @@ from cosimo.orchestrator.harness.report import answers
 from cosimo.orchestrator.harness.sweep import sweep
 from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
 from cosimo.orchestrator.settings.plan import LimitSettings
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import load_scene, many, read_scene
 from cosimo.tests.harness.many.points import formula
 from scipy.special import ndtr
 
@@ -137,3 +137,40 @@ def test_shipped_tables_name_functions_of_any_run():
     assert all(callable(function_of(text)) for text in named)
     standings = get_args(LimitSettings.model_fields["standing"].annotation)
     assert set(standings) == {"", *STANDINGS}
+
+
+@pytest.mark.parametrize(
+    ("plan", "named"),
+    [
+        ({"limits": {"f.linear, maximal": {"high": 1.0}}}, "limits: 'f.linear, maximal'"),
+        ({"limits": {"linear": {"high": 1.0}}}, "limits: 'linear'"),  # a figure, of a scene whose system has none
+        ({"keep": {"quantities": ["f.linear, maximum below 1 Hz"]}}, "a run of more than"),
+    ],
+)
+def test_columns_and_windows_that_no_run_has_start_nothing(plan, named, tmp_path):
+    with pytest.raises(BadInput, match=named):
+        sweep(read_scene(formula()), {"vary": {"f.a": [1.0, 2.0]}, **plan}, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_figures_of_a_system_are_known_from_the_first_run_on(tmp_path):
+    """The first run alone is made, and kept for the plan as it is mended."""
+    scene = load_scene("lumped-catenary").with_changes(
+        {"stop_time": 0.3, "analysis": {"system": "railway", "window": [32.0, 40.0]}}
+    )
+    plan = {"vary": {"pantograph.static_force": [60.0, 70.0]}, "limits": {"pantograph.st": {"high": 1.0}}}
+    with pytest.raises(BadInput, match="did you mean 'pantograph\\.std'"):
+        many.sweep(scene, plan, tmp_path, verify=False)
+    plan["limits"] = {"pantograph.std": {"high": 1e6}}
+    assert many.sweep(scene, plan, tmp_path, verify=False).computed == 1
+
+
+def test_a_window_that_no_pantograph_reaches_starts_nothing():
+    scene = load_scene("lumped-catenary")
+    with pytest.raises(BadInput, match=r"pantograph runs from .*Lengthen the run"):
+        many.sweep(scene, {"vary": {"stop_time": [scene.stop_time, 1.5]}})
+    with pytest.raises(BadInput, match="Lengthen the run"):
+        many.design(
+            scene.with_changes({"stop_time": 1.5}),
+            {"minimise": "pantograph.std", "vary": {"pantograph.static_force": {"low": 60.0, "high": 70.0}}},
+        )

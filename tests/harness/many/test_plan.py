@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli.options import ranges_of
 from cosimo.orchestrator.harness.many.plan import changes, from_columns, plan_of, plan_settings
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.harness.test_sweep import MASS
@@ -85,9 +86,48 @@ def test_values_from_a_table_with_and_without_units(tmp_path):
     (tmp_path / "plan.toml").write_text('method = "list"\ntable = "points.csv"\n')
     plan = plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
     assert [plan.values(i) for i in range(plan.size)] == [{"m.k": 100, "m.m": 1}, {"m.k": 400.5, "m.m": 2.5}]
-    (tmp_path / "points.csv").write_text('"m.k, kN/m"\n1\n')
-    with pytest.raises(BadInput, match="its SI unit, 'N/m'"):
+    (tmp_path / "points.csv").write_text('"m.k, kN/m"\n1.5\n')
+    assert plan_of(SCENE, plan_settings(tmp_path / "plan.toml")).values(0) == {"m.k": 1500.0}
+    (tmp_path / "points.csv").write_text('"m.k, kg"\n1\n')
+    with pytest.raises(BadInput, match="'kg' cannot become 'N/m'"):
         plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
+
+
+def test_values_with_their_units():
+    """In lists, ranges and distributions, full names and nested tables; a number alone stays SI, another dimension is refused."""
+    vary = {"m": {"k": ["0.5 kN/m", 400.0]}, "m.m": {"from": "1 kg", "to": "3000 g", "points": 3}, "stop_time": ["1500 ms"]}
+    plan = plan_settings({"vary": vary}, scene=SCENE).vary
+    assert {name: axis.values for name, axis in plan.items()} == {
+        "m.k": (500.0, 400.0),
+        "m.m": (1.0, 2.0, 3.0),
+        "stop_time": (1.5,),
+    }
+    far = {"distribution": "normal", "mean": "0.5 kN/m", "deviation": 20.0}
+    axis = plan_settings({"method": "sobol", "points": 4, "vary": {"m.k": far}}, scene=SCENE).vary["m.k"]
+    assert (axis.mean, axis.deviation) == (500.0, 20.0)
+    for wrong in (["5 kg"], {"from": "1 N/m", "to": "2 m", "points": 3}, far | {"deviation": "1 kg"}):
+        with pytest.raises(BadInput, match="dimension of N/m"):
+            plan_settings({"vary": {"m.k": wrong}}, scene=SCENE)
+    swept = read_scene(MASS | {"sweep": {"m": {"k": ["0.5 kN/m"]}}})
+    assert swept.sweep == {"m.k": (500.0,)}
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("m.k=100:300:3", {"from": 100.0, "to": 300.0, "points": 3}),
+        ("m.k=1 kN/m:2 kN/m:3", {"from": "1 kN/m", "to": "2 kN/m", "points": 3}),
+        ("m.k=100, 2 kN/m", [100.0, "2 kN/m"]),
+    ],
+)
+def test_ranges_and_lists_of_the_command_line(text, values):
+    assert ranges_of([text]) == {"m.k": values}
+
+
+@pytest.mark.parametrize("text", ["m.k", "m.k=", "m.k=1:2", "m.k=1:2:3:4", "m.k=a,b", "m.k=1:2:x"])
+def test_other_texts_of_the_command_line_are_refused(text):
+    with pytest.raises(BadInput, match="from:to:points or"):
+        ranges_of([text])
 
 
 def test_effects_presets_units_and_the_master_vary():

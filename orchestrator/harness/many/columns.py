@@ -1,0 +1,54 @@
+"""Columns that an answer needs: refused before the first run where no run has them, behind it where only a run can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+
+from ....components.core.errors import BadInput, nearest
+from ...settings.study import wanted
+from ..analysis.records import KINDS
+from ..studies.quantities import quantities_of
+from .measures import Task
+
+
+def is_quantity(name: str) -> bool:
+    """Whether it is the name of a quantity that is a number, "unit.output, kind"."""
+    if "," in name:
+        with suppress(BadInput):
+            return wanted(name).kind != "time history"
+    return False
+
+
+def as_column(name: str) -> str:
+    """A quantity as the columns of a sweep have it; other names as they are."""
+    return str(wanted(name)) if is_quantity(name) else name
+
+
+def column_name(names: Iterable[str], name: str, where: str) -> str:
+    """A quantity as the columns of a sweep have it; raises `BadInput` with near names."""
+    key, names = as_column(name), list(names)
+    if key not in names:
+        raise BadInput(
+            where,
+            repr(name),
+            'a figure of summary.json, "unit.output, kind", or what an own function gives',
+            nearest(name, names),
+        )
+    return key
+
+
+def check_columns(task: Task, names: Iterable[str], where: str) -> bool:
+    """Refuse, before the first run, columns that no run of a task has. Whether all are known: figures of a system, and numbers of
+    a function of one's own, are known from the first run on."""
+    scene, all_known = task.scene(), True
+    known = [q.name for q in quantities_of(scene) if q.kind != "time history"] if scene.study.quantities else []
+    if task.keep.statistics:
+        known += [f"{'.'.join(end)}, {kind}" for end in scene.coupling.signals for kind in KINDS]
+    for name in names:
+        figure = ", " not in name and task.summarize is not None and bool(scene.analysis.system)
+        if as_column(name) not in known and (figure or task.keep.functions):
+            all_known = False
+        else:
+            column_name(known, name, where)
+    return all_known
