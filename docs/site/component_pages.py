@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import machines
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Component
 from cosimo.components.core.events import EventComponent
@@ -62,14 +63,17 @@ def _page(page: ComponentPage) -> str:
     used = f"system [{system.title}](../../systems/{page.system}.md)." if system else "used by several systems."
     units = {v.name: v.unit for v in page.variables}
     drawing = sketch(page.name, [(p.name, p.inputs, p.outputs) for p in page.ports], units)
+    machine = machines.of_component(page.name).svg("machine")
     return joined(
         f"# {page.name}: {page.title}",
         f"`{place}`, {used}",
-        f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
-        "Inputs on the left, outputs on the right, with their units; those below a name in italics are that effect's or port's.",
+        f'```{{raw}} html\n<div class="sketch">{machine}</div>\n```',
         "## Equations",
         *map(_passage, page.text),
         _background(cls),
+        "## Signals",
+        f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
+        "Inputs on the left, outputs on the right, with their units; those below a name in italics are that effect's or port's.",
         "## Parameters",
         _variables(page, "parameter"),
         _section("## Inputs", _variables(page, "input")),

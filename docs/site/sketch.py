@@ -26,7 +26,7 @@ def sketch(title: str, ports: Sequence[tuple[str, Sequence[str], Sequence[str]]]
         '<path d="M0 0L8 4L0 8z" fill="currentColor"/></marker></defs>'
     )
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="signals of {escape(title)}" width="{width:.0f}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="signals" role="img" aria-label="signals of {escape(title)}" width="{width:.0f}" '
         f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}">{head}{"".join(parts)}</svg>'
     )
 

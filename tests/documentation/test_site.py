@@ -25,7 +25,7 @@ pytestmark = [
         reason=f"not installed: {', '.join(missing)} (extras docs and test)",
     ),
 ]
-PICTURES = [p.stem for p in (DOCS / "pictures" / "scenes").glob("*.png")]
+PICTURES = [p.stem for p in (DOCS / "pictures" / "scenes").glob("*.svg")]
 
 
 @pytest.fixture(scope="module")
@@ -130,10 +130,10 @@ class Visit:
         ("index.html", "nav, .sidebar-tree", 1),
         ("start.html", "pre", 5),
         ("coupling.html", "math", 3),
-        ("systems/railway.html", ".sd-card img", 6),
+        ("systems/railway.html", "ul.gallery svg.machine", 6),
         ("papers/index.html", "table", 10),
-        ("generated/scenes/index.html", ".sd-card img", len(PICTURES)),
-        ("generated/scenes/en50318-2002.html", "article img", 1),
+        ("generated/scenes/index.html", "ul.gallery svg.curve", len(PICTURES)),
+        ("generated/scenes/en50318-2002.html", "svg.machine", 1),
         ("generated/components/DeepGrooveBearing.html", ".sketch svg line", 10),
         ("generated/reference/scene-keys.html", "table", 5),
         ("generated/reference/analysis-keys.html", "table", 5),
@@ -186,6 +186,25 @@ def test_no_page_is_cut_or_moves_sideways_at_any_width(browser, site, scheme):
     assert wide == {}
 
 
+def test_the_gallery_chooses_and_shows_all_without_scripts(browser, site):
+    place = (site / "generated/scenes/index.html").as_uri()
+    seen = "[...document.querySelectorAll('ul.gallery > li')].filter((e) => e.checkVisibility()).length"
+    plain = browser.new_context(java_script_enabled=False).new_page()
+    plain.goto(place)
+    assert plain.locator("ul.gallery > li:visible").count() == len(PICTURES)
+    assert not plain.locator(".gallery-filter").is_visible()
+    plain.close()
+    page = browser.new_page()
+    page.goto(place)
+    page.get_by_label("system").select_option("railway")
+    railway = page.evaluate(seen)
+    page.get_by_label("effect").select_option("second_wire")
+    assert 0 < page.evaluate(seen) < railway < len(PICTURES)
+    page.get_by_label("words").fill("overlap")
+    assert page.locator("ul.gallery > li:visible strong").all_text_contents() == ["overlap"]
+    page.close()
+
+
 @pytest.mark.skipif(find_spec("ziglang") is None, reason="zig is not installed (extra 'native')")
 def test_the_page_of_a_system_computes_its_scene(browser, address):
     visit = Visit(browser, address, "systems/two_axis_joint.html")
@@ -214,7 +233,7 @@ def test_dark_pages_are_dark(browser, address):
     seen = {}
     for scheme in ("light", "dark"):
         visit = Visit(browser, address, "generated/components/Pantograph.html", scheme)
-        seen[scheme] = luminance("body", "backgroundColor"), luminance(".sketch text", "fill")
+        seen[scheme] = luminance("body", "backgroundColor"), luminance(".signals text", "fill")
         visit.close()
     assert seen["light"][0] > 200 > 100 > seen["light"][1]
     assert seen["dark"][0] < 60 < 150 < seen["dark"][1]
