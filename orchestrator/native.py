@@ -10,33 +10,16 @@ from typing import Any
 from ..components.core.component import Component
 from ..components.core.errors import BadInput
 from ..fmus.native.build import built, own_target
-from .engine.algorithms import master_of
-from .engine.stepping.adaptive import clock_for
 from .engine.stepping.faults import Faults
-from .open_units import open_units, read_in_every_step
+from .open_units import OpenScene
 from .run_info import scene_info
 from .scene.scene import Scene
-from .units.component import make
+from .units.component import ComponentSimulator, make
 from .units.native import NativeFmu
 
 
-class _Initialized:
-    """A component's unit that keeps the inputs of its last initialization; where outputs follow at once, they change later."""
-
-    def __init__(self, unit: Any):
-        self._unit = unit
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._unit, name)
-
-    def initialize(self, t: float, values: Any) -> None:
-        self._unit.initialize(t, values)
-        component = self._unit.component
-        self.starts = dict(zip(component.inputs, component.u[0].tolist(), strict=True))
-
-
 def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
-    """Values of all inputs of each component after the scene's initialization in process."""
+    """Values of all inputs with which each component is initialized in process; with feed-through they change behind it."""
     alone = {
         f"units.{n}.{key}": value
         for n, unit in scene.units.items()
@@ -45,13 +28,11 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     }
     scene = scene.with_changes(alone) if alone else scene
     with ExitStack() as stack:
-        units: dict[str, Any] = dict(open_units(scene, stack, True))
-        observed = {n: _Initialized(units[n]) for n, unit in scene.units.items() if unit.component}
-        read = (*read_in_every_step(scene), *scene.coupling.events)
-        master = master_of(scene, units | observed, scene.coupling, read)
-        Faults(scene.faults, scene.coupling, master, clock_for(scene, scene.coupling)).before_start()
-        master.initialize(0.0)
-        return {name: unit.starts for name, unit in observed.items()}
+        open_scene = OpenScene(scene, stack, in_process=True)
+        Faults(scene.faults, scene.coupling, open_scene.master, open_scene.clock).before_start()
+        open_scene.master.initialize_units(0.0)
+        components = {n: u.component for n, u in open_scene.units.items() if isinstance(u, ComponentSimulator)}
+        return {n: dict(zip(c.inputs, c.u[0].tolist(), strict=True)) for n, c in components.items()}
 
 
 def makers(scene: Scene, wanted: Collection[str] = ()) -> dict[str, Callable[[], Component]]:

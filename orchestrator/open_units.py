@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -23,26 +23,7 @@ if TYPE_CHECKING:
     from .units.native import NativeFmu
 
 
-def open_units(
-    scene: Scene,
-    stack: ExitStack,
-    in_process: bool,
-    rescue: Callable[[str], None] | None = None,
-    native: Mapping[str, NativeFmu] | None = None,
-) -> dict[str, Simulator]:
-    """The running units of a scene by name, and its contacts, which are units of the graph; `stack` closes them.
-
-    `rescue` is called with what has happened where an FMU ends this process. `native`: native FMUs of components.
-    """
-    stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
-    units: dict[str, Simulator] = {}
-    for name, unit in scene.units.items():
-        units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name))
-        stack.callback(units[name].close)
-    return units | {contact.name: ContactSimulator(contact, scene.master.extrapolation) for contact in scene.contacts}
-
-
-def read_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
+def recorded_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
     """Recorded outputs that the master reads in every step, and goes by at the start, although no connection may need them."""
     record, master = scene.record, scene.master
     each = record.interval is None or (record.interval == master.step and master.control is None)
@@ -52,7 +33,8 @@ def read_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
 class OpenScene:
     """A scene whose units are started, with the master on them and the clock: for one run, or for many that differ in numbers.
 
-    watched: outputs that the master reads in every step.
+    units: by name, and the contacts, which are units of the graph.  recorded: outputs that the master reads in every step
+    because they are recorded then.
     """
 
     def __init__(
@@ -62,13 +44,26 @@ class OpenScene:
         in_process: bool,
         rescue: Callable[[str], None] | None = None,
         native: Mapping[str, NativeFmu] | None = None,
+        watched: Sequence[Endpoint] | None = None,
     ):
+        """`stack` closes the units.
+
+        rescue: called with what has happened where an FMU ends this process.  native: native FMUs of components.
+        watched: outputs that the master reads in every step; None: those that a run of the scene needs.
+        """
         intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
         self.scene = scene
         self.clock = clock_for(scene, scene.coupling, *intervals, *edges(scene.faults))
-        self.units = open_units(scene, stack, in_process, rescue, native)
-        self.watched = read_in_every_step(scene)
-        self.master = master_of(scene, self.units, scene.coupling, (*self.watched, *scene.coupling.events))
+        stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
+        self.units: dict[str, Simulator] = {}
+        for name, unit in scene.units.items():
+            self.units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name))
+            stack.callback(self.units[name].close)
+        self.units |= {contact.name: ContactSimulator(contact, scene.master.extrapolation) for contact in scene.contacts}
+        self.recorded = recorded_in_every_step(scene)
+        if watched is None:
+            watched = (*self.recorded, *scene.coupling.events)
+        self.master = master_of(scene, self.units, scene.coupling, watched)
         self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
 
     def takes(self, changes: Mapping[str, Any]) -> bool:

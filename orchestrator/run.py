@@ -136,11 +136,11 @@ class Run:
         scene, coupling, stack = self.scene, self.coupling, self.stack
         if (open_scene := self._open_scene) is None:
             open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
-        self.clock, self.units, self.master, self._watched = (
+        self.clock, self.units, self.master, self._recorded = (
             open_scene.clock,
             open_scene.units,
             open_scene.master,
-            open_scene.watched,
+            open_scene.recorded,
         )
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
@@ -169,7 +169,7 @@ class Run:
         step = scene.master.step
         every, snapshot_every = (self.clock.multiple(i, step) if i else 1 for i in intervals)  # each macro step ends at a tick
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
-        watched = bool(self._watched)
+        watched = bool(self._recorded)
         self._ends = tuple(master.positions) if watched else coupling.signals
         sample = master.sample if watched else reading(self.units, self._ends)
         of_batches = None if watched else self.stepping.watch(self._ends)

@@ -17,6 +17,7 @@ from ...components.core.errors import BadInput, nearest, visible_lines
 from .options import listed, value_of
 
 if TYPE_CHECKING:
+    from ..harness.charts.blocks import Cells
     from ..harness.validation.case import CaseResult
     from ..scene.scene import Scene
 
@@ -125,6 +126,14 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
     for row in texts:
         table.add_row(*(Text(cell, style=COLOURS.get(cell, "")) for cell in row))
     Console(width=output_width()).print(table, markup=False)
+
+
+def print_cells(cells: Cells) -> None:
+    """A table of a page on standard output; of an empty one only its caption."""
+    if cells.rows:
+        print_table(cells.title, cells.header, cells.rows)
+    if cells.caption:
+        print(cells.caption)
 
 
 def print_rows(result: CaseResult) -> None:

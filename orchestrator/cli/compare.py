@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
-from .common import FAILED_CHECK, app, fail, print_table, print_written, warn
+from .common import FAILED_CHECK, app, fail, print_cells, print_written, warn
 from .completion import scenes
 from .options import AsJson, NoVerify, OptionalOutput, listed, refuse, reports, share, verify_mode
 
 if TYPE_CHECKING:
     from ..harness.compare import Comparison
 
-MOST_SIGNALS = 12  # of the terminal
+MOST_SIGNALS = 12  # on the terminal
 
 
 @app.command()
@@ -72,36 +71,11 @@ def compare(
 
 
 def _print(comparison: Comparison) -> None:
-    names = comparison.names
-    if comparison.settings:
-        print_table("", ("setting", *names), [(place, *texts) for place, texts in comparison.settings.items()])
-    else:
-        print("all settings are the same")
-    rows = [
-        (
-            one.name,
-            one.unit if one.unit != "1" else "",
-            *(one.shown(k) for k in range(len(names))),
-            f"{100.0 * one.share:.3g} %" if isfinite(one.share) else "",
-            "the errors are as large" if one.within_errors and one.share else "",
-        )
-        for one in comparison.figures
-    ]
-    if rows:
-        print_table("", ("figure", "unit", *names, "difference", ""), rows)
-    others = [(f"{name}, rms", f"{name}, largest") for name in names[1:]] if len(names) > 2 else [("rms", "largest")]
-    parts = [
-        (one.name, *(f"{100.0 * x:.3g} %" for pair in zip(one.rms, one.largest, strict=True) for x in pair))
-        for one in comparison.signals
-        if one.share
-    ]
-    if parts:
-        title = f"differences from {names[0]}, in parts of each signal's deviation"
-        print_table(title, ("signal", *(text for pair in others for text in pair)), parts[:MOST_SIGNALS])
-    if len(parts) > MOST_SIGNALS:
-        print(f"{len(parts) - MOST_SIGNALS} more signals differ; --json has all")
-    elif comparison.signals and not parts:
-        print("all signals are the same")
-    times = [f"{name} {s:.3g} s" for name, s in zip(names, comparison.seconds, strict=True) if isfinite(s)]
-    if times:
-        print(f"CPU time of the steps: {', '.join(times)}")
+    """The tables of the page; of signals those that differ most."""
+    print_cells(comparison.setting_cells())
+    if comparison.figures:
+        print_cells(comparison.figure_cells())
+    if comparison.signals:
+        print_cells(comparison.signal_cells(MOST_SIGNALS))
+    if costs := comparison.costs():
+        print(costs)

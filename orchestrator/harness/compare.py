@@ -142,6 +142,57 @@ class Comparison:
             "missing signals": list(self.missing),
         }
 
+    def different_signals(self) -> list[SignalDifference]:
+        """Signals that are not the same in all runs."""
+        return [one for one in self.signals if one.share]
+
+    def setting_cells(self) -> Cells:
+        """Settings and parameters that are not the same in all runs."""
+        rows = [(place.removeprefix("units."), *texts) for place, texts in self.settings.items()]
+        return Cells("Changed settings", ("setting", *self.names), rows, "" if rows else "All settings are the same.")
+
+    def figure_cells(self) -> Cells:
+        """All figures."""
+        count = len(self.names)
+        rows = [
+            (
+                one.name,
+                one.unit if one.unit != "1" else "",
+                *(one.shown(k) for k in range(count)),
+                f"{number(100.0 * one.share)} %" if isfinite(one.share) else ABSENT,
+                "the errors are as large" if one.within_errors and one.share else "",
+            )
+            for one in self.figures
+        ]
+        caption = "The difference is the largest from the first run, in parts of the figure's size; ± are the numerical errors."
+        header = ("figure", "unit", *self.names, "difference", "")
+        return Cells("All figures", header, rows, caption, frozenset(range(2, count + 3)))
+
+    def signal_cells(self, most: int | None = None) -> Cells:
+        """Signals that differ, or so many of those that differ most."""
+        different = self.different_signals()
+        others = self.names[1:]
+        rows = [
+            (one.name, *(f"{number(100.0 * x)} %" for pair in zip(one.rms, one.largest, strict=True) for x in pair))
+            for one in different[:most]
+        ]
+        header = ("signal", *(f"{name}, {kind}" for name in others for kind in ("rms", "largest")))
+        caption = f"In parts of the signal's standard deviation, from {self.names[0]}, over the time that both runs have."
+        if not rows:
+            caption = "All signals are the same."
+        elif left := len(different) - len(rows):
+            caption += f" {left} more signals differ."
+        elif same := len(self.signals) - len(different):
+            caption += f" {same} signals are the same."
+        if self.missing:
+            caption += f" Recorded by some runs only: {', '.join(self.missing)}."
+        return Cells("Differences of signals", header, rows, caption, frozenset(range(1, 2 * len(others) + 1)))
+
+    def costs(self) -> str:
+        """CPU time for stepping, as a sentence; "" where no run has it."""
+        costs = "; ".join(f"{n}: {number(s)} s" for n, s in zip(self.names, self.seconds, strict=True) if isfinite(s))
+        return f"CPU time of the steps: {costs}." if costs else ""
+
     def report(self, directory: str | Path) -> Path:
         """Write report.html to the directory; returns its path."""
         return _write(self, Path(directory))
@@ -243,20 +294,13 @@ def _flat(info: Mapping[str, Any]) -> dict[str, str]:
 def _write(comparison: Comparison, directory: Path) -> Path:
     """report.html of a comparison."""
     names = comparison.names
-    changed = Cells(
-        "Changed settings",
-        ("setting", *names),
-        [(place.removeprefix("units."), *texts) for place, texts in comparison.settings.items()],
-        "" if comparison.settings else "All settings are the same.",
-    )
-    sections = [Section("Answer", [*_answer(comparison), changed])]
+    sections = [Section("Answer", [*_answer(comparison), comparison.setting_cells()])]
     if comparison.figures:
-        sections.append(Section("Figures", [_figure_cells(comparison)]))
+        sections.append(Section("Figures", [comparison.figure_cells()]))
     if comparison.signals:
-        sections.append(Section("Signals", [*_charts(comparison), _signal_cells(comparison)]))
+        sections.append(Section("Signals", [*_charts(comparison), comparison.signal_cells()]))
     title = f"{names[0]} beside {', '.join(names[1:])}"
-    costs = "; ".join(f"{n}: {number(s)} s" for n, s in zip(names, comparison.seconds, strict=True) if isfinite(s))
-    return write_page(Page(title, f"CPU time of the steps: {costs}." if costs else "", sections), directory / "report.html")
+    return write_page(Page(title, comparison.costs(), sections), directory / "report.html")
 
 
 def _answer(comparison: Comparison) -> list[Block]:
@@ -285,42 +329,11 @@ def _ends(one: FigureDifference) -> str:
     return f"{one.shown(0)} and {one.shown(k)} {one.unit if one.unit != '1' else ''}".rstrip()
 
 
-def _figure_cells(comparison: Comparison) -> Cells:
-    count = len(comparison.names)
-    rows = [
-        (
-            one.name,
-            one.unit if one.unit != "1" else "",
-            *(one.shown(k) for k in range(count)),
-            f"{number(100.0 * one.share)} %" if isfinite(one.share) else "–",
-            "the errors are as large" if one.within_errors and one.share else "",
-        )
-        for one in comparison.figures
-    ]
-    caption = "The difference is the largest from the first run, in parts of the figure's size; ± are the numerical errors."
-    return Cells(
-        "All figures", ("figure", "unit", *comparison.names, "difference", ""), rows, caption, frozenset(range(2, count + 3))
-    )
-
-
-def _signal_cells(comparison: Comparison) -> Cells:
-    others = comparison.names[1:]
-    rows = [
-        (one.name, *(f"{number(100.0 * x)} %" for pair in zip(one.rms, one.largest, strict=True) for x in pair))
-        for one in comparison.signals
-    ]
-    header = [f"{name}, {kind}" for name in others for kind in ("rms", "largest")]
-    caption = f"In parts of the signal's standard deviation, from {comparison.names[0]}, over the time that both runs have."
-    if comparison.missing:
-        caption += f" Recorded by some runs only: {', '.join(comparison.missing)}."
-    return Cells("Differences of signals", ("signal", *header), rows, caption, frozenset(range(1, 2 * len(others) + 1)))
-
-
 def _charts(comparison: Comparison) -> list[Block]:
     """Signals over one another, and their differences from the first run."""
-    shown = [one for one in comparison.signals if one.share][:MOST_PANELS]
-    if not shown:
-        return [Text(["All signals are the same."], "note")]
+    different = comparison.different_signals()
+    if not (shown := different[:MOST_PANELS]):
+        return []
     runs = list(zip(comparison.names, comparison.results, strict=True))
     first = runs[0][1]
     over, apart = [], []
@@ -334,7 +347,7 @@ def _charts(comparison: Comparison) -> list[Block]:
             gaps.append(Series(name, t, np.interp(t, run.time, run.columns[one.name]) - first.columns[one.name][kept]))
         over.append(Panel(label, lines, title=one.name))
         apart.append(Panel(label, tuple(gaps), title=one.name))
-    left = len(comparison.signals) - len(shown)
+    left = len(different) - len(shown)
     text = f"The {len(shown)} signals that differ most; {left} more are in the table." if left > 0 else ""
     charts = (
         Chart("Signals over one another", "time, s", tuple(over), text),

@@ -18,13 +18,12 @@ from itertools import count
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..engine.algorithms import master_of
 from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Coupling
 from ..engine.coupling.checks import free
 from ..engine.stepping.loop import Steppable
-from ..open_units import open_units
+from ..open_units import OpenScene
 from ..scene.scene import Scene
 from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
@@ -120,8 +119,8 @@ class Disturbed:
         ):
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
-        units = open_units(scene, stack, in_process=True)
-        self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
+        self.scene, self.open_scene = scene, OpenScene(scene, stack, in_process=True, watched=())
+        self.master = self.open_scene.master
         account = EnergyAccount(self.master, coupling, correction=scene.master.energy_correction) if coupling.bonds else None
         (account or self.master).initialize(0.0)
         self._steppable: Steppable = account or self.master

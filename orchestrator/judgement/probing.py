@@ -16,7 +16,7 @@ and the answer says so.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from math import ceil, inf, log, pi, sqrt
@@ -27,11 +27,9 @@ import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from ...components.core.measure import parse
-from ..engine.algorithms import master_of
-from ..engine.algorithms.master import Master
 from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
-from ..open_units import open_units
+from ..open_units import OpenScene
 from ..run_info import CompileTime
 from ..scene.scene import Scene
 from ..units import Interface, Simulator
@@ -180,34 +178,33 @@ def _percent(share: float) -> str:
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
-    coupling = scene.coupling
     with ExitStack() as stack:
         compiling = stack.enter_context(CompileTime())
-        units = open_units(scene, stack, in_process)
-        master = master_of(scene, units, coupling)
-        master.initialize(0.0)
-        limits, unknown = pair_limits(scene, coupling, master, units)
-        steps, costs = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _costs(scene, coupling, master, units)
+        open_scene = OpenScene(scene, stack, in_process, watched=())
+        open_scene.master.initialize(0.0)
+        limits, unknown = pair_limits(open_scene)
+        steps, costs = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _costs(open_scene)
         if not any(cost.cut for cost, _ in costs.values()):
-            return Advice(limits, unknown, steps, _timed(scene, master), compiling.seconds)
+            return Advice(limits, unknown, steps, _timed(open_scene), compiling.seconds)
         seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
         cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
         return Advice(limits, unknown, steps, seconds, compiling.seconds, cut)
 
 
-def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]) -> dict[str, tuple[StepCost, int]]:
+def _costs(open_scene: OpenScene) -> dict[str, tuple[StepCost, int]]:
     """By unit the cost of a step of it, and the macro steps that this one spans."""
-    every = {node.unit.name: coupling.rates.get(node.unit.name, 1) for node in master.nodes}
-    return {
-        name: (step_cost(units[name], coupling.interfaces[name], node.inputs(), every[name] * scene.master.step), every[name])
-        for node in master.nodes
-        for name in [node.unit.name]
-    }
+    coupling, units, step, costs = open_scene.scene.coupling, open_scene.units, open_scene.scene.master.step, {}
+    for node in open_scene.master.nodes:
+        name = node.unit.name
+        every = coupling.rates.get(name, 1)
+        costs[name] = step_cost(units[name], coupling.interfaces[name], node.inputs(), every * step), every
+    return costs
 
 
-def _timed(scene: Scene, master: Master) -> float:
+def _timed(open_scene: OpenScene) -> float:
     """Median time of a macro step, s."""
-    h, times, spent = scene.master.step, [], 0.0
+    scene, master, times, spent = open_scene.scene, open_scene.master, [], 0.0
+    h = scene.master.step
     for k in range(min(WARM_UP + TIMED_STEPS, int(scene.stop_time / h * (1.0 + 1e-12)))):
         begin = perf_counter()
         master.step(k * h, h)
@@ -218,11 +215,10 @@ def _timed(scene: Scene, master: Master) -> float:
     return median(times[WARM_UP:] or times)
 
 
-def pair_limits(
-    scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]
-) -> tuple[tuple[PairLimit, ...], tuple[str, ...]]:
-    """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
-    limits, unknown = [], []
+def pair_limits(open_scene: OpenScene) -> tuple[tuple[PairLimit, ...], tuple[str, ...]]:
+    """The limits of pairs of units in their present state, and why others have none; the state stays as it is."""
+    scene, limits, unknown = open_scene.scene, [], []
+    coupling = scene.coupling
     if not scene.master.abilities.rates:
         return (), ()
     for giver in coupling.interfaces:
@@ -236,10 +232,10 @@ def pair_limits(
             continue
         movers = tuple(dict.fromkeys(link.target[0] for link in forces))
         pair = f"{' and '.join(movers)} against {giver}"
-        if reason := _obstacle(scene, coupling, forces, movers):
+        if reason := _obstacle(scene, forces, movers):
             unknown.append(f"{pair}: {reason}")
             continue
-        probe = _Probe(scene, coupling, master, units)
+        probe = _Probe(open_scene)
         gains = probe.gains(forces, motions)
         modes = _modes(*(-gains @ part for part in probe.answers(forces, motions)))
         if modes:
@@ -279,8 +275,9 @@ def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]
     return [(float(v), max(float(d), 0.0)) for v, d in zip(values.real[held], own[held], strict=True)]
 
 
-def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link], movers: Sequence[str]) -> str:
+def _obstacle(scene: Scene, forces: Sequence[Link], movers: Sequence[str]) -> str:
     """Why some units cannot be probed, or have no closed form; "" where they can."""
+    coupling = scene.coupling
     for name in (forces[0].source[0], *movers):
         if not coupling.interfaces[name].saves_state:
             return f"{name} cannot save its state"
@@ -311,10 +308,10 @@ def _is_force(unit: str) -> bool:
 class _Probe:
     """Changes inputs a little, looks at what follows, and takes it back."""
 
-    def __init__(self, scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Simulator]):
-        self._coupling, self._master, self._units = coupling, master, units
-        self._nodes = {node.unit.name: node for node in master.nodes}
-        self._step = scene.master.step
+    def __init__(self, open_scene: OpenScene):
+        self._coupling, self._master, self._units = open_scene.scene.coupling, open_scene.master, open_scene.units
+        self._nodes = {node.unit.name: node for node in self._master.nodes}
+        self._step = open_scene.scene.master.step
 
     def gains(self, forces: Sequence[Link], motions: Sequence[Link]) -> np.ndarray:
         """Derivatives of force inputs with respect to motion outputs, through both connections, (forces, motions)."""
@@ -395,12 +392,10 @@ def remedy(scene: Scene) -> str:
 
 def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     """The scene is started anew to ask its units, in this process; nothing where it does not start."""
-    coupling = scene.coupling
     with ExitStack() as stack:
         try:
-            units = open_units(scene, stack, in_process=True)
-            master = master_of(scene, units, coupling)
-            master.initialize(0.0)
-            return pair_limits(scene, coupling, master, units)[0]
+            open_scene = OpenScene(scene, stack, in_process=True, watched=())
+            open_scene.master.initialize(0.0)
+            return pair_limits(open_scene)[0]
         except (BadInput, StepFailed):
             return ()

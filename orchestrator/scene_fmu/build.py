@@ -14,10 +14,8 @@ from ...fmus.native.build import Library, assembled, check_versions, compiler, p
 from ...fmus.native.instance import Model
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
-from ..engine.algorithms import master_of
-from ..engine.stepping.adaptive import clock_for
-from ..engine.stepping.faults import Faults, edges
-from ..open_units import open_units, read_in_every_step
+from ..engine.stepping.faults import Faults
+from ..open_units import OpenScene, recorded_in_every_step
 from ..scene.scene import Scene
 from ..units.component import ComponentSimulator
 from .layout import Layout
@@ -59,16 +57,16 @@ def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
     refuse_what_needs_python(scene)
     shown = scene.coupling.shown.values()
     with ExitStack() as stack:
-        simulators = open_units(scene, stack, True)
-        watched = (*read_in_every_step(scene), *(each.end for each in shown if each.causality == "output"))
-        master = master_of(scene, simulators, scene.coupling, watched)
+        watched = (*recorded_in_every_step(scene), *(each.end for each in shown if each.causality == "output"))
+        open_scene = OpenScene(scene, stack, in_process=True, watched=watched)
+        master = open_scene.master
         if not master.in_batches:
             raise _refusal(scene, f"the algorithm {scene.master.algorithm!r}, or an algebraic loop")
         for node in master.nodes:
             if not isinstance(node.unit, ComponentSimulator) or not isinstance(node.unit.component, KernelComponent):
                 raise _refusal(scene, f"{node.unit.name} (a component in plain Python)")
         changes = fault_changes(scene)
-        Faults(scene.faults, scene.coupling, master, clock_for(scene, scene.coupling, *edges(scene.faults))).before_start()
+        Faults(scene.faults, scene.coupling, master, open_scene.clock).before_start()
         layout = Layout.of(scene, master)
         yield layout, model_of(scene, layout, changes)
 

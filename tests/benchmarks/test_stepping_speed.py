@@ -9,8 +9,7 @@ from time import process_time
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.engine.algorithms import master_of
-from cosimo.orchestrator.open_units import open_units
+from cosimo.orchestrator.open_units import OpenScene
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_entry
@@ -51,8 +50,8 @@ def measured(scene, steps: int) -> tuple[float, float]:
     """CPU time of a macro step in the compiled loop and of its physics, s."""
     h = scene.master.step
     with ExitStack() as stack:
-        units = open_units(scene, stack, in_process=True)
-        master = master_of(scene, units, scene.coupling)
+        open_scene = OpenScene(scene, stack, in_process=True, watched=())
+        units, master = open_scene.units, open_scene.master
         master.initialize(0.0)
         times = h * np.arange(steps)
         coupled = best(lambda: master.run_steps(times[:1000], h))

@@ -340,10 +340,8 @@ class Master:
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
-        """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
-        self.prepare_initial_signals()
-        self.machine.initialize(t)
-        self._groups.check(t, self.check_finite)
+        """Initialize the units and solve the loops; raises `StepFailed` where values do not converge."""
+        self.initialize_units(t)
         for node in self.nodes:
             node.unit.start()
             node.read()
@@ -353,6 +351,12 @@ class Master:
             solver.solve(t)
         self.check_finite(t)
         self.perform("push", t, 0.0)
+
+    def initialize_units(self, t: float) -> None:
+        """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
+        self.prepare_initial_signals()
+        self.machine.initialize(t)
+        self._groups.check(t, self.check_finite)
 
     def begin_anew(self, cells: np.ndarray) -> None:
         """Before another run, as it was when its block was copied to `cells`."""

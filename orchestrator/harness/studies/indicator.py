@@ -22,8 +22,8 @@ import numpy as np
 
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
-from ...engine.algorithms import Master, master_of
-from ...open_units import open_units
+from ...engine.algorithms import Master
+from ...open_units import OpenScene
 from ...scene.scene import Scene
 from ...units.component import ComponentSimulator
 from .quantities import Quantity
@@ -112,8 +112,7 @@ class EffectIndicator:
         return max(errors)
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:
-        coupling = scene.coupling
-        master = master_of(scene, open_units(scene, stack, in_process=True), coupling, self._signals)
+        master = OpenScene(scene, stack, in_process=True, watched=self._signals).master
         master.initialize(0.0)
         return master
 

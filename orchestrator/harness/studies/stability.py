@@ -210,5 +210,5 @@ def _closed_form(disturbed: Disturbed, degree: int) -> float:
     scene = disturbed.scene
     if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces
-    pairs, _ = pair_limits(scene, scene.coupling, disturbed.master, disturbed.units)
+    pairs, _ = pair_limits(disturbed.open_scene)
     return min((contact.longest[degree] for contact in pairs), default=math.nan)

@@ -76,11 +76,11 @@ def test_bit_identical_to_the_run_in_process(name, built):
 def test_a_host_in_c_with_an_empty_environment(name, built, tmp_path):
     """It loads the library by itself, finds neither Python nor a variable of the environment, and gets the same bits."""
     scene, path, program = load_scene(name), built(name)[0], tmp_path / "host"
-    subprocess.run([*compiler("linux64"), "-w", "-o", program, Path(__file__).parent / "bare_host.c", "-ldl"], check=True)
+    subprocess.run([*compiler("linux64"), "-w", "-o", program, Path(__file__).parents[1] / "host.c", "-ldl"], check=True)
     described = fmpy.read_model_description(str(path))
     library = Path(fmpy.extract(str(path), tmp_path / "fmu"), "binaries", "linux64", f"{described.modelName}.so")
     references = {v.name: str(v.valueReference) for v in described.modelVariables if v.causality == "output"}
-    arguments = [library, described.guid, str(STEPS), repr(scene.master.step), *references.values()]
+    arguments = [library, described.guid, "", "log", "1", str(STEPS), repr(scene.master.step), *references.values()]
     done = subprocess.run([program, *arguments], env={}, cwd="/", capture_output=True, text=True, check=True)
     rows = np.array([[float.fromhex(value) for value in line.split()] for line in done.stdout.splitlines()])
     reference = run(short(scene, STEPS), in_process=True)
