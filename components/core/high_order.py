@@ -12,9 +12,9 @@ import numpy as np
 
 from .component import Effect
 from .contract import Kernels
-from .events import event_steps
-from .integrators import RK4_STABILITY_RADIUS, OdeComponent, derivatives, finished, internal_steps, ode_kernels, rk4_step
-from .kernels import DONE, kernel
+from .events import rk4_events
+from .integrators import RK4_STABILITY_RADIUS, OdeComponent, derivatives, finished, internal_steps, ode_kernels, rk4
+from .kernels import bind, kernel
 
 RK8_STABILITY_RADIUS = 5.9  # |eigenvalue times step|: 5.96 on the imaginary axis, 6.27 or more in the left half-plane
 STAGES = 12
@@ -120,60 +120,35 @@ def rk8_steps(t, h, n, s, p, e):
             x[j] += d * change
 
 
+def of_order_four(t, h, s, p, e):
+    """Placeholder that `bind` replaces."""
+    raise NotImplementedError
+
+
 def smooth_step(t, h, s, p, e):
-    """A step by the method that is on: equal internal steps from t to t + h, then the outputs."""
+    """A step by the method that is on: equal internal steps of order eight and the outputs, or the step of order four."""
+    if e.high_order is None:
+        return of_order_four(t, h, s, p, e)
     n = internal_steps(h, s)
-    if e.high_order is not None:
-        rk8_steps(t, h, n, s, p, e)
-        s.counts[1] += STAGES * n
-    else:
-        d = h / n
-        for i in range(n):
-            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
-        s.counts[1] += 4 * n
+    rk8_steps(t, h, n, s, p, e)
     s.counts[0] += n
+    s.counts[1] += STAGES * n
     return finished(t, h, s, p, e)
 
 
-smooth_step.parts = ("rk4_step", "rk8_steps", "finished", "internal_steps")  # type: ignore[attr-defined]
+smooth_step.parts = ("rk8_steps", "finished", "internal_steps")  # type: ignore[attr-defined]
 
 
-def smooth_event_step(t, h, s, p, e):
-    """A step of what may have events, and no high order then, by the method that is on; then the outputs."""
-    n = internal_steps(h, s)
-    if e.high_order is not None:
-        rk8_steps(t, h, n, s, p, e)
-        s.counts[1] += STAGES * n
-    elif s.guards is not None:
-        status = event_steps(t, h, n, s, p, e)
-        if status != DONE:
-            return status
-    else:
-        d = h / n
-        for i in range(n):
-            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
-        s.counts[1] += 4 * n
-    s.counts[0] += n
-    return finished(t, h, s, p, e)
-
-
-smooth_event_step.parts = (  # type: ignore[attr-defined]
-    "rk4_step",
-    "rk8_steps",
-    "event_steps",
-    "finished",
-    "internal_steps",
-)
-
-
-def smooth_kernels(module: str, *, step: Any = smooth_step, **ode: Any) -> Kernels:
-    """The kernels of a `SmoothComponent`: those of `ode_kernels`, with both methods."""
-    return ode_kernels(module, step=step, **ode)
+def smooth_kernels(module: str, *, step: Any = rk4, **ode: Any) -> Kernels:
+    """The kernels of a `SmoothComponent`: those of `ode_kernels`, with both methods; step: the template of order four."""
+    kernels = ode_kernels(module, step=step, **ode)
+    own = {name: function for name, function in ode.items() if function is not None}
+    return kernels._replace(step=bind(smooth_step, module, of_order_four=kernels.step, **own))
 
 
 def smooth_event_kernels(module: str, **events: Any) -> Kernels:
-    """The kernels of a `SmoothComponent` that is an `EventComponent`, too: those of `event_kernels`, with all three methods."""
-    return smooth_kernels(module, step=smooth_event_step, **events)._replace(derivatives=None)
+    """The kernels of a `SmoothComponent` that is an `EventComponent`, too: its events exclude the high order."""
+    return smooth_kernels(module, step=rk4_events, **events)._replace(derivatives=None)
 
 
 @kernel
