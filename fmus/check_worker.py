@@ -14,6 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
 
 from .evidence_check import replayed
 
@@ -31,10 +35,6 @@ class Instance:
     """An instance of an FMU of FMI 2.0 or 3.0, initialized with its start values."""
 
     def __init__(self, path: str, folder: str, name: str):
-        from fmpy import read_model_description
-        from fmpy.fmi2 import FMU2Slave
-        from fmpy.fmi3 import FMU3Slave
-
         self.description = read_model_description(path, validate=False)
         self.fmi3 = self.description.fmiVersion.startswith("3.")
         if self.description.coSimulation is None or not (self.fmi3 or self.description.fmiVersion == "2.0"):
@@ -128,16 +128,12 @@ def _same(one: np.ndarray, other: np.ndarray, what: str) -> tuple[bool, str]:
 
 def model_description(path: str, folder: str) -> tuple[bool, str]:
     """XML schema, names, structure, start values and units, by FMPy."""
-    from fmpy.validation import validate_fmu
-
     problems = validate_fmu(path)
     return not problems, "; ".join(problems) or "no problems found"
 
 
 def default_experiment(path: str, folder: str) -> tuple[bool, str]:
     """FMPy alone simulates the default experiment; every output is finite and the stop time is reached."""
-    from fmpy import read_model_description, simulate_fmu
-
     experiment = read_model_description(path, validate=False).defaultExperiment
     stop = float(experiment.stopTime) if experiment is not None and experiment.stopTime else 1.0
     result = simulate_fmu(path, validate=False, stop_time=stop, fmi_type="CoSimulation")

@@ -8,6 +8,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
+from fmpy import read_model_description, simulate_fmu
 
 from .evidence import MANIFEST, Experiment, experiments, read_table
 
@@ -29,8 +30,6 @@ def replayed(path: str) -> tuple[bool, str]:
 
 
 def _replayed(path: str, experiment: Experiment, files: Mapping[str, bytes]) -> tuple[bool, str]:
-    from fmpy import read_model_description, simulate_fmu
-
     description = read_model_description(path, validate=False)
     columns, others = read_table(files[experiment.reference])
     if "time" not in columns or not columns["time"].size:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache, partial
+from importlib.metadata import distribution
 from time import perf_counter, process_time
 from typing import Any
 
@@ -22,8 +23,6 @@ COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cac
 @cache
 def _version(package: str) -> str:
     """Of an installed package. The line of its file is read: to parse all of the file takes longer than a short run."""
-    from importlib.metadata import distribution
-
     installed = distribution(package)
     head = (installed.read_text("METADATA") or installed.read_text("PKG-INFO") or "").partition("\n\n")[0]
     lines = [line for line in head.splitlines() if line.startswith("Version:")]

@@ -19,8 +19,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kernels import RAISED
+from .kernels import COMPILED, RAISED
 from .store import digest_of, read_kept, write_kept
+
+if COMPILED:
+    import llvmlite.binding as llvm
+    from numba.core.types import unliteral
+
+    from .kernel_cache import private_folder
 
 CELL = 8  # bytes
 TIME = 0  # the cell that holds the time
@@ -235,8 +241,6 @@ def compiled(kernel: Any, times: int, signature: tuple[Any, ...]) -> tuple[int, 
 
 def check_result(kernel: Any, overload: Any) -> None:
     """Raises `TypeError` for a kernel that returns something else than a status."""
-    from numba.core.types import unliteral
-
     if str(unliteral(overload.signature.return_type)) not in ("int64", "none"):
         raise TypeError(f"{kernel.__name__} returns {overload.signature.return_type}, expected a status")
 
@@ -244,10 +248,6 @@ def check_result(kernel: Any, overload: Any) -> None:
 @lru_cache(maxsize=256)
 def _function(body: str) -> int:
     """The address of a function with this body; kept on disk, for nothing in it depends on the process."""
-    import llvmlite.binding as llvm
-
-    from .kernel_cache import private_folder
-
     name = "entry_" + digest_of(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}")
     folder = private_folder("entries")
     code = None if folder is None else read_kept(folder / f"{name}.o")
@@ -264,14 +264,10 @@ def _function(body: str) -> int:
 @lru_cache(maxsize=1)
 def _engine() -> Any:
     """What owns the machine code, as long as the process lives."""
-    import llvmlite.binding as llvm
-
     return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
 
 
 def _machine() -> Any:
-    import llvmlite.binding as llvm
-
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)

@@ -23,6 +23,7 @@ from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
+from ...components.core.kernel_cache import sources_digest
 from ..build import is_sound, write
 from ..description import documentation, shared_files
 from ..evidence import Evidence
@@ -167,8 +168,6 @@ def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
 
 def _contents(component: Any, targets: list[str]) -> str:
     """Digest of a component's sources and configuration, of the runtime, and of what compiles and links them."""
-    from ...components.core.kernel_cache import sources_digest
-
     cls = type(component)
     versions = [f"{name} {version(name)}" for name in ("cosimo", "numpy", "scipy", "numba", "llvmlite")]
     configuration = (

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ...components.core import store
+from ...components.core.kernel_cache import private_folder, sources_digest
 
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
 ENTRIES, KERNELS = ".ll", ".json"  # how files end: entries of one layout with all that they call; kernels for any layout
@@ -33,8 +34,6 @@ def digest_of(
 
     identity: texts and kernels. reached: the kernels that a function names. kernels: all functions that become part of the code.
     """
-    from ...components.core.kernel_cache import sources_digest
-
     known: dict[int, str] = {}
 
     def described(value: Any) -> str:
@@ -67,8 +66,6 @@ def digest_of(
 
 
 def _file(digest: str, kind: str) -> Path | None:
-    from ...components.core.kernel_cache import private_folder
-
     folder = private_folder("native")
     return None if folder is None else folder / f"{digest}{kind}"
 

@@ -16,6 +16,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import llvmlite.binding as llvm
+from numba import njit
+from numba import types as t
+from numba.core.errors import NumbaError, UnsupportedBytecodeError
+from numba.core.typing.typeof import typeof
+
 from ...components.core.block import ENTRIES, Block, check_result, kinds_of
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
@@ -157,8 +163,6 @@ class _Compiler:
     """Copies of kernels, compiled with the flags given here; callees likewise."""
 
     def __init__(self, counted: bool):
-        from numba import njit
-
         options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True} | ({} if counted else {"_nrt": False})
         self._compiled = {inline: njit(**options, forceinline=inline) for inline in (False, True)}
         self.kernels: dict[int, tuple[Any, Any]] = {}
@@ -227,8 +231,6 @@ def source_of(component: KernelComponent, prefix: str = "model") -> Source:
 
 def compile_entries(source: Source) -> str:
     """Entries in LLVM's language; `BadInput` names the line that prevents it."""
-    from numba.core.errors import NumbaError, UnsupportedBytecodeError
-
     refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
     try:
         return _compile(source, counted=False)
@@ -245,8 +247,6 @@ def compile_entries(source: Source) -> str:
 
 
 def _compile(source: Source, counted: bool) -> str:
-    from numba.core.typing.typeof import typeof
-
     block, compiler = source.block, _Compiler(counted)
     copies = {name: compiler.clone(kernel) for name, kernel in source.kernels.items()}
     reached = [function for _, function in compiler.kernels.values()]
@@ -280,8 +280,6 @@ define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %addres
 
 def _kernels(source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any, ...]) -> dict[str, tuple[str, str, list[str]]]:
     """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times."""
-    from numba import types as t
-
     kernels = {}
     for name, kernel in copies.items():
         times = len(source.block.entries[name])
@@ -295,8 +293,6 @@ def _kernels(source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any,
 
 def _linked(source: Source, texts: Mapping[str, str], kernels: list[str]) -> str:
     """One module of all entries, optimized for the baseline of x86-64; refuses symbols that are not `ALLOWED`."""
-    import llvmlite.binding as llvm
-
     modules = [llvm.parse_assembly(text) for text in texts.values()]
     module, *others = modules
     for other in others:
@@ -326,8 +322,6 @@ def _users(text: str, symbol: str, kernels: list[str]) -> str:
 
 
 def _machine(target: Target, features: str = "") -> Any:
-    import llvmlite.binding as llvm
-
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(target.triple).create_target_machine(
@@ -336,8 +330,6 @@ def _machine(target: Target, features: str = "") -> Any:
 
 
 def _optimize(module: Any, target: Target, features: str = "") -> Any:
-    import llvmlite.binding as llvm
-
     machine = _machine(target, features)
     module.triple, module.data_layout = target.triple, str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=2)
@@ -364,8 +356,6 @@ def object_code(text: str, target: str) -> tuple[bytes, ...]:
 
 
 def _object(text: str, target: Target, features: str = "", suffix: str = "") -> bytes:
-    import llvmlite.binding as llvm
-
     module = llvm.parse_assembly(widened(text) if target.short_pointers else text)
     machine = _optimize(module, target, features)
     for function in module.functions:
@@ -378,8 +368,6 @@ def _object(text: str, target: Target, features: str = "", suffix: str = "") -> 
 
 def _entries(text: str) -> list[tuple[str, int]]:
     """Names of the entries, and how many times they are given."""
-    import llvmlite.binding as llvm
-
     functions = llvm.parse_assembly(text).functions
     return [(f.name, len(list(f.arguments)) - 1) for f in functions if not f.is_declaration and f.linkage.name == "external"]
 

@@ -7,24 +7,20 @@ Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulat
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
+from collections.abc import Sequence
 
-TYPE_CHECKING = False  # without the import of typing
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from ...components.core.errors import BadInput
+from ...components.core.kernel_faults import is_typing_fault, typing_fault
+from ..cache import tidy_daily
+from .application import app
+from .common import BAD_INPUT, FAILED_RUN
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
-    import logging
-
-    from ...components.core.errors import BadInput
-    from ...components.core.kernel_faults import is_typing_fault, typing_fault
-    from ..cache import tidy_daily
-    from .application import app
-    from .common import BAD_INPUT, FAILED_RUN
-
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
     sys.path.append(os.getcwd())  # module:Class on the command line

@@ -14,6 +14,7 @@ from typer import Argument, Option
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
 from ...components.core.store import digest_of, read_kept, replaced, write_kept
+from .. import cache as kept
 from .common import app, output_width, print_table, print_written
 from .completion import kinds_and_systems, scene_files
 from .options import AsJson, refuse
@@ -114,8 +115,6 @@ def cache(
 
     All of it is made again when it is needed. The environment variable COSIMO_CACHE moves it.
     """
-    from .. import cache as kept
-
     if action not in ACTIONS:
         raise BadInput("cache", repr(action), "one of " + ", ".join(ACTIONS), nearest(action, ACTIONS))
     without_effect = {"kinds": kinds if action != "clear" else None, "--days": days if action != "prune" else None}

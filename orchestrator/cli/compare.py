@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Argument, Option
 
+from ..output import write_json
 from .common import FAILED_CHECK, app, fail, print_cells, print_written, warn
 from .completion import scenes
 from .options import AsJson, NoVerify, OptionalOutput, listed, refuse, reports, share, verify_mode
@@ -44,7 +45,6 @@ def compare(
 
     cosimo compare en50318-2002 my-line.toml -o out runs both scenes and writes a page with their curves.
     """
-    from ..output import write_json
     from ..systems import compare as compare_runs
 
     tolerance = share("--within", within) if within is not None else None

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from ...components.core.errors import visible_lines
+from ..output import locked
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
@@ -79,7 +80,6 @@ def sweep(
     """
     from ..harness import report
     from ..harness.many.failures import failure_groups
-    from ..output import locked
     from ..systems import many
 
     if plan is not None:
@@ -132,7 +132,6 @@ def sensitivity(
 ) -> None:
     """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
     from ..harness.report import answers
-    from ..output import locked
     from ..systems import many
 
     loaded = scene_of(scene, values, presets, times_of(step, stop))
@@ -187,7 +186,6 @@ def uncertainty(
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
     from ..harness.many.uncertainty import FOR_TOLERANCE
     from ..harness.report import answers
-    from ..output import locked
     from ..systems import many
 
     loaded = scene_of(scene, values, presets, times_of(step, stop))
@@ -243,7 +241,6 @@ def fit(
 ) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
     from ..harness.report import answers
-    from ..output import locked
     from ..systems import many
 
     loaded = scene_of(scene, values, presets, times_of(step, stop))
@@ -281,7 +278,6 @@ def design(
     from ..harness.many.limits import recalled
     from ..harness.many.repetition import shown
     from ..harness.report import answers
-    from ..output import locked
     from ..systems import many
 
     loaded = scene_of(scene, values, presets, times_of(step, stop))
@@ -331,7 +327,6 @@ def bearing_faults(
 ) -> None:
     """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
     from ..harness.many.failures import failure_groups
-    from ..output import locked
     from ..systems.bearings.fault_check import check
     from ..systems.bearings.fault_data import Sensor, fault_data
 

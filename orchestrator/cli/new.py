@@ -11,6 +11,7 @@ from typing import Annotated
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
+from ..output import ensure_directory
 from .common import group, print_written
 
 new = group("new", "Files to start from.")
@@ -219,7 +220,6 @@ def component(
 ) -> None:
     """Write a component with its test, a scene and a page. Example: cosimo new component MassOnSpring -o mine"""
     from ...components.catalogue import CATALOGUE
-    from ..output import ensure_directory
     from ..scene.build import snake_case
 
     if not re.fullmatch(r"[A-Z][A-Za-z0-9]*", name) or keyword.iskeyword(name):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from itertools import combinations, product
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +15,7 @@ from ...components.core.measure import is_quantity, number_in
 from .common import is_scene, print_written
 from .new import new
 from .options import Conditions, InProcess, Limits, limits_of
+from .options import share as share_of
 
 File = Annotated[Path, Argument(metavar="FILE.toml", help="file to write")]
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
@@ -292,10 +294,7 @@ def table(
 
     Ranges lie about the numbers of one run: change them, with where they come from. Then: cosimo run my-scene.toml --limits my-limits.toml
     """
-    from math import isfinite
-
     from ..systems import run
-    from .options import share as share_of
 
     width = share_of("--share", share)
     result = run(scene, in_process=in_process, verify="no")

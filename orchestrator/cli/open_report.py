@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import webbrowser
 from pathlib import Path
 from typing import Annotated
 
@@ -14,8 +15,6 @@ from .common import app
 @app.command("open")
 def open_(where: Annotated[Path, Argument(help="a directory with a report, or the report itself")] = Path()) -> None:
     """Open a report in the browser. Example: cosimo open out"""
-    import webbrowser
-
     page = where / "report.html" if where.is_dir() else where
     if page.suffix != ".html" or not page.is_file():
         raise BadInput("open", repr(str(where)), "a directory with a report.html, or the path of one", "Give a run -o DIR.")

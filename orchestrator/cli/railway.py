@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
+from ..output import ensure_directory
 from .common import group, loaded_scene, print_table, print_written, status_spinner, warn
 from .options import OptionalOutput, Output, listed, parameters_of, reports, share
 
@@ -33,7 +34,6 @@ def lumped(
     output: Output = Path("lumped"),
 ) -> None:
     """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
-    from ..output import ensure_directory
     from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
 
     allowed, loaded = share("--tolerance", tolerance), loaded_scene(scene)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Option
 
 from ...components.core.errors import BadInput
+from ..output import locked
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
@@ -139,7 +140,6 @@ def run(
     """
     from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_scene
-    from ..output import locked
     from . import run_parts
 
     loaded = loaded_scene(scene)

@@ -9,9 +9,11 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest, visible_lines
+from ..output import ensure_directory
 from .common import app, print_table, print_written, status_spinner
 from .completion import anything
 from .options import AsJson, Changes, Presets, parameters_of
+from .railway import show_line
 
 FILES = (".toml", ".ssd", ".ssp", ".fmu")
 
@@ -42,7 +44,6 @@ def show(
 ) -> None:
     """What a component, a scene or a case consists of, and whether Python is in its steps. Example: cosimo show Pantograph"""
     from ...components.catalogue import CATALOGUE
-    from ..output import ensure_directory
     from ..scene.scene import scene_files
     from ..systems import cases
     from ..systems.railway.line import is_line
@@ -55,8 +56,6 @@ def show(
         if given and not possible:
             raise BadInput("show", f"{option} with {name!r}", "a component", "It would have no effect.")
     if name.endswith(".toml") and is_line(Path(name)):
-        from .railway import show_line
-
         if output is not None:
             raise BadInput("show", "-o with the table of a line", "no directory", "cosimo railway has its drawing.")
         show_line(*read_line(Path(name), parameters_of(values)))

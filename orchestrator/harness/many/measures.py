@@ -24,6 +24,7 @@ from ...settings.plan import KeepSettings
 from ..analysis.records import KINDS, after_transient
 from ..analysis.sections import section as section_of
 from ..code_digests import components_digest
+from ..studies.quantities import TimeHistory, quantities_of, recording
 
 if TYPE_CHECKING:
     from ..summary import Summary
@@ -110,8 +111,6 @@ def own_version() -> str:
 
 def prepared(scene: Scene, keep: KeepSettings) -> Scene:
     """The scene with all that is kept among its quantities and recorded signals."""
-    from ..studies.quantities import recording
-
     wanted = [*scene.study.quantities, *(q for q in keep.quantities if q not in scene.study.quantities)]
     if keep.quantities:
         scene = scene.with_changes({"study.quantities": wanted})
@@ -183,8 +182,6 @@ def _summary(result: Result, task: Task) -> Numbers:
 
 
 def _quantities(result: Result, task: Task) -> Numbers:
-    from ..studies.quantities import TimeHistory, quantities_of
-
     if result.scene.study.quantities:
         history = TimeHistory(result.time, result.columns)
         yield from ((q.name, q.value(history), q.unit) for q in quantities_of(result.scene) if q.kind != "time history")

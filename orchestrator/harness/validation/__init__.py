@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ...output import write_table
 from .case import Case, CaseResult, to_json, to_table
 from .questions import Evidence, Options, Question, Runs, done
+from .repeated import find
 
 __all__ = ["Case", "CaseResult", "Evidence", "Options", "Question", "Runs", "done", "run_cases", "to_json"]
 
@@ -24,7 +25,6 @@ def run_cases(
 ) -> list[CaseResult]:
     """Run the cases, with errors as `repeated.find` finds them; write `report.html`, `validation.json` and `validation.csv`."""
     from ..report import for_cases
-    from .repeated import find
 
     options = Options(in_process, progress)
     results = []

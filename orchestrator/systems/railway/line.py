@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import tomllib
 from collections.abc import Iterator, Mapping
 from html import escape
 from itertools import pairwise
@@ -55,8 +56,6 @@ def read(
 
 def is_line(path: Path) -> bool:
     """Whether a TOML file is a line's table and no scene: it has sections, and no units."""
-    import tomllib
-
     try:
         data = tomllib.loads(read_text(path))
     except (ValueError, BadInput):  # no TOML, or an integer of thousands of digits
