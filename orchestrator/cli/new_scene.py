@@ -194,12 +194,18 @@ def _joined_scene(file: Path, units: list[str], limits: str) -> str:
         alone = load_scene(what)
         stops.append(alone.stop_time)
         steps.append(alone.master.step)
-        named[name] = unit_of(str(Path(what).resolve()) if what.endswith(".fmu") else what)
+        named[name] = unit_of(_beside(Path(what), file) if what.endswith(".fmu") else what)
     data = scene_data(named, (), max(stops), min(steps), {}, {"title": file.stem})
     coupling = read_scene(data, file.stem, file.parent).coupling
     joined = [f"{a} <-> {b}" for one, other in combinations(named, 2) for a, b in _fitting(one, other, coupling)]
     data["connections"] = joined
     return scene_text({**data, **({"limits": limits} if limits else {})})
+
+
+def _beside(path: Path, file: Path, elsewhere: str = "") -> str:
+    """A path as a file names it: from its folder on where the path lies there, else in full, or `elsewhere`."""
+    whole, folder = path.resolve(), file.parent.resolve()
+    return whole.relative_to(folder).as_posix() if whole.is_relative_to(folder) else elsewhere or str(whole)
 
 
 def _fitting(one: str, other: str, coupling: Any) -> list[tuple[str, str]]:
@@ -244,12 +250,7 @@ def case(
         raise BadInput("new case", repr(scene), "a shipped scene or a scene file")
     loaded = load_scene(scene)
     moving = [n for n, u in loaded.units.items() if "speed" in u.parameters]
-    beside = Path(scene).resolve()
-    name = (
-        beside.relative_to(file.parent.resolve()).as_posix()
-        if beside.is_relative_to(file.parent.resolve()) and beside.suffix
-        else scene
-    )
+    name = _beside(Path(scene), file, scene) if Path(scene).suffix else scene
     place = (limits_of(limits, conditions) or {})["table"]
     parts = [f'title = "{loaded.title or loaded.name}"', f'scene = "{name}"']
     parts += [

@@ -17,9 +17,10 @@ from ..harness.studies.trial import Timing, repeated
 from ..harness.validation.reference import load_table, table_files
 from ..judgement.dry_run import stepping_path
 from ..scene.drawing import Drawing
-from ..scene.scene import read_toml, scene_files
+from ..scene.scene import Scene, read_toml, scene_files
 from ..systems import cases
 from ..units.description import read
+from ..units.terminals import at_hand
 from .common import changes_of, fail, loaded_scene, switched_on
 from .options import listed, parameters_of, preset_of
 
@@ -170,6 +171,19 @@ def fmu_variables(path: str) -> list[dict[str, Any]]:
     ]
 
 
+def _of_fmu(scene: Scene) -> dict[str, Any]:
+    """Variables and ports of a scene that is one FMU."""
+    ((unit, settings),) = scene.units.items()
+    interface = scene.coupling.interfaces[unit]
+    ports = []
+    for name, terminal in interface.terminals.items():
+        members = at_hand(terminal, (*interface.inputs, *interface.outputs)).members
+        ways = ([m.name for m in members if m.variable in v] for v in (interface.inputs, interface.outputs))
+        if members:  # not of an effect that is off
+            ports.append({"name": name, **dict(zip(("inputs", "outputs"), ways, strict=True)), "matching": terminal.rule})
+    return {"variables": fmu_variables(settings.fmu), "ports": ports}
+
+
 def of_scene(
     name: str, effects: list[str] | None, values: list[str] | None, presets: list[str] | None
 ) -> tuple[dict[str, Any], Drawing]:
@@ -195,7 +209,7 @@ def of_scene(
             }
             for unit, settings in scene.units.items()
         ],
-        **({"variables": fmu_variables(next(iter(scene.units.values())).fmu)} if name.endswith(".fmu") else {}),
+        **(_of_fmu(scene) if name.endswith(".fmu") else {}),
         "connections": [
             {"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
             for link in scene.coupling.links

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
 from math import isfinite, prod
@@ -19,6 +19,7 @@ from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_ELEMENTS, MOST_REFERENCE, MOST_VARIABLES, MOST_XML, check_archive
 from .interface import Kind
 from .solvers import METHODS
+from .terminals import Terminals, read_terminals
 
 if TYPE_CHECKING:  # a run without FMUs loads no FMPy
     from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange, ModelVariable
@@ -26,6 +27,7 @@ if TYPE_CHECKING:  # a run without FMUs loads no FMPy
     from ..settings import UnitSettings
 
 DESCRIPTION = "modelDescription.xml"
+OWN_TOOL = "cosimo "  # what FMUs of our making say of their tool, before the version
 KINDS: dict[str, Kind] = {
     "Real": "real",
     "Boolean": "boolean",
@@ -75,6 +77,7 @@ class Description:
     derives: Set[str]  # interfaces that give directional derivatives: "CoSimulation", "ModelExchange"
     texts: Mapping[str | None, Sequence[str]]  # start values of texts, which FMPy does not read of arrays
     requested: Set[str] = frozenset()  # inputs that the FMU asks for inside a step, by the intermediate update of FMI 3
+    terminals: Terminals = field(default_factory=Terminals)
     exchange: bool = False  # the interface for model exchange is used, not the one for co-simulation
 
     @property
@@ -100,7 +103,7 @@ class Description:
     @property
     def holds_component(self) -> bool:
         """Whether this project has made it: a component discards the steps it cannot make, and never ends a simulation."""
-        return (self.model.generationTool or "").startswith("cosimo ")
+        return (self.model.generationTool or "").startswith(OWN_TOOL)
 
     def chosen(self, settings: UnitSettings, where: str) -> Description:
         """With the interface that a scene's entry asks for; `BadInput` where the file has none such, or for needless options."""
@@ -149,6 +152,7 @@ def _read(path: str, _changed: int, where: str) -> Description:
     try:
         with zipfile.ZipFile(path) as file:
             root = etree.fromstring(_checked(file, path))
+            terminals = read_terminals(file, (root.get("generationTool") or "").startswith(OWN_TOOL))
         model = read_model_description(path, validate=False)
     except BadInput:
         raise
@@ -173,7 +177,7 @@ def _read(path: str, _changed: int, where: str) -> Description:
         and any(is_true(i.get("providesDirectionalDerivative" + plural)) for plural in ("", "s"))
     }
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, model, _scalars(model, {}, texts), derives, texts, _requested(model, root))
+    return Description(path, model, _scalars(model, {}, texts), derives, texts, _requested(model, root), terminals)
 
 
 def default_experiment(path: Path) -> tuple[float, float, tuple[str, ...]]:

@@ -54,6 +54,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
         recordable={n: _signal(s, (), measures) for n, s in there.items() if s.variable.causality in RECORDABLE},
         arrays=_arrays(there),
+        terminals=description.terminals,
         refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
         **_capabilities(description, real),
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...components.core.errors import StepFailed
 from ...components.core.measure import Unit as Measure
+from .terminals import Terminals
 
 PortValues = Any  # list[float], or an ndarray of more than ARRAY_THRESHOLD numbers
 Kind = Literal["real", "integer", "boolean", "enumeration", "string", "binary"]
@@ -65,6 +66,7 @@ class Interface:
     arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of what is an array of FMI 3
     ports: Mapping[str, Any] = field(default_factory=dict)  # ports of a component, and what variables are called in them, as
     port_members: Mapping[str, str] = field(default_factory=dict)  # the attributes of its class have them
+    terminals: Terminals = field(default_factory=Terminals)  # ports of an FMU
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 
