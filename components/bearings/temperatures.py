@@ -45,9 +45,9 @@ class ShaftHeat(Effect):
 class BearingTemperatures(StiffComponent):
     """Shaft with inner ring, balls, outer ring with housing: three heat capacities in a row.
 
-        Ci Ti' = si P - 2 G (Ti - Tb) - Gs (Ti - Ta)
-        Cb Tb' = (1 - si - so) P - 2 G (Tb - Ti) - 2 G (Tb - To)
-        Co To' = so P - 2 G (To - Tb) - Gh (To - Ta)
+        Ci Ti' = s_i P - 2 G (Ti - Tb) - Gs (Ti - Ta)
+        Cb Tb' = (1 - s_i - s_o) P - 2 G (Tb - Ti) - 2 G (Tb - To)
+        Co To' = s_o P - 2 G (To - Tb) - Gh (To - Ta)
 
     G: conductance from ring to ring, half of the resistance on either side of the balls; P: friction; Ta: ambient.
     A negative conductance counts as none. Heat supplied and heat given off are integrated along, so that the balance

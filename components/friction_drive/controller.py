@@ -48,9 +48,9 @@ class Reference(Effect):
 class ServoController(SampledComponent):
     """Cascade for feed and rotation of a sleeve on two wheels; sampled, its voltages held in between.
 
-        wanted motion   v = set' + K_p e + M,    M' = K_m e + (v limited - v) / T       for feed and rotation; e: error
+        wanted motion   v = set' + K_p e + M,    M' = K_m e + (v_limited - v) / T       for feed and rotation; e: error
         wanted rates    w_set = inverse kinematics of v, both cut in proportion where one is above `rate_limit`
-        voltage         V = F w_set + K_v (w_set - w) + I,    I' = K_i (w_set - w) + (V limited - V) / T    for each wheel
+        voltage         V = F w_set + K_v (w_set - w) + I,    I' = K_i (w_set - w) + (V_limited - V) / T    for each wheel
 
     What the limits keep back of motion and voltage flows back into the integrals within the time T, so that they do not wind up.
     The way is measured at the sleeve, or taken from the wheels' angles without seeing slip. Without integrals, K_m = K_i = 0, the

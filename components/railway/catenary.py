@@ -84,7 +84,7 @@ SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
 class Catenary(HungLine):
     """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
 
-        m u'' = T u'' (x) - EI u'''' - alpha m u' + beta (T u'' - EI u'''')' + droppers + supports + contact
+        m u_tt = T u_xx - EI u_xxxx - alpha m u_t + beta (T u_xx - EI u_xxxx)_t + droppers + supports + contact
 
     for either wire, linear about the static equilibrium; a dropper pulls with F0 + k (u_messenger - u_contact), never
     below 0 if it can slacken. Both wires are fixed at the ends of the section. The contact force is an input: the

@@ -120,7 +120,7 @@ HARD_CASES = {
             run=(0.1, 2e-3),
         ),
         "a force at the wave speed": HardCase(
-            "It piles up the wire before it, no quicker than on a bare string: F t / (2 m' c).",
+            "It piles up the wire before it, no quicker than on a bare string: F t / (2 m_l c), m_l: mass of a metre.",
             (AtMost("wire_height", 120.0 * 0.3 / (2.0 * 1.35 * WAVE)),),
             parameters={"spans": 2, "element": 1.0},
             inputs={"contact_position": ramp(WAVE, 10.0), "contact_force": jumps(0.0, (0.0, 120.0))},

@@ -44,7 +44,7 @@ class LumpedCatenary(OdeComponent):
 
     x = 0 at a support. The defaults are computed, not read: k(x) is fitted to the static elasticity of the
     EN 50318:2002 catenary under 120 N (`from_line`). Mass and damping are a choice (inferred): the contact wire of
-    one dropper interval, and the dashpot 2 sqrt(T m') as which a long wire answers. A mass of a whole span would put the
+    one dropper interval, and the dashpot 2 sqrt(T m_l) as which a long wire answers. A mass of a whole span would put the
     span-passing frequency near resonance. Terms with dk/dx are dropped, as usual in this class.
     """
 

@@ -21,7 +21,7 @@ class Unbalance(Effect):
 
 
 class InternalDamping(Effect):
-    """Viscous damping in the turning shaft: -c (q' - Omega x q); it drives the rotor above an onset speed."""
+    """Viscous damping in the turning shaft: -c (q' - Omega × q); it drives the rotor above an onset speed."""
 
     coefficient = parameter(10.0, "N.s/m", "damping coefficient in the turning frame", low=0.0)
 

@@ -76,7 +76,7 @@ class FurtherThrusters(Effect):
 class RovController(SampledComponent):
     """PID controller of position and attitude with allocation to the thrusters, sampled, its commands held in between.
 
-        force  = R' (I_p) + K_p R' (p_set - p) + K_v (R' p_set' - v),    I_p' = R K_i R' (p_set - p) + anti-windup
+        force  = R^T I_p + K_p R^T (p_set - p) + K_v (R^T p_set' - v),    I_p' = R K_i R^T (p_set - p) + anti-windup
         moment = I_a + K_a e + K_w (w_set - w),                          I_a' = K_j e + anti-windup
 
     R turns body axes into north, east, down; e is the rotation vector from the present attitude to the wanted one, on the

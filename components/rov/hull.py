@@ -87,7 +87,7 @@ class Current(Effect):
 
 
 class PressureGradient(Effect):
-    """Force of the pressure gradient of accelerating water on the displaced volume (Froude and Krylov), rho V R' v_c'.
+    """Force of the pressure gradient of accelerating water on the displaced volume (Froude and Krylov), rho V R^T v_c'.
 
     In a current that varies over hours it is nothing; in waves it is as large as that on the added mass, and a neutral vehicle
     without it does not move with the water. For bodies small beside the wavelength. Number: buoyancy of Wu (2018) over g.
@@ -184,9 +184,9 @@ WATER = ("added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring")
 class RovHull(OdeComponent):
     """Position p in world axes (north, east, down), attitude q, velocities nu = (v, w) in body axes (ahead, starboard, down).
 
-        p' = R(q) v,   q' = q (0, w) / 2,   nu_r = nu - (R'(q) v_c, 0)
-        (M_RB + M_A) nu' = T F + tau - C_RB(nu) nu - C_A(nu_r) nu_r - D nu_r - D2 |nu_r| nu_r - g(q) + M_A (R' v_c)'
-        C nu = (w x P, w x H + v x P)  with  (P, H) = M nu
+        p' = R(q) v,   q' = q (0, w) / 2,   nu_r = nu - (R(q)^T v_c, 0)
+        (M_RB + M_A) nu' = T F + tau - C_RB(nu) nu - C_A(nu_r) nu_r - D nu_r - D2 |nu_r| nu_r - g(q) + M_A (R^T v_c)'
+        C nu = (w × P, w × H + v × P)  with  (P, H) = M nu
 
     F: thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of the water, uniform over the
     hull; tau: tether and external loads. Each term below the rigid body's inertia is an effect. The force of the pressure

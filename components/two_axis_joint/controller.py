@@ -31,7 +31,7 @@ class Scan(Effect):
 class GimbalController(SampledComponent):
     """PID controller of the two angles of a gimbal, sampled, its voltages held in between.
 
-        V = K_p (set - angle) + K_d (set' - rate) + I,    I' = K_i (set - angle) + (V limited - V) / T
+        V = K_p (set - angle) + K_d (set' - rate) + I,    I' = K_i (set - angle) + (V_limited - V) / T
 
     What the limit keeps back of the voltage flows back into the integral within the time T, so that it does not wind up.
     Samples are taken at whole multiples of the period and at the start; at a sample's instant the voltages are its own.

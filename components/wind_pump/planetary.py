@@ -40,7 +40,7 @@ class CentrifugalBrake(Effect):
 class PlanetaryTransmission(Transmission):
     """Gear set without inertia: on one shaft the turbine, through a compliant one, on another the pump, on the third a brake.
 
-        Willis     w_s + k w_r = (1 + k) w_c,        T_s : T_r : T_c = 1 : k : -(1 + k),        k = teeth of ring / teeth of sun
+        Willis     w_s + k w_r = (1 + k) w_c,        T_s : T_r : T_c = 1 : k : -(1 + k),        k = (teeth of ring) / (teeth of sun)
 
     With coefficients a = 1, k, -(1 + k) of sun, ring and carrier, indices i, o, 3 for turbine, pump and third shaft:
 

@@ -72,8 +72,8 @@ class VaryingArms(Effect):
 class ForearmTendons(OdeComponent):
     """Muscles pull the hand by tendons that run over it at given moment arms, and end beyond both rows.
 
-        a' = (e - a) / T(e > a: rise, else fall),   F = largest_force a * (length and velocity, if on)
-        s = arm_f flexion + arm_d deviation,   torques = sum F ds/dflexion, sum F ds/ddeviation,   power = sum F s'
+        a' = (e - a) / T,  T: rise where e > a, else fall,   F = largest_force a * (length and velocity, if on)
+        s = arm_f flexion + arm_d deviation,   torques = sum F (d s)/(d flexion), sum F (d s)/(d deviation),   power = sum F s'
 
     e: excitation within 0 and 1; a: activation; s: shortening from the neutral position. The torques belong to the angles of the
     hand: no tendon ends at a carpal bone (but FCU, by the pisiform, which is left out), and so they know nothing of the rows'

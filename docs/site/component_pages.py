@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+import equations
 import machines
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Component
@@ -17,7 +18,7 @@ from cosimo.components.core.sampled import SampledComponent
 from cosimo.components.core.stateless import StatelessComponent
 from cosimo.orchestrator.harness.component_page import ComponentPage, Passage, VariableRow, component_pages
 from cosimo.orchestrator.systems import SYSTEMS
-from prose import code, docstring, joined, plain, table, verbatim
+from prose import code, docstring, formula, joined, plain, table, verbatim
 from sketch import sketch
 
 METHODS = (  # the first class that a component is one of
@@ -58,6 +59,7 @@ def _index(made: Sequence[ComponentPage]) -> str:
 
 def _page(page: ComponentPage) -> str:
     cls = component_class(page.name)
+    symbols = equations.symbols_of(" ".join(passage.text for passage in page.text if passage.kind == "equations"))
     system = SYSTEMS.get(page.system)
     place = cls.__module__.removeprefix("cosimo.").replace(".", "/") + ".py"
     used = f"system [{system.title}](../../systems/{page.system}.md)." if system else "used by several systems."
@@ -69,8 +71,8 @@ def _page(page: ComponentPage) -> str:
         f"`{place}`, {used}",
         f'```{{raw}} html\n<div class="sketch">{machine}</div>\n```',
         "## Equations",
-        *map(_passage, page.text),
-        _background(cls),
+        *(_passage(passage, symbols) for passage in page.text),
+        _background(cls, symbols),
         "## Signals",
         f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
         "Inputs on the left, outputs on the right, with their units; those below a name in italics are that effect's or port's.",
@@ -99,17 +101,17 @@ def _section(heading: str, body: str) -> str:
     return joined(heading, body).rstrip() if body else ""
 
 
-def _passage(passage: Passage) -> str:
+def _passage(passage: Passage, symbols: set[str]) -> str:
     if passage.kind == "equations":
-        return verbatim(passage.text)
-    return ("Source: " if passage.kind == "source" else "") + plain(passage.text)
+        return formula(passage.text)
+    return ("Source: " + plain(passage.text)) if passage.kind == "source" else plain(passage.text, symbols)
 
 
-def _background(cls: type[Component]) -> str:
+def _background(cls: type[Component], symbols: set[str]) -> str:
     """What the module says, behind its first line."""
     text = inspect.getdoc(inspect.getmodule(cls)) or ""
     rest = text.partition("\n\n")[2]
-    return _section("### Model and its limits", docstring(rest)) if rest else ""
+    return _section("### Model and its limits", docstring(rest, symbols)) if rest else ""
 
 
 def _variables(page: ComponentPage, causality: str) -> str:
@@ -142,7 +144,7 @@ def _effects(page: ComponentPage) -> str:
     rows = [
         (
             code(e.name),
-            plain(e.text),
+            plain(e.text, set()),
             "" if e.states is None else e.states,
             len(e.variables),
             ", ".join(map(code, e.needs)),
@@ -190,7 +192,7 @@ def _stable_step(cls: type[Component]) -> str:
 
 
 def _hard_cases(page: ComponentPage) -> str:
-    rows = [(plain(c.name), plain(c.text), plain("; ".join(c.holds))) for c in page.hard_cases]
+    rows = [(plain(c.name), plain(c.text, set()), plain("; ".join(c.holds))) for c in page.hard_cases]
     if not rows:
         return ""
     command = f"`cosimo stability --hard-cases {page.name} -o out` runs them and gives the distance of each claim from its limit."
