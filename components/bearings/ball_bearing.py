@@ -75,7 +75,7 @@ class Unbalance(Effect):
 
 
 class LoadVariation(Effect):
-    """A load beside the given one: amplitude * sin(2 pi frequency t + phase) along x."""
+    """A load beside the given one: amplitude · sin(2π frequency t + phase) along x."""
 
     explicit_only = True
 

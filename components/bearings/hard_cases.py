@@ -100,7 +100,7 @@ HARD_CASES = {
             run=(60.0, 1.0),
         ),
         "preload without a load": HardCase(
-            "All balls carry 1^1.5.",
+            "All balls carry 1.",
             (Invariant("max_ball_load", 1e-12, value=1.0),),
             effects=("clearance",),
             parameters={"clearance.radial_clearance": -1.0},

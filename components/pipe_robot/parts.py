@@ -109,7 +109,7 @@ class HarmonicExciter(HarmonicForce):
 
 
 class PrescribedMotion(Effect):
-    """The inner mass is driven against the body: its way from it is amplitude * sin(frequency * t), whatever force that takes."""
+    """The inner mass is driven against the body: its way from it is amplitude · sin(frequency · t), whatever force that takes."""
 
     explicit_only = True
 

@@ -177,7 +177,7 @@ HARD_CASES = {
             run=(10.0, 0.05),
         ),
         "a wave over ten years": HardCase(
-            "Its phase after 10^8 periods: a product that is rounded once.",
+            "Its phase after 10⁸ periods: a product that is rounded once.",
             (AtMost("waves.elevation", 0.25), Ends("waves.elevation", 1e-6, value=0.25)),
             effects=("waves",),
             run=(4e8, 4e7),

@@ -16,7 +16,7 @@ STATES = 7
 
 
 class Scan(Effect):
-    """The set point swings about the constant one in each axis: amplitude * sin(2 pi frequency t + phase)."""
+    """The set point swings about the constant one in each axis: amplitude · sin(2π frequency t + phase)."""
 
     explicit_only = True
 

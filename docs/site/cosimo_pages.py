@@ -14,6 +14,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+from docutils.parsers.rst import Directive
+
 HERE = Path(__file__).resolve().parent
 
 
@@ -71,8 +74,22 @@ def link(app: Any, page: str, source: list[str]) -> None:
     source[0] = text.rstrip() + "\n\n## Gallery\n\n" + cards(page.partition("/")[2], "../generated/scenes/") + "\n"
 
 
+class MachineDirective(Directive):
+    """`{machine} NAME`: the drawing of a component."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Raw HTML, which the search leaves out."""
+        import machines
+
+        drawing = machines.of_component(self.arguments[0]).svg(f"machine-{self.arguments[0]}")
+        return [nodes.raw("", f'<div class="sketch">{drawing}</div>', format="html")]
+
+
 def setup(app: Any) -> dict[str, bool]:
     """Register with Sphinx."""
+    app.add_directive("machine", MachineDirective)
     app.connect("builder-inited", generate)
     app.connect("source-read", link)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

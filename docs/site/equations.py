@@ -12,7 +12,30 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 GREEK = dict.fromkeys(
-    "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi rho sigma tau phi psi omega Delta Omega Phi".split()
+    [
+        "alpha",
+        "beta",
+        "gamma",
+        "delta",
+        "epsilon",
+        "zeta",
+        "eta",
+        "theta",
+        "kappa",
+        "lambda",
+        "mu",
+        "nu",
+        "xi",
+        "rho",
+        "sigma",
+        "tau",
+        "phi",
+        "psi",
+        "omega",
+        "Delta",
+        "Omega",
+        "Phi",
+    ]
 )
 GREEK = {name: f"\\{name}" for name in GREEK} | {"eps": "\\varepsilon", "pi": "\\pi", "th": "\\theta", "Om": "\\Omega"}
 FUNCTIONS = {n: f"\\{n}" for n in ("sin", "cos", "tan", "exp", "max", "min", "ln", "log")} | {
@@ -35,7 +58,36 @@ OPERATORS = {
     "<": "\\lt ",
     ">": "\\gt ",
 }
-SHORT_WORDS = set("in of as is up to at or it no on by if an be we so do us ms kN Hz mm km nm rpm".split())
+SHORT_WORDS = set(
+    [
+        "in",
+        "of",
+        "as",
+        "is",
+        "up",
+        "to",
+        "at",
+        "or",
+        "it",
+        "no",
+        "on",
+        "by",
+        "if",
+        "an",
+        "be",
+        "we",
+        "so",
+        "do",
+        "us",
+        "ms",
+        "kN",
+        "Hz",
+        "mm",
+        "km",
+        "nm",
+        "rpm",
+    ]
+)
 ARTICLES = {"a", "A", "I"}
 OPERATOR = r"[-+=*/<>·×~±]|<=|>="
 POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -277,7 +329,7 @@ def block(text: str) -> str:
 
 # -- in sentences -----------------------------------------------------------------------------------------------------------------
 SYMBOL = re.compile(r"(?:[A-Za-z]|" + "|".join(GREEK) + r")\d?(?:_[A-Za-z0-9]+(?:\+1)?)?")
-UNITS = set("N m s W K J kg V A rad Hz Pa mm g h l km kN".split())
+UNITS = set(["N", "m", "s", "W", "K", "J", "kg", "V", "A", "rad", "Hz", "Pa", "mm", "g", "h", "l", "km", "kN"])
 SIGNS = re.compile(r"[=+/*<>^·×~²³⁴']|(?:^|\s)-(?:\s|$)|sqrt\(")
 
 
@@ -326,8 +378,7 @@ def _formula(words: list[str], symbols: set[str], preceded: bool, write: Callabl
     while words and (
         words[-1].isspace()
         or re.fullmatch(OPERATOR, words[-1])
-        or words[-1] in ARTICLES
-        and not _joined(words[-2:-1], words[-3:-2])
+        or (words[-1] in ARTICLES and not _joined(words[-2:-1], words[-3:-2]))
     ):
         after, words = words[-1] + after, words[:-1]
     preceded |= bool(re.search(r"\d\s*$", before))

@@ -85,7 +85,7 @@ def _fields(model: type[Model], fields: dict[str, Any] | None = None) -> str:
     rows = []
     for name, field in (fields or model.model_fields).items():
         default = "required" if field.is_required() else _default(field.get_default(call_default_factory=True))
-        rows.append((code(field.alias or name), code(_type(field.annotation)), default, plain(field.description or "")))
+        rows.append((code(field.alias or name), code(_type(field.annotation)), default, plain(field.description or "", set())))
     return table(("key", "type", "default", "meaning"), rows)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import http.server
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import threading
 from importlib.util import find_spec
 from pathlib import Path
 
+import lxml.html
 import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.orchestrator.scene.scene import scene_files
@@ -64,6 +66,31 @@ def test_the_python_interface_is_searchable(site):
     page = (site / "generated/reference/python.html").read_text(encoding="utf-8")
     assert [name for name in cosimo.__all__ if f'id="cosimo.{name}"' not in page] == []
     assert "Pantograph" in (site / "searchindex.js").read_text(encoding="utf-8")
+
+
+# Marks of an equation written as text: two primes, roots, powers, a derivative or a Greek name beside a sign. Equations in words,
+# and those that have none of these marks, pass unseen.
+ASCII = re.compile(
+    r"\w''|\bsqrt\(|[A-Za-z_)]\^[\d(-]|\w' [-+=] |[-+=] \w+'(?:\s|$)"
+    r"|\b(?:theta|phi|psi|alpha|beta|omega|rho|zeta|tau)(?:_\w+)? [-+=*/] "
+)
+MEASURE = re.compile(r"\bN/m\^1\.5")  # a unit of measure; nobody writes it otherwise in a declaration
+
+
+def test_no_page_has_an_equation_as_text(site):
+    """In paragraphs, lists, tables and blocks of plain text; blocks of a language are programs."""
+    seen = {}
+    for path in site.rglob("*.html"):
+        tree = lxml.html.fromstring(path.read_bytes())
+        for node in tree.xpath(
+            "//math | //svg | //script | //dt | //div[starts-with(@class, 'highlight-') and not(contains(@class, 'text'))]"
+        ):
+            node.drop_tree()
+        texts = [e.text_content() for e in tree.xpath("//article//*[self::p or self::li or self::td or self::dd or self::pre]")]
+        marks = [match[0] for text in texts for match in ASCII.finditer(MEASURE.sub("", text))]
+        if marks and "_static" not in path.parts:
+            seen[path.name] = marks[:5]
+    assert seen == {}
 
 
 @pytest.fixture(scope="module")
