@@ -11,33 +11,11 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-GREEK = dict.fromkeys(
-    [
-        "alpha",
-        "beta",
-        "gamma",
-        "delta",
-        "epsilon",
-        "zeta",
-        "eta",
-        "theta",
-        "kappa",
-        "lambda",
-        "mu",
-        "nu",
-        "xi",
-        "rho",
-        "sigma",
-        "tau",
-        "phi",
-        "psi",
-        "omega",
-        "Delta",
-        "Omega",
-        "Phi",
-    ]
+NAMES_OF_LETTERS = (
+    "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi rho sigma tau phi psi omega Delta Omega Phi"
 )
-GREEK = {name: f"\\{name}" for name in GREEK} | {"eps": "\\varepsilon", "pi": "\\pi", "th": "\\theta", "Om": "\\Omega"}
+GREEK = {name: f"\\{name}" for name in re.findall(r"\w+", NAMES_OF_LETTERS)}
+GREEK |= {"eps": "\\varepsilon", "pi": "\\pi", "th": "\\theta", "Om": "\\Omega"}
 FUNCTIONS = {n: f"\\{n}" for n in ("sin", "cos", "tan", "exp", "max", "min", "ln", "log")} | {
     "sum": "\\sum",
     "agm": "\\mathrm{agm}",
@@ -58,36 +36,7 @@ OPERATORS = {
     "<": "\\lt ",
     ">": "\\gt ",
 }
-SHORT_WORDS = set(
-    [
-        "in",
-        "of",
-        "as",
-        "is",
-        "up",
-        "to",
-        "at",
-        "or",
-        "it",
-        "no",
-        "on",
-        "by",
-        "if",
-        "an",
-        "be",
-        "we",
-        "so",
-        "do",
-        "us",
-        "ms",
-        "kN",
-        "Hz",
-        "mm",
-        "km",
-        "nm",
-        "rpm",
-    ]
-)
+SHORT_WORDS = set(re.findall(r"\w+", "in of as is up to at or it no on by if an be we so do us ms kN Hz mm km nm rpm"))
 ARTICLES = {"a", "A", "I"}
 OPERATOR = r"[-+=*/<>·×~±]|<=|>="
 POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -329,7 +278,7 @@ def block(text: str) -> str:
 
 # -- in sentences -----------------------------------------------------------------------------------------------------------------
 SYMBOL = re.compile(r"(?:[A-Za-z]|" + "|".join(GREEK) + r")\d?(?:_[A-Za-z0-9]+(?:\+1)?)?")
-UNITS = set(["N", "m", "s", "W", "K", "J", "kg", "V", "A", "rad", "Hz", "Pa", "mm", "g", "h", "l", "km", "kN"])
+UNITS = set(re.findall(r"\w+", "N m s W K J kg V A rad Hz Pa mm g h l km kN"))
 SIGNS = re.compile(r"[=+/*<>^·×~²³⁴']|(?:^|\s)-(?:\s|$)|sqrt\(")
 
 
