@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
 from importlib.util import find_spec
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
@@ -47,32 +50,63 @@ from .options import (
     refuse,
     reports,
     times_of,
+    with_options,
 )
 
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
+    from ..scene.scene import Scene
 
 dataset = group("dataset", "Data sets of simulated records.")
 
 
+@dataclass(frozen=True)
+class Runs:
+    """What the options give that all these commands have. how: who computes the runs, and whether some are repeated."""
+
+    scene: Scene
+    how: Mapping[str, Any]
+
+
+def many_runs(command: Callable[..., None]) -> Callable[..., None]:
+    """A command of many runs: it gets `Runs`, and has the options that change a scene and say how its runs are computed."""
+    more = {
+        "values": (Changes, None),
+        "presets": (Presets, None),
+        "step": (Step, None),
+        "stop": (Stop, None),
+        "jobs": (Jobs, None),
+        "scheduler": (Scheduler, ""),
+        "no_verify": (NoVerify, False),
+    }
+
+    @wraps(command)
+    def running(*, scene: str, output: Path, **given: Any) -> None:
+        values, presets, step, stop, jobs, scheduler, no_verify = (given.pop(name) for name in more)
+        over = given.get("over")
+        if given["plan"] is not None:
+            refuse({"--over": over}, "none with --plan", "Give one of them.")
+        loaded = scene_of(scene, values, presets, {**times_of(step, stop), "sweep": ranges_of(over) or None})
+        with locked(output):  # now, not after many runs
+            command(Runs(loaded, {"jobs": jobs, "scheduler": scheduler, "verify": not no_verify}), output=output, **given)
+
+    _, *own = inspect.signature(command, eval_str=True).parameters.values()
+    first = inspect.Parameter("scene", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=SceneName)
+    return with_options(running, [first, *own], more)
+
+
 @app.command()
 @reports
+@many_runs
 def sweep(
-    scene: SceneName,
+    runs: Runs,
     plan: OptionalPlanFile = None,
     over: Over = None,
     output: Output = Path("sweep"),
-    values: Changes = None,
-    presets: Presets = None,
-    step: Step = None,
-    stop: Stop = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
     add: Annotated[int, Option(help="Further points of a plan by Sobol's sequence or at random.")] = 0,
     retry: Annotated[bool, Option("--retry", help="Run points that have failed again.")] = False,
     limits: Limits = "",
     condition: Conditions = None,
-    no_verify: NoVerify = False,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out
 
@@ -82,24 +116,10 @@ def sweep(
     from ..harness.many.failures import failure_groups
     from ..systems import many
 
-    if plan is not None:
-        refuse({"--over": over}, "none with --plan", "Give one of them.")
-    loaded = scene_of(scene, values, presets, {**times_of(step, stop), "sweep": ranges_of(over) or None})
-    with locked(output):  # now, not after a long sweep
-        results = many.sweep(
-            loaded,
-            plan,
-            output,
-            jobs=jobs,
-            scheduler=scheduler,
-            add=add,
-            retry=retry,
-            progress=True,
-            limits=limits,
-            conditions=condition or (),
-            verify=not no_verify,
-        )
-        written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
+    results = many.sweep(
+        runs.scene, plan, output, add=add, retry=retry, progress=True, limits=limits, conditions=condition or (), **runs.how
+    )
+    written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
     warn(results.remarks)
     failed = _failed(results)
     earlier = len(results.outcomes) - results.computed
@@ -115,41 +135,24 @@ def sweep(
 
 @app.command()
 @reports
+@many_runs
 def sensitivity(
-    scene: SceneName,
+    runs: Runs,
     plan: PlanFile,
     quantity: Quantities = None,
     method: Annotated[str, Option(help="sobol: shares of the variance; morris: cheap, which matter at all.")] = "sobol",
     samples: Annotated[int, Option(help="Blocks of as many runs as parameters, and 2 (sobol) or 1 more.")] = 128,
     output: Output = Path("sensitivity"),
-    values: Changes = None,
-    presets: Presets = None,
-    step: Step = None,
-    stop: Stop = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
-    no_verify: NoVerify = False,
 ) -> None:
     """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
     from ..harness.report import answers
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets, times_of(step, stop))
-    with locked(output):
-        answer = many.sensitivity(
-            loaded,
-            plan,
-            output,
-            quantities=quantity or [],
-            method=method,
-            samples=samples,
-            jobs=jobs,
-            scheduler=scheduler,
-            progress=True,
-            verify=not no_verify,
-        )
-        stopped_early(answer.sweep)
-        written = [answer.save(output), answers.for_sensitivity(answer, output)]
+    answer = many.sensitivity(
+        runs.scene, plan, output, quantities=quantity or [], method=method, samples=samples, progress=True, **runs.how
+    )
+    stopped_early(answer.sweep)
+    written = [answer.save(output), answers.for_sensitivity(answer, output)]
     first, total = answer.columns
     print_table(
         "",
@@ -163,8 +166,9 @@ def sensitivity(
 
 @app.command()
 @reports
+@many_runs
 def uncertainty(
-    scene: SceneName,
+    runs: Runs,
     plan: PlanFile,
     quantity: Quantities = None,
     effects: Annotated[
@@ -175,37 +179,26 @@ def uncertainty(
     limits: Limits = "",
     condition: Conditions = None,
     output: Output = Path("uncertainty"),
-    values: Changes = None,
-    presets: Presets = None,
-    step: Step = None,
-    stop: Stop = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
-    no_verify: NoVerify = False,
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
     from ..harness.many.uncertainty import FOR_TOLERANCE
     from ..harness.report import answers
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets, times_of(step, stop))
-    with locked(output):
-        answer = many.uncertainty(
-            loaded,
-            plan,
-            output,
-            quantities=quantity or [],
-            effects=effects,
-            share=share,
-            jobs=jobs,
-            scheduler=scheduler,
-            progress=True,
-            limits=limits,
-            conditions=condition or (),
-            verify=not no_verify,
-        )
-        stopped_early(answer.sweep)
-        written = [*answer.save(output), answers.for_uncertainty(answer, output)]
+    answer = many.uncertainty(
+        runs.scene,
+        plan,
+        output,
+        quantities=quantity or [],
+        effects=effects,
+        share=share,
+        progress=True,
+        limits=limits,
+        conditions=condition or (),
+        **runs.how,
+    )
+    stopped_early(answer.sweep)
+    written = [*answer.save(output), answers.for_uncertainty(answer, output)]
     too_few = f"needs {FOR_TOLERANCE} samples"
     errors = answer.sweep.repeated.errors if answer.sweep.repeated is not None else {}
     rows = []
@@ -227,25 +220,14 @@ def uncertainty(
 
 @app.command()
 @reports
-def fit(
-    scene: SceneName,
-    plan: PlanFile,
-    output: Output = Path("fit"),
-    values: Changes = None,
-    presets: Presets = None,
-    step: Step = None,
-    stop: Stop = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
-    no_verify: NoVerify = False,
-) -> None:
+@many_runs
+def fit(runs: Runs, plan: PlanFile, output: Output = Path("fit")) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
     from ..harness.report import answers
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets, times_of(step, stop))
-    with locked(output), _search() as observe:
-        answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe, verify=not no_verify)
+    with _search() as observe:
+        answer = many.fit(runs.scene, plan, output, observe=observe, **runs.how)
         written = [answer.save(output), answers.for_fit(answer, output)]
     print_table(
         "",
@@ -260,19 +242,9 @@ def fit(
 
 @app.command()
 @reports
+@many_runs
 def design(
-    scene: SceneName,
-    plan: PlanFile,
-    limits: Limits = "",
-    condition: Conditions = None,
-    output: Output = Path("design"),
-    values: Changes = None,
-    presets: Presets = None,
-    step: Step = None,
-    stop: Stop = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
-    no_verify: NoVerify = False,
+    runs: Runs, plan: PlanFile, limits: Limits = "", condition: Conditions = None, output: Output = Path("design")
 ) -> None:
     """Parameters for small or large quantities within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
     from ..harness.many.limits import recalled
@@ -280,20 +252,9 @@ def design(
     from ..harness.report import answers
     from ..systems import many
 
-    loaded = scene_of(scene, values, presets, times_of(step, stop))
-    with locked(output), _search() as observe:
-        answer = many.design(
-            loaded,
-            plan,
-            output,
-            jobs=jobs,
-            scheduler=scheduler,
-            observe=observe,
-            limits=limits,
-            conditions=condition or (),
-            verify=not no_verify,
-        )
-        written = [answer.save(output), answers.for_design(answer, loaded, output)]
+    with _search() as observe:
+        answer = many.design(runs.scene, plan, output, observe=observe, limits=limits, conditions=condition or (), **runs.how)
+        written = [answer.save(output), answers.for_design(answer, runs.scene, output)]
     if len(answer.quantities) > 1:
         points = [answer.steps[k] for k in answer.front]
         print_table("Front", [*answer.names, *answer.quantities], [(*s.parameters, *s.quantities) for s in points])

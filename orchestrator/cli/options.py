@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from math import nan
 from pathlib import Path
@@ -135,14 +135,21 @@ def reports(command: Callable[..., None]) -> Callable[..., None]:
             if output is not None and (output / "report.html").is_file() and not given.get("as_json"):
                 print(f"next: cosimo open {output}")
 
-    signature = inspect.signature(command, eval_str=True)
+    return with_options(delivering, inspect.signature(command, eval_str=True).parameters.values(), more)
+
+
+def with_options(
+    command: Callable[..., None], own: Iterable[inspect.Parameter], more: Mapping[str, tuple[Any, Any]]
+) -> Callable[..., None]:
+    """A command whose options are its own and, by name, more: (annotation, default)."""
     added = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
         for name, (kind, default) in more.items()
     ]
-    delivering.__signature__ = signature.replace(parameters=[*signature.parameters.values(), *added])  # type: ignore[attr-defined]
-    delivering.__annotations__ = {name: p.annotation for name, p in delivering.__signature__.parameters.items()}  # type: ignore[attr-defined]
-    return delivering
+    signature = inspect.Signature([*own, *added])
+    command.__signature__ = signature  # type: ignore[attr-defined]
+    command.__annotations__ = {name: p.annotation for name, p in signature.parameters.items()}
+    return command
 
 
 def refuse(given: Mapping[str, Any], expected: str, hint: str = "Remove it.") -> None:
