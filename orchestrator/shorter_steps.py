@@ -1,4 +1,4 @@
-"""The same runs with shorter macro steps: the change to one scene, and all runs that a function makes."""
+"""The same runs with shorter steps, macro steps and internal ones: the change to one scene, and all runs that a function makes."""
 
 from __future__ import annotations
 
@@ -8,21 +8,43 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
+from ..components.catalogue import component_class
 from .scene.scene import Scene
+from .units.component import make
 
 P = ParamSpec("P")
 R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
 
 
-def shorter(scene: Scene, parts: int, *, denser: bool = True) -> dict[str, Any]:
-    """Changes to a macro step of one part in so many; with step control, to a tighter tolerance.
+def substeps(scene: Scene) -> dict[str, float]:
+    """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
+    components = {
+        name: make(name, unit)
+        for name, unit in scene.units.items()
+        if unit.component and "substep" in component_class(unit.component, name).variables
+    }
+    return {
+        f"units.{name}.parameters.substep": float(component.get("substep"))
+        for name, component in components.items()
+        if not component.unused(["substep"])
+    }
 
-    denser: whether rows are as many times denser, as the largest value of a run is that of a sample and misses what is between
-    two; or at the same times.
+
+def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
+    """The changes to `factor` times the internal steps of all units, or of one."""
+    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}
+    return {place: value * factor for place, value in places.items()}
+
+
+def shorter(scene: Scene, parts: int, *, denser: bool = True, inside: bool = True) -> dict[str, Any]:
+    """Changes to a macro step and internal steps of one part in so many; with step control, to a tighter tolerance.
+
+    inside: whether the internal steps are shorter, too.  denser: whether rows are as many times denser, as the largest value of a
+    run is that of a sample and misses what is between two; or at the same times.
     """
     step, control, record = scene.master.step, scene.master.control, scene.record
-    changes: dict[str, Any] = {"master.step": step / parts}
+    changes: dict[str, Any] = {"master.step": step / parts, **(refined(scene, 1.0 / parts) if inside else {})}
     if control is not None:  # steps follow the root of the tolerance
         changes |= {f"master.control.{key}": getattr(control, key) / parts**2 for key in ("relative", "absolute")}
         changes |= {"master.control.min_step": control.min_step / parts} if control.min_step else {}
@@ -37,7 +59,7 @@ def shorter(scene: Scene, parts: int, *, denser: bool = True) -> dict[str, Any]:
 
 @contextmanager
 def shorter_steps(parts: int) -> Iterator[None]:
-    """Every run inside has each macro step in so many parts, and its rows at the same times."""
+    """Every run inside has each macro step and each internal step in so many parts, and its rows at the same times."""
     token = _parts.set(parts)
     try:
         yield
@@ -46,7 +68,7 @@ def shorter_steps(parts: int) -> Iterator[None]:
 
 
 def parts_of_step() -> int:
-    """In how many parts each macro step is."""
+    """In how many parts each step is."""
     return _parts.get()
 
 

@@ -110,7 +110,7 @@ def run(
         str | None,
         Option(
             metavar="whole|full",
-            help="Find errors by repeating the whole run with half the macro step, whatever it costs; full: and with finer internal "
+            help="Find errors by repeating the whole run with half the steps, whatever it costs; full: and with finer internal "
             "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it.",
         ),
     ] = None,

@@ -36,7 +36,7 @@ def validate(
         str | None,
         Option(
             metavar="whole",
-            help="Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: "
+            help="Find the errors of all numbers by repeating each case with half of its steps, whatever it costs. Default: "
             "cases whose repetition takes at most 5 s of CPU time.",
         ),
     ] = None,

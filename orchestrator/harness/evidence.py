@@ -70,7 +70,7 @@ def scene_evidence(scene: Scene) -> Evidence:
         time=time,
         outputs=outputs,
         tolerances=tolerances,
-        source=f"Computed in process by {versions()}; tolerances: distance from a run with half the macro step.",
+        source=f"Computed in process by {versions()}; tolerances: distance from a run with half the steps.",
         steps=steps,
         meaning=(
             "The macro step of the scene, and the error of its quantities of interest "

@@ -142,11 +142,13 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
         return (
             f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
-            f"repeated with a macro step of {step:g} s{slower}. {verification['why'][:1].upper()}{verification['why'][1:]}."
+            f"repeated with a macro step of {step:g} s and the same internal steps{slower}. "
+            f"{verification['why'][:1].upper()}{verification['why'][1:]}."
         )
+    shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"
     text = (
-        f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "
-        f"{step:g} s{f' and {0.5 * step:g} s' if verification['runs'] > 2 else ''}."
+        f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step of {2.0 * step:g} s, {shorter}"
+        f"{', and internal steps likewise' if verification.get('inside') else ''}."
     )
     parts = [
         f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}"

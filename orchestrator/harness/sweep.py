@@ -56,7 +56,7 @@ class Sweep:
     run failed.  outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
     units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
     plan: how the points were chosen.  files: what was written.  computed: runs of this call.
-    repeated: what half of every macro step changes at some points; None where nothing was repeated.
+    repeated: what half of every step changes at some points; None where nothing was repeated.
     rows: the points' rows, a store and their places in it; None without a directory.
     """
 

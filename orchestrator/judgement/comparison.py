@@ -22,7 +22,20 @@ import numpy as np
 from ..engine.coupling.graph import is_discrete
 from ..results import Result
 from ..units.interface import Signal
-from .thresholds import APART, BULK, CONVERGING, FEW, FEWEST_ROWS, HARDLY, NOTHING, ORDER_UNSURE, PARTS, SAME_SPREAD, TOGETHER
+from .thresholds import (
+    APART,
+    BULK,
+    CONVERGING,
+    FEW,
+    FEWEST_ROWS,
+    HARDLY,
+    LATER,
+    NOTHING,
+    ORDER_UNSURE,
+    SAME_SPREAD,
+    SECTIONS,
+    TOGETHER,
+)
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
 EXCERPT = 160  # rows of two signals where they differ most
@@ -33,15 +46,29 @@ SURE, UNSURE = 2.0, 3.0  # error over the difference of two runs: at first order
 class Difference:
     """Of two runs in one signal, in parts of the signal's scale.
 
-    rms, largest: over all rows.  parts: (PARTS,) rms in equal parts of the run.  spread: deviation of the first over the second.
+    rms, largest: over all rows.  sections: (SECTIONS,) rms in equal sections of the run.  spread: deviation of the first over the
+    second.
     rest: rms without the few rows in which most of it is; as large as `rms` where it is not in few rows.
     """
 
     rms: float
     largest: float
-    parts: np.ndarray
+    sections: np.ndarray
     spread: float = 1.0
     rest: float = inf
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """rms in the first and in the last eighth of the run."""
+        n = max(self.sections.size // 8, 1)
+        return _rms(self.sections[:n]), _rms(self.sections[-n:])
+
+    @property
+    def together(self) -> float:
+        """Share of the run before two histories part that begin alike; infinite where they do not, or come together again."""
+        k = int(np.argmax(self.sections > APART))
+        parted = self.sections[0] < TOGETHER and np.median(self.sections[k:]) > APART
+        return (k + 1) / self.sections.size if parted else inf
 
 
 @dataclass(frozen=True)
@@ -112,7 +139,7 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
     gap[first == second] = 0.0  # infinities
     gap[~np.isfinite(gap)] = max(scale, own)
     if not gap.any():
-        return Difference(0.0, 0.0, np.zeros(PARTS))
+        return Difference(0.0, 0.0, np.zeros(SECTIONS))
     with np.errstate(over="ignore"):
         gap = gap / (scale or own)
         most = np.partition(gap, gap.size - few)[: gap.size - few] if 0 < (few := int(FEW * gap.size)) < gap.size else gap
@@ -121,7 +148,7 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
         return Difference(
             rms,
             float(gap.max()),
-            np.array([_rms(part) for part in np.array_split(gap, PARTS)]),
+            np.array([_rms(part) for part in np.array_split(gap, SECTIONS)]),
             own / scale if scale else 1.0,
             float(rest) if rest**2 < (1.0 - BULK) * rms**2 else rms,
         )
@@ -132,7 +159,7 @@ def _of_shares(other: np.ndarray) -> Difference:
     return Difference(
         float(other.mean()),
         float(other.max(initial=0)),
-        np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, PARTS)]),
+        np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, SECTIONS)]),
     )
 
 
@@ -221,12 +248,11 @@ def _of_two(d: Difference) -> SignalError:
 
 def _of_three(d: Difference, d2: Difference) -> SignalError:
     order = min(log2(d.rms / d2.rms), HIGHEST_ORDER) if d.rms and d2.rms else nan
-    parted = (
-        d2.rms * CONVERGING > d.rms
-        and max(d.parts[0], d2.parts[0]) < TOGETHER
-        and max(d.parts[-1], d2.parts[-1]) > APART
-        and all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2))
-    )
+    (first, last), (first2, last2) = d.ends, d2.ends
+    later = max(first, first2) < TOGETHER and max(last, last2) > APART
+    at_once = isfinite(d.together) and d2.together < LATER * d.together  # a drift takes twice as long with half the step
+    alike = all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2))
+    parted = d2.rms * CONVERGING > d.rms and alike and (later or at_once)
     return SignalError(
         d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, 2.0 * d2.rms, parted, d.rest < d.rms, d.spread * d2.spread
     )

@@ -115,8 +115,8 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
         )
     else:
         yield (
-            f"verification: the run again with half the macro step, {'about' if in_process else 'in process, below'} "
-            f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of it as well"
+            f"verification: the run again with half the steps, {'about' if in_process else 'in process, below'} "
+            f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of them as well"
         )
 
 

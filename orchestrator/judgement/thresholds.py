@@ -20,9 +20,16 @@ WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
 PROBED = 0.02  # of a run that is made to see what the whole costs, and in a dry run how large errors are
 PREFIX_STEPS = 400  # macro steps of it at least in a dry run: motions begin
 
+MOSTLY = (
+    0.75  # share of an error that half the macro step alone shows, from which the error is its own; below the rest, it is inside
+)
+
 # -- what kind of difference it is ---------------------------------------------------------------------------------------------
-PARTS = 8  # of a run, whose differences are compared
-TOGETHER = 0.05  # largest difference in the first parts of a run whose histories part later
+SECTIONS = 256  # of a run, whose differences are compared
+TOGETHER = 0.05  # largest difference in the first sections of a run whose histories part later
+LATER = (
+    1.6  # factor by which runs of half the steps stay together longer at most where they part: what drifts stays twice as long
+)
 APART = 0.3  # difference in the last part from which histories have parted
 SAME_SPREAD = 1.25  # factor that deviations of runs may differ by whose histories part while their statistics agree
 FEW = 0.01  # of the rows, in which BULK of a squared difference is where a signal jumps at another instant

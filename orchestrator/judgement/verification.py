@@ -1,8 +1,9 @@
 """A run is judged by repeating it: every recorded signal and every figure of a run gets its numerical error.
 
-The run is repeated with half the macro step, and with a quarter if the two differ by much. A run that is too long for this is repeated
-over windows. All other settings stay: the error is that of the macro step. With "full", internal steps, tolerances and meshes of the
-units are halved as well, one after the other.
+The run is repeated with half of every step, the macro step and the internal steps of the units, and with a quarter if the two differ by
+much. Where an error is large, a further run with half the macro step alone tells which of them makes it. A run that is too long for this
+is repeated over windows, with half the macro step alone. With "full", tolerances and meshes of the units are refined as well, one
+after the other.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import floor, isfinite, isnan, log10, nan
+from math import isfinite, nan
 from pathlib import Path
 from time import process_time
 from typing import Any, Literal
@@ -22,9 +23,10 @@ from ...components.core.errors import BadInput
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
-from ..shorter_steps import shorter
+from ..shorter_steps import shorter, substeps
 from ..units.component import make
 from .comparison import (
+    Difference,
     SignalError,
     between_rows,
     common_rows,
@@ -35,23 +37,23 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
-from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
+from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
+from .warnings import suggestion, warnings_of
 from .windows import WindowsWish
 
-FINER = {"substep": 0.5, "tolerance": 0.1}  # a tenth of a tolerance: components control the error of a step, not of the run
+FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 MESH = 0.5
 
 
 def settings_inside(scene: Scene) -> dict[str, Any]:
-    """Place in the scene -> finer value, of every internal step and tolerance in use and of what [study] names as mesh."""
+    """Place in the scene -> finer value, of every tolerance in use and of what [study] names as mesh."""
     finer: dict[str, Any] = {}
     for name, unit in scene.units.items():
-        if not unit.component:
+        if not unit.component or "tolerance" not in component_class(unit.component, name).variables:
             continue
-        component, known = make(name, unit), component_class(unit.component, name).variables
-        for parameter, factor in FINER.items():
-            if parameter in known and not component.unused([parameter]):
-                finer[f"units.{name}.parameters.{parameter}"] = factor * float(component.get(parameter))
+        component = make(name, unit)
+        if not component.unused(["tolerance"]):
+            finer[f"units.{name}.parameters.tolerance"] = FINER_TOLERANCE * float(component.get("tolerance"))
     for mesh in scene.study.mesh:
         name, parameter = scene.split(mesh)
         finer[f"units.{name}.parameters.{parameter}"] = MESH * float(make(name, scene.units[name]).get(parameter))
@@ -86,7 +88,8 @@ class Verification:
     growing: whose difference still grows there, see `windows`.
     excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
     unseen: signals that their rows do not show -> how far they depart from straight lines between two.
-    parts: place of an internal setting -> worst signal and how much
+    inside: internal steps that were halved, too, place -> s.  coupling: share of the largest error that half the macro step alone
+    shows; NaN where it is not known.  parts: place of an internal setting -> worst signal and how much
     it changes.  seconds: CPU time that it took.
     """
 
@@ -104,6 +107,8 @@ class Verification:
     parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     excerpt: Mapping[str, Any] = field(default_factory=dict)
     unseen: Mapping[str, float] = field(default_factory=dict)
+    inside: Mapping[str, float] = field(default_factory=dict)
+    coupling: float = nan
     seconds: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
@@ -132,6 +137,8 @@ class Verification:
             ),
             **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
             **({"unseen": dict(self.unseen)} if self.unseen else {}),
+            **({"inside": dict(self.inside)} if self.inside else {}),
+            **({"coupling": self.coupling} if isfinite(self.coupling) else {}),
             **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
             "seconds": self.seconds,
         }
@@ -153,7 +160,7 @@ def run(
     """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
 
     verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
-    whatever it takes; "full" also halves internal steps and meshes of the units; "no" leaves the errors unknown.
+    whatever it takes; "full" also refines tolerances and meshes of the units; "no" leaves the errors unknown.
     The other arguments are those of `orchestrator.run.run`: packaging, progress, checkpoints, where the result is stored.
     Raises `BadInput` for what cannot start. `result.info["verification"]` says what was found.
     """
@@ -197,7 +204,7 @@ def verified_result(
     try:
         verification = _repeated(result, wish, in_process)
     except BadInput as error:  # such as an FMU whose step is fixed
-        verification = Verification(False, f"the run cannot be repeated with half its macro step: {error}")
+        verification = Verification(False, f"the run cannot be repeated with half its steps: {error}")
     return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
@@ -212,7 +219,7 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         return Verification(False, f"to repeat the run would take about {2.0 * each:.2g} s of CPU time: ask with --verify whole")
     second = run_once(scene.with_changes(shorter(scene, 2)), in_process=True)
     if second.outcome != "done":
-        return Verification(False, f"the run at half the macro step is {second.outcome}: {second.message}")
+        return Verification(False, f"the run with half its steps is {second.outcome}: {second.message}")
     first_gap = differences(result, second)
     third = None
     if needs_third(first_gap) and (wish != "auto" or 6.0 * each <= SECONDS):
@@ -220,6 +227,9 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
     fine = third is not None and third.outcome == "done"
     shown = [r for r in (result, second, third if fine else None) if r is not None]
     signals = signal_errors(first_gap, differences(second, third) if third is not None and fine else None)
+    inside, coupling = substeps(scene), nan
+    if inside and any(e.rms > WARN for e in signals.values()) and (wish != "auto" or 8.0 * each <= SECONDS):
+        coupling = _of_macro_step(result, first_gap, worst_of(signals))
     figures, parts = _figures(shown, unsure=needs_third(first_gap)), {}
     for place, finer in finer_inside(result) if wish == "full" else ():
         gaps, of_place = differences(result, finer), _figures([result, finer], unsure=False)
@@ -240,7 +250,17 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         parts=parts,
         excerpt=excerpt(result, second, worst_of(signals)),
         unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN},
+        inside=inside,
+        coupling=coupling,
     )
+
+
+def _of_macro_step(result: Result, gaps: Mapping[str, Difference], name: str) -> float:
+    """Share of a signal's difference that half the macro step alone makes; NaN where such a run does not come to its end."""
+    second = run_once(result.scene.with_changes(shorter(result.scene, 2, inside=False)), in_process=True)
+    if second.outcome != "done" or not gaps[name].rms:
+        return nan
+    return min(differences(result, second)[name].rms / gaps[name].rms, 1.0)
 
 
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
@@ -347,8 +367,8 @@ def _judged(result: Result, verification: Verification) -> Result:
         outcome = "unstable"
         grown = verification.signals[worst].grown
         message = (
-            f"the coupling is unstable: the deviation of {worst} is {grown:.2g} times that of a run with a shorter macro "
-            f"step. {_suggestion(result.scene, verification, worst)}"
+            f"the run is unstable: the deviation of {worst} is {grown:.2g} times that of a run with shorter "
+            f"steps. {suggestion(result.scene, verification, worst)}"
         )
     texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)
     info = {
@@ -359,82 +379,3 @@ def _judged(result: Result, verification: Verification) -> Result:
         "warnings": [*result.info["warnings"], *texts],
     }
     return replace(result, info=info, outcome=outcome, message=message)
-
-
-def warnings_of(scene: Scene, verification: Verification) -> list[str]:
-    """What a user should know of the errors that were found."""
-    parted = [name for name, e in verification.signals.items() if e.parted]
-    wrong = {name: e for name, e in verification.signals.items() if e.rms > WARN and not e.parted}
-    texts = []
-    if parted:
-        texts.append(
-            f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the macro step, "
-            "while their deviations agree. These histories are one of many; figures have their error"
-        )
-    if wrong and parted:  # what hangs on a history that has parted is no sign of a step that is too long
-        wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
-    shifted = {name: e for name, e in wrong.items() if e.shifted}
-    wrong = {name: e for name, e in wrong.items() if not e.shifted}
-    if wrong:
-        worst = worst_of(wrong)
-        others = _listed([worst, *(name for name in wrong if name != worst)])
-        texts.append(
-            f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
-            f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
-            f"{_suggestion(scene, verification, worst)}"
-        )
-    if shifted:
-        worst = worst_of(shifted)
-        others = _listed([worst, *(name for name in shifted if name != worst)])
-        texts.append(
-            f"with half the macro step, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
-            f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
-            f"{_suggestion(scene, verification, worst)}"
-        )
-    if unseen := verification.unseen:
-        worst = max(unseen, key=lambda name: unseen[name])
-        others = _listed([worst, *(name for name in unseen if name != worst)])
-        texts.append(
-            f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
-            f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
-            f"lies there. {_denser(scene)}"
-        )
-    return texts
-
-
-def _denser(scene: Scene) -> str:
-    """How rows get denser."""
-    interval = scene.record.interval
-    if interval is not None and interval > scene.master.step:
-        return f"Lower record.interval, which is {interval:g} s"
-    return f"Shorten master.step, which is {scene.master.step:g} s"
-
-
-def _suggestion(scene: Scene, verification: Verification, name: str) -> str:
-    """The macro step that would bring the error of a signal below what is aimed at."""
-    error, step = verification.signals[name], scene.master.step
-    what = "a tolerance of master.control that gives steps of" if scene.master.control else "master.step ="
-    if error.half <= AIM:
-        return f"With {what} {0.5 * step:.3g} s it is {_percent(error.half)}"
-    if verification.runs > 2 and not error.order > LOWEST_ORDER:
-        trend = "falls slowly" if error.half < error.rms else "does not fall"
-        return f"The error {trend} with the step: with {0.5 * step:.3g} s it is {_percent(error.half)}"
-    order = min(error.order, 2.0) if isfinite(error.order) else 1.0
-    known, at = (error.half, 0.5 * step) if isfinite(error.half) else (error.rms, step)
-    seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if the error falls with the step"
-    return f"Take {what} {_rounded_down(at * (AIM / known) ** (1.0 / order))} s for {_percent(AIM)}, {seen}"
-
-
-def _rounded_down(step: float) -> str:
-    """A step with one digit that is not longer."""
-    digit = 10.0 ** floor(log10(step))
-    return f"{floor(step / digit * (1.0 + 1e-9)) * digit:.1g}"
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} other signal{'s' if len(names) > 2 else ''}"
-
-
-def _percent(share: float) -> str:
-    """Of two digits; large ones say no more than that."""
-    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %" if share < 100.0 else "more than 10000 %"

@@ -15,7 +15,7 @@ from cosimo.orchestrator.systems import cases
 
 UNDECIDED = ("passed", "recalled", "undecided")
 SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
-WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its macro steps
+WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its steps
 
 
 def done(command, name, folder, *options):

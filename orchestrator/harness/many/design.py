@@ -27,7 +27,7 @@ from .searches import Ask, differences, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
 EVALUATIONS = 200  # at most, each start
-REPEATED = 5  # runs of a front, from end to end, that are made again with half of every macro step
+REPEATED = 5  # runs of a front, from end to end, that are made again with half of every step
 BAD = 1e3  # a failed run is this many scales worse than the start
 
 
@@ -54,7 +54,7 @@ class Design:
     quantities, maximise: the aims, and which of them are made large.  names: of the parameters.  constraints: of the columns with
     limits.  units: of measure of all these.  front: places in `steps` that no other one beats in one aim without losing in
     another, in the order of the first aim; of one aim the best run, none where no run keeps the limits.  active: constraints of
-    the best run of one aim that are at a limit.  repeated: what half of every macro step changes at the best run, or at some of a
+    the best run of one aim that are at a limit.  repeated: what half of every step changes at the best run, or at some of a
     front.  starts: searches.  computed: runs of this call; the others were kept.  sweep:
     all of them.
     """
@@ -143,7 +143,7 @@ def design(
     `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
     of differences, and of several starts, as in a sweep; they change no number. `limits`, `conditions`: a
     validation table whose rows are constraints as well, and which of them. `verify`: whether the best run, of a front some of its
-    runs, are made again with half of every macro step. Raises `BadInput`, also where the start cannot be
+    runs, are made again with half of every step. Raises `BadInput`, also where the start cannot be
     run, and `Stopped` where a signal has ended it.
     """
     if isinstance(settings, str | Path):

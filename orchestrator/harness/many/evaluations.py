@@ -136,7 +136,7 @@ class Evaluations:
         return self._rows(digests)
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
-        """Rows at points that were run, with half of every macro step, None where that takes too long; and what this changes."""
+        """Rows at points that were run, with half of every step, None where that takes too long; and what this changes."""
         rows, plan = self(points), self._plan(points)
         names = dict.fromkeys(n for row in rows for n in row.numbers)
         numbers = {n: np.array([row.numbers.get(n, np.nan) for row in rows]) for n in names}

@@ -90,7 +90,7 @@ def fit(
     on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured frequencies.
     Samples count as independent, which makes the deviations too small where they are not. `directory`: where the runs are kept;
     those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs of a Jacobian, and of several starts,
-    as in a sweep; they change no number. `verify`: whether the fitted run is made again with half of every macro step, which
+    as in a sweep; they change no number. `verify`: whether the fitted run is made again with half of every step, which
     tells how large its numerical error is beside that of the measurements. Raises `BadInput`, also where the start
     cannot be run, and `Stopped` where a signal has ended it.
     """
@@ -177,7 +177,7 @@ class _Fitting:
         )
 
     def _blurred(self, best: Fit, row: Row) -> list[str]:
-        """What half of every macro step changes at the fit, where that is not small beside what is left of the residuals."""
+        """What half of every step changes at the fit, where that is not small beside what is left of the residuals."""
         rows, repeated = self.runs.repeated([best.values])
         (again,) = rows
         if again is None or again.outcome != "done":

@@ -75,7 +75,7 @@ class Live:
     def repeating(self) -> None:
         """All points have ended; some of them are run again."""
         if self._bar is not None:
-            self._bar.update(self._task, description="Repeating some points with half of every macro step")
+            self._bar.update(self._task, description="Repeating some points with half of every step")
 
     def end(self, state: str) -> None:
         """The last page, which no longer reloads itself."""

@@ -1,4 +1,4 @@
-"""How far the numbers of many runs can be trusted: some of the points are run again, with half of every macro step.
+"""How far the numbers of many runs can be trusted: some of the points are run again, with half of every step.
 
 The runs are kept beside those of the points, in points/<base>/half, and are not made again.
 """
@@ -30,7 +30,7 @@ SHOWN = 3  # columns that a message names
 
 @dataclass(frozen=True)
 class Repeated:
-    """What half of every macro step changes at some points.
+    """What half of every step changes at some points.
 
     chosen: places of the points that were to be repeated; points: of those that were, within the time for it.  errors: by column,
     twice the largest difference of any point.  shares: the same over the column's scale, its largest size at any point, or that
@@ -53,8 +53,7 @@ class Repeated:
         worst = max(self.shares, key=self.shares.__getitem__, default="")
         largest = f"errors up to {100.0 * self.shares[worst]:.2g} % ({worst})" if worst else "no number to compare"
         return (
-            f"{len(self.points)} of {total} points, at the ends and at random, repeated with half of every macro step: "
-            f"{largest}{over}"
+            f"{len(self.points)} of {total} points, at the ends and at random, repeated with half of every step: {largest}{over}"
         )
 
     def messages(self) -> list[str]:
@@ -64,8 +63,8 @@ class Repeated:
         if large:
             named = "; ".join(f"{n} by up to ±{self.errors[n]:.2g}, {100.0 * self.shares[n]:.2g} %" for n in large[:SHOWN])
             more = f", and {len(large) - SHOWN} more" if len(large) > SHOWN else ""
-            texts.append(f"half of every macro step changes {named}{more}: reduce master.step")
-        texts += [f"point {k} does not come to its end with half of every macro step: {why}" for k, why in self.failed.items()]
+            texts.append(f"half of every step changes {named}{more}: shorten master.step and the substeps")
+        texts += [f"point {k} does not come to its end with half of every step: {why}" for k, why in self.failed.items()]
         return texts
 
     def to_json(self) -> dict[str, Any]:
@@ -97,7 +96,7 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
 def repeat(
     task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
 ) -> dict[int, Row]:
-    """Rows with half of every macro step by place, as far as they are known or computed in this time, s; one in any case."""
+    """Rows with half of every step by place, as far as they are known or computed in this time, s; one in any case."""
     half = Store(folder / "half")
     wanted = np.array(places, dtype=int)
     missing = wanted[half.missing(digests[wanted])]
@@ -109,7 +108,7 @@ def repeat(
 
 
 def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:
-    """The rows with half of every macro step against the numbers (n,) of all points by column."""
+    """The rows with half of every step against the numbers (n,) of all points by column."""
     done = [k for k in places if k in rows and rows[k].outcome == "done"]
     scales = _scales(numbers)
     errors, shares, at = {}, {}, {}
@@ -147,6 +146,6 @@ def blurred(repeated: Repeated | None, deviations: Mapping[str, float]) -> list[
     shares = {n: repeated.errors[n] / d for n, d in deviations.items() if repeated.errors.get(n, 0.0) > OF_DEVIATION * d > 0.0}
     return [
         f"{name}: the numerical error of a run, up to ±{repeated.errors[name]:.2g}, is {100.0 * share:.2g} % of the standard "
-        "deviation over the points: reduce master.step"
+        "deviation over the points: shorten master.step and the substeps"
         for name, share in shares.items()
     ]

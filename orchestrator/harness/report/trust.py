@@ -73,12 +73,12 @@ def percent(share: float | None) -> str:
 def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
     name = given["signal"]
     unit = result.measures.get(name, "")
-    lines = (Series("half the macro step", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
+    lines = (Series("half the steps", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
     panel = Panel(name + (f", {unit}" if unit not in ("", "1") else ""), lines)
     return Chart(
         "Where the two runs differ most",
         "time, s",
         (panel,),
-        "The signal with the largest error, about the instant of its largest difference: this run, and the one with a "
-        f"macro step of {step:g} s.",
+        "The signal with the largest error, about the instant of its largest difference: this run, and the one with half the "
+        f"steps, a macro step of {step:g} s.",
     )

@@ -26,11 +26,11 @@ from ....components.core.folders import cache_root
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
+from ...shorter_steps import refined
 from ..code_digests import short_digest
 from .accuracy import Accuracy, Point
 from .accuracy_table import read_points, write_points
 from .quantities import TimeHistory, errors, percent, quantities_of, recording
-from .settings_axes import refined
 from .trial import trial
 
 SCENE, NUMBERS = "scene digest", "rms of signals"

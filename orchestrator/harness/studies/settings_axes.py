@@ -11,6 +11,7 @@ from ....components.core.errors import BadInput
 from ....components.core.variables import Causality
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
+from ...shorter_steps import refined
 from ...units.component import make
 
 DEGREES = ("held", "linear", "quadratic")
@@ -46,26 +47,6 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
     if scene.coupling.links:  # without any, a degree or an order would have no effect, which a scene refuses
         changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
     return changes
-
-
-def substeps(scene: Scene) -> dict[str, float]:
-    """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
-    components = {
-        name: make(name, unit)
-        for name, unit in scene.units.items()
-        if unit.component and "substep" in component_class(unit.component, name).variables
-    }
-    return {
-        f"units.{name}.parameters.substep": float(component.get("substep"))
-        for name, component in components.items()
-        if not component.unused(["substep"])
-    }
-
-
-def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
-    """The changes to `factor` times the internal steps of all units, or of one."""
-    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}
-    return {place: value * factor for place, value in places.items()}
 
 
 def meshes(scene: Scene) -> dict[str, float]:

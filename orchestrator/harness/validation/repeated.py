@@ -1,4 +1,4 @@
-"""Errors of a case's numbers: the case is repeated with half of every macro step."""
+"""Errors of a case's numbers: the case is repeated with half of every step."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .questions import Options
 
 
 def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
-    """What a case finds, each row with its numerical error where a repetition with half of every macro step shows one.
+    """What a case finds, each row with its numerical error where a repetition with half of every step shows one.
 
     wish: "auto" repeats what takes at most `SECONDS` of CPU time, "whole" whatever it takes, "no" nothing. A number that is the
-    same to the last digit has no error: no macro step is in it.
+    same to the last digit has no error: no step is in it.
     """
     begun = process_time()
     with CompileTime() as compiling:
@@ -30,7 +30,7 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     if wish == "no" or not findings.complete:
         return replace(findings, unverified=NOT_ASKED if wish == "no" else "a run did not reach its end")
     if wish == "auto" and cost > SECONDS:
-        why = f"to repeat the case with half of its macro steps would take about {cost:.2g} s: ask with --verify whole"
+        why = f"to repeat the case with half of its steps would take about {cost:.2g} s: ask with --verify whole"
         return replace(findings, unverified=why)
     return _with_errors(findings, case, options)
 
@@ -40,9 +40,9 @@ def _with_errors(findings: Findings, case: Case, options: Options) -> Findings:
         with shorter_steps(2):
             finer = case.findings(replace(options, in_process=True))
     except (BadInput, StepFailed) as error:
-        return replace(findings, unverified=f"the case cannot be repeated with half of its macro steps: {error}")
+        return replace(findings, unverified=f"the case cannot be repeated with half of its steps: {error}")
     if not finer.complete or len(finer.rows) != len(findings.rows):
-        return replace(findings, unverified="a run with half of its macro step did not reach its end")
+        return replace(findings, unverified="a run with half of its steps did not reach its end")
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
     claims = tuple(replace(c, rows=tuple(r for r in rows if r.reference.claim == c.claim.number)) for c in findings.claims)
     return replace(findings, rows=rows, claims=claims)

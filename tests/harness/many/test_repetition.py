@@ -1,4 +1,4 @@
-"""Errors of many runs: what half of every macro step changes, against closed forms; which points are repeated, when none is."""
+"""Errors of many runs: what half of every step changes, against closed forms; which points are repeated, when none is."""
 
 import json
 
@@ -169,7 +169,7 @@ def test_the_command_prints_which_points_were_repeated(tmp_path, capsys):
     (tmp_path / "plan.toml").write_text(tomli_w.dumps({"vary": {"spring.stiffness": [50.0, 100.0, 200.0]}}))
     command = ["sweep", "mass-on-spring", "--plan", str(tmp_path / "plan.toml"), "-o", str(tmp_path / "out")]
     _ends_well(command)
-    assert "3 of 3 points, at the ends and at random, repeated with half of every macro step" in capsys.readouterr().out
+    assert "3 of 3 points, at the ends and at random, repeated with half of every step" in capsys.readouterr().out
     page = (tmp_path / "out" / "report.html").read_text()
     assert "How far these numbers can be trusted" in page
     _ends_well([*command, "--no-verify"])

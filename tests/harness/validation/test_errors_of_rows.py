@@ -1,4 +1,4 @@
-"""A case is repeated with half of its macro steps: each row has its error, and one whose range ends within it is undecided."""
+"""A case is repeated with half of its steps: each row has its error, and one whose range ends within it is undecided."""
 
 import math
 from dataclasses import replace
