@@ -1,4 +1,4 @@
-"""The same runs with shorter steps, macro steps and internal ones: the change to one scene, and all runs that a function makes."""
+"""The same runs finer: shorter macro and internal steps, shorter elements, as changes to a scene; and all runs that a function makes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from ..components.catalogue import component_class
+from ..components.core.errors import BadInput
+from ..components.core.variables import Causality
 from .scene.scene import Scene
 from .units.component import make
 
@@ -35,6 +37,28 @@ def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
     """The changes to `factor` times the internal steps of all units, or of one."""
     places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}
     return {place: value * factor for place, value in places.items()}
+
+
+def meshes(scene: Scene) -> dict[str, float]:
+    """Place -> length of the elements, of what the scene's [study] names as mesh; raises `BadInput` for what is none."""
+    lengths = {}
+    for name in scene.study.mesh:
+        unit, parameter = scene.split(name)
+        given = scene.units.get(unit)
+        if given is None or not given.component or not parameter:
+            raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
+        value = make(unit, given).get(parameter)
+        variable = component_class(given.component, unit).variables[parameter]
+        if variable.causality is not Causality.PARAMETER or not isinstance(value, float):
+            raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
+        lengths[f"units.{unit}.parameters.{parameter}"] = value
+    return lengths
+
+
+def with_mesh(scene: Scene, factor: float) -> dict[str, Any]:
+    """The change to `factor` times the elements; internal steps with the square of it where they get shorter, as beams need."""
+    lengths = {place: factor * length for place, length in meshes(scene).items()}
+    return {**lengths, **(refined(scene, factor**2) if factor < 1.0 else {})}
 
 
 def shorter(scene: Scene, parts: int, *, denser: bool = True, inside: bool = True) -> dict[str, Any]:

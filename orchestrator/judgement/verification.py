@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import isfinite, nan
 from pathlib import Path
 from time import process_time
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -23,11 +23,10 @@ from ...components.core.errors import BadInput
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
-from ..shorter_steps import shorter, substeps
+from ..shorter_steps import shorter, substeps, with_mesh
 from ..units.component import make
 from .comparison import (
     Difference,
-    SignalError,
     between_rows,
     common_rows,
     differences,
@@ -37,6 +36,7 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
+from .record import Verification
 from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
 from .warnings import suggestion, warnings_of
 from .windows import WindowsWish
@@ -45,103 +45,36 @@ FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 MESH = 0.5
 
 
-def settings_inside(scene: Scene) -> dict[str, Any]:
-    """Place in the scene -> finer value, of every tolerance in use and of what [study] names as mesh."""
-    finer: dict[str, Any] = {}
-    for name, unit in scene.units.items():
-        if not unit.component or "tolerance" not in component_class(unit.component, name).variables:
-            continue
-        component = make(name, unit)
-        if not component.unused(["tolerance"]):
-            finer[f"units.{name}.parameters.tolerance"] = FINER_TOLERANCE * float(component.get("tolerance"))
-    for mesh in scene.study.mesh:
-        name, parameter = scene.split(mesh)
-        finer[f"units.{name}.parameters.{parameter}"] = MESH * float(make(name, scene.units[name]).get(parameter))
-    return finer
+def tolerances(scene: Scene) -> dict[str, float]:
+    """Place in the scene -> tighter value, of every tolerance in use."""
+    components = {
+        name: make(name, unit)
+        for name, unit in scene.units.items()
+        if unit.component and "tolerance" in component_class(unit.component, name).variables
+    }
+    return {
+        f"units.{name}.parameters.tolerance": FINER_TOLERANCE * float(component.get("tolerance"))
+        for name, component in components.items()
+        if not component.unused(["tolerance"])
+    }
 
 
 def finer_inside(result: Result) -> Iterator[tuple[str, Result]]:
-    """Place of each internal setting, and the run with its refinement, recorded at the same times; those that can be run."""
+    """Place of each tolerance, and the meshes together; the run with the refinement, recorded at the same times."""
     scene = result.scene
     interval = {"record.interval": scene.master.step} if scene.record.interval is None and not scene.master.control else {}
-    for place, value in settings_inside(scene).items():
-        try:
-            finer = run_once(scene.with_changes({place: value, **interval}), in_process=True)
-        except BadInput:  # a mesh that needs other settings as well
-            continue
-        if finer.outcome == "done":
-            yield place, finer
+    changes = {place: {place: value} for place, value in tolerances(scene).items()}
+    if scene.study.mesh:
+        changes[", ".join(scene.study.mesh)] = with_mesh(scene, MESH)
+    for place, finer in changes.items():
+        again = run_once(scene.with_changes({**finer, **interval}), in_process=True)
+        if again.outcome == "done":
+            yield place, again
 
 
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
 NOT_ASKED = "not asked for"
-
-
-@dataclass(frozen=True)
-class Verification:
-    """What repetition has shown of a run.
-
-    done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
-    "whole", "windows".  signals: by name.  figures: errors of the summary's figures, in their units.  windows: begins (s) and
-    length (s).  slower: signals slower than a window.
-    growing: whose difference still grows there, see `windows`.
-    excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
-    unseen: signals that their rows do not show -> how far they depart from straight lines between two.
-    inside: internal steps that were halved, too, place -> s.  coupling: share of the largest error that half the macro step alone
-    shows; NaN where it is not known.  parts: place of an internal setting -> worst signal and how much
-    it changes.  seconds: CPU time that it took.
-    """
-
-    done: bool
-    why: str = ""
-    step: float = nan
-    how: str = ""
-    runs: int = 0
-    signals: Mapping[str, SignalError] = field(default_factory=dict)
-    figures: Mapping[str, float] = field(default_factory=dict)
-    windows: tuple[float, ...] = ()
-    length: float = nan
-    slower: tuple[str, ...] = ()
-    growing: tuple[str, ...] = ()
-    parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    excerpt: Mapping[str, Any] = field(default_factory=dict)
-    unseen: Mapping[str, float] = field(default_factory=dict)
-    inside: Mapping[str, float] = field(default_factory=dict)
-    coupling: float = nan
-    seconds: float = 0.0
-
-    def to_json(self) -> dict[str, Any]:
-        """The object `verification` of run.json."""
-        if not self.done:
-            return {"done": False, "why": self.why}
-        return {
-            "done": True,
-            "why": self.why,
-            "step": self.step,
-            "how": self.how,
-            "runs": self.runs,
-            "signals": {name: error.to_json() for name, error in self.signals.items()},
-            "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
-            **(
-                {
-                    "windows": {
-                        "begins": list(self.windows),
-                        "length": self.length,
-                        "slower": list(self.slower),
-                        "growing": list(self.growing),
-                    }
-                }
-                if self.windows
-                else {}
-            ),
-            **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
-            **({"unseen": dict(self.unseen)} if self.unseen else {}),
-            **({"inside": dict(self.inside)} if self.inside else {}),
-            **({"coupling": self.coupling} if isfinite(self.coupling) else {}),
-            **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
-            "seconds": self.seconds,
-        }
 
 
 def run(

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from math import floor, isfinite, isnan, log10
-from typing import TYPE_CHECKING
 
 from ..scene.scene import Scene
 from .comparison import worst_of
+from .record import Verification
 from .thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
-
-if TYPE_CHECKING:
-    from .verification import Verification
 
 MOST_NAMED = 2  # internal steps that a message names
 TRIED = 0.5  # of the steps, in the second run

@@ -74,7 +74,7 @@ def test_past_the_limit_a_unilateral_contact_stays_finite_and_is_plainly_wrong(s
     assert result["pantograph.contact_force"].max() > 4.0 * reference["pantograph.contact_force"].max()
     assert result["pantograph.contact_force"].min() == 0.0 < reference["pantograph.contact_force"].min()
     said = " ".join((result.message, *result.info["warnings"]))
-    assert "the coupling is unstable" in said or "macro step is too long" in said
+    assert "is unstable" in said or "too long" in said
     assert not reference.info["warnings"]
 
 

@@ -23,11 +23,11 @@ from ....components.core.errors import BadInput
 from ...run import run
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
-from ...shorter_steps import refined
+from ...shorter_steps import refined, with_mesh
 from ..journal import once
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
-from .settings_axes import DEGREES, coupling_changes, with_mesh
+from .settings_axes import DEGREES, coupling_changes
 
 METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two that come to the end
 PATIENCE = 60.0  # s, for one solution, while there are others to try

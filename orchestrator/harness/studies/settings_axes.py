@@ -6,13 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from ....components.catalogue import component_class
-from ....components.core.errors import BadInput
-from ....components.core.variables import Causality
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
-from ...shorter_steps import refined
-from ...units.component import make
+from ...shorter_steps import meshes, refined, with_mesh
 
 DEGREES = ("held", "linear", "quadratic")
 ADAPTIVE = (1e-2, 1e-3, 1e-4, 1e-5)  # tolerances of the step control
@@ -47,28 +43,6 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
     if scene.coupling.links:  # without any, a degree or an order would have no effect, which a scene refuses
         changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
     return changes
-
-
-def meshes(scene: Scene) -> dict[str, float]:
-    """Place -> length of the elements, of what the scene's [study] names as mesh; raises `BadInput` for what is none."""
-    lengths = {}
-    for name in scene.study.mesh:
-        unit, parameter = scene.split(name)
-        given = scene.units.get(unit)
-        if given is None or not given.component or not parameter:
-            raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
-        value = make(unit, given).get(parameter)
-        variable = component_class(given.component, unit).variables[parameter]
-        if variable.causality is not Causality.PARAMETER or not isinstance(value, float):
-            raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
-        lengths[f"units.{unit}.parameters.{parameter}"] = value
-    return lengths
-
-
-def with_mesh(scene: Scene, factor: float) -> dict[str, Any]:
-    """The change to `factor` times the elements; internal steps with the square of it where they get shorter, as beams need."""
-    lengths = {place: factor * length for place, length in meshes(scene).items()}
-    return {**lengths, **(refined(scene, factor**2) if factor < 1.0 else {})}
 
 
 def pinned(scene: Scene) -> dict[str, Any]:

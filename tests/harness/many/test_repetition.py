@@ -45,7 +45,7 @@ def test_stated_errors_hold_the_true_ones(tmp_path):
     written = json.loads((tmp_path / "sweep.json").read_text())["verification"]
     assert written["points"] == list(repeated.points)
     assert written["errors"][END]["error"] == repeated.errors[END]
-    assert "reduce master.step" in " ".join(result.remarks)
+    assert "shorten master.step and the substeps" in " ".join(result.remarks)
 
 
 def test_repeated_points_are_kept_and_change_no_number(tmp_path, monkeypatch):

@@ -238,15 +238,55 @@ def test_a_coupling_that_makes_a_motion_of_its_own_is_unstable():
     result = run_once(scene, in_process=True)
     judged = verification._judged(result, verification.Verification(True, step=5e-3, runs=2, signals={"a.x_out": error}))
     assert judged.outcome == "unstable"
-    assert "5 times that of a run with a shorter macro step" in judged.message
+    assert "5 times that of a run with shorter steps" in judged.message
 
 
-def test_internal_steps_are_refined_one_by_one():
-    scene = load_scene("en50318-2002").with_changes({"stop_time": 1.0, "units.catenary.parameters.substep": 1e-3})
+@pytest.mark.parametrize("substep", [2e-3, 1e-2])
+def test_the_error_of_internal_steps_is_in_the_number(substep):
+    """A chain alone: no coupling, so that the macro step makes no error at all."""
+    changes = {"stop_time": 4.0, "units.chain.parameters.substep": substep}
+    scene = load_scene("double-pendulum").with_changes(changes)
+    rough = cosimo.run(scene, in_process=True)
+    fine = run_once(scene.with_changes({"units.chain.parameters.substep": 1e-4}), in_process=True)
+    for name, error in rough.info["verification"]["signals"].items():
+        true = np.sqrt(np.mean((rough[name] - fine[name]) ** 2)) / scale_of(fine[name])
+        assert error["rms"] > HALF * true - 1e-9, name
+        assert error["rms"] < 4.0 * true + 1e-6, name
+    assert rough.info["verification"]["inside"] == {"units.chain.parameters.substep": substep}
+
+
+def test_a_warning_names_the_steps_that_make_the_error():
+    scene = load_scene("double-pendulum").with_changes(
+        {"stop_time": 8.0, "master.step": 0.04, "units.chain.parameters.substep": 1e-2}
+    )
+    text, *_ = cosimo.run(scene, in_process=True).info["warnings"]
+    assert text.startswith("the internal steps (chain.substep) are too long for")
+    assert "chain.substep = " in text
+    assert "master.step" not in text
+    held = load_scene("en50318-2002").with_changes({"stop_time": 1.0, "master.extrapolation": 0})
+    (text, *_) = cosimo.run(held, in_process=True).info["warnings"]
+    assert text.startswith("the macro step is too long for")
+    assert "substep" not in text
+
+
+def test_chaos_is_told_from_a_drifting_phase():
+    """The double pendulum has parted after a twentieth of the run; an oscillator of a wrong frequency drifts apart as the step has it."""
+    chaos = cosimo.run(load_scene("double-pendulum").with_changes({"stop_time": 300.0}), in_process=True)
+    assert chaos.info["warnings"][0].startswith("the motion is chaotic")
+    t = np.linspace(0.0, 400.0, 20_001)
+    runs = [np.sin((1.0 + 0.32 * h) * t) for h in (1.0, 0.5, 0.25)]
+    drift = signal_errors({"x": difference(runs[0], runs[1])}, {"x": difference(runs[1], runs[2])})["x"]
+    assert drift.rms > 1.0
+    assert not drift.parted
+
+
+def test_full_refines_tolerances_and_meshes_one_by_one():
+    scene = load_scene("en50318-2002").with_changes({"stop_time": 1.0})
     plain = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
-    parts = cosimo.run(scene, in_process=True, verify="full").info["verification"]
-    assert {"units.catenary.parameters.substep", "units.pantograph.parameters.substep"} <= parts["parts"].keys()
-    assert parts["signals"]["pantograph.contact_force"]["rms"] > plain["signals"]["pantograph.contact_force"]["rms"]
+    full = cosimo.run(scene, in_process=True, verify="full").info["verification"]
+    assert full["parts"]
+    assert not any(place.endswith(".substep") for place in full["parts"])
+    assert full["signals"]["pantograph.contact_force"]["rms"] > plain["signals"]["pantograph.contact_force"]["rms"]
 
 
 def test_components_that_run_as_fmus_are_repeated_in_process():
