@@ -248,7 +248,7 @@ const answers = {
   errors({ errors, worst, figure, said }) {
     shown.errors = errors;
     if (said || worst > 0.05) {
-      tell([problem, said ? `With half the macro step the run ends early: ${said}.`
+      tell([problem, said ? `With half the steps the run ends early: ${said}.`
         : `${figure} is known to ${digits(100 * worst, 2)} % of its size only: the macro step is too long for this state, or the motion is so sensitive that a longer run is needed.`].filter(Boolean).join(" "));
     }
     showNumbers();

@@ -114,6 +114,8 @@ async function serve() {
   }
   busy = false;
 }
+const halved = (values) => Object.fromEntries(data.parameters.filter((p) => p.name.endsWith(".substep"))
+  .map((p) => [p.name, 0.5 * (values[p.name] ?? p.value)])); // the internal steps
 const judged = () => [...new Set(data.figures.flatMap((f) => f.signals))];
 
 async function answer(job, newer) {
@@ -126,7 +128,7 @@ async function answer(job, newer) {
   if (job.quick) return;
   await breathe();
   if (newer() || !first.whole) return first.whole ? undefined : ladder(job, newer);
-  const second = await run(job, 0.5 * length, half, newer);
+  const second = await run({ ...job, values: { ...job.values, ...halved(job.values) } }, 0.5 * length, half, newer);
   if (!second) return;
   const same = everySecond(second, length), others = figuresOf(data.figures, { ...same, filters }).numbers;
   const worst = second.whole ? Math.max(0, ...judged().map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
