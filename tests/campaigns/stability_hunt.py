@@ -5,7 +5,7 @@
 
 Each run is drawn at random: a scene, an algorithm, a degree of the inputs, a macro step of 1 to 50 times the scene's own, and in
 half of them a stiffness of 3 to 100 times. It runs to the end of the scene, verified as `cosimo run` verifies. Its true error is
-that against the scene's own algorithm at a quarter of its own step, whose error is measured against an eighth and taken off. The
+that against the own algorithm of the scene at a quarter of its own steps, inside, too, whose error is measured against an eighth. The
 table of a whole hunt is docs/stability-hunt.md. Runs that the file holds already are not repeated.
 """
 
@@ -31,6 +31,7 @@ from ...orchestrator.judgement.verification import run as verified_run
 from ...orchestrator.results import Result
 from ...orchestrator.run import run as run_once
 from ...orchestrator.scene.scene import Scene, scene_files
+from ...orchestrator.shorter_steps import refined
 from ...orchestrator.systems import load_scene
 from ...orchestrator.units import open_unit
 
@@ -152,8 +153,12 @@ class Hunt:
         if key not in self.references:
             own = {**self._stiffer(choice), "master.control": None, "record.interval": self.scene.master.step}
             try:
+                stiff = self.scene.with_changes(self._stiffer(choice))
                 runs = [
-                    quietly(run_once, self.scene.with_changes({**own, "master.step": self.scene.master.step / k})) for k in FINER
+                    quietly(
+                        run_once, stiff.with_changes({**own, "master.step": stiff.master.step / k, **refined(stiff, 1.0 / k)})
+                    )
+                    for k in FINER
                 ]
                 bad = next((r for r in runs if r.outcome != "done"), None)
                 self.references[key] = Reference(*runs) if bad is None else f"{bad.outcome}: {bad.message}"
