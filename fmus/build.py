@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import zipfile
 from functools import lru_cache
-from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from .description import documentation, model_description, shared_files
 from .evidence import Evidence
 from .interface import interface
 from .own import own_sources
+from .versions import distribution
 
 COMPONENTS = Path(components.__file__).parent
 HERE = Path(__file__).parent

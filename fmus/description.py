@@ -16,7 +16,6 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -25,6 +24,7 @@ from ..components.core.measure import BASES, parse
 from ..components.core.variables import Declared, gathered
 from .interface import Scalar, interface
 from .picture import icon
+from .versions import version
 
 RELEASED = "2026-11-22T00:00:00Z"  # of this version's source; the variable SOURCE_DATE_EPOCH gives another date
 AUTHOR = "the cosimo developers"

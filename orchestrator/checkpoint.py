@@ -14,12 +14,12 @@ import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
 from ..components.core import store
 from ..components.core.errors import BadInput
+from ..fmus.versions import version
 from .engine.algorithms.master import Master
 from .engine.stepping.loop import BatchObserver, Stepping
 from .scene.scene import Scene

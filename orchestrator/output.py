@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import json
 import os
 import platform
@@ -25,11 +26,16 @@ UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or wa
 HOLDER = "holder.json"  # in it: who writes
 LEFT = re.compile(r"\..+\.[a-z0-9_]{8}\.part")  # names that `replaced` and checkpoints take
 YOUNG = 60.0  # s: where a file system has no locks, what is younger may be another process's
+FULL = (errno.ENOSPC, errno.EDQUOT)  # of a disk, or of what a user may have of one
 _held: set[str] = set()  # directories that this process writes into
 
 
 def ensure_directory(directory: str | Path) -> Path:
     """The directory for results, created if it is missing; raises `BadInput` where that is impossible."""
+    try:
+        str(directory).encode()
+    except UnicodeError:  # formats of results have names in UTF-8
+        raise BadInput("output directory", ascii(str(directory)), "a name in UTF-8") from None
     try:
         Path(directory).mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -57,9 +63,14 @@ def write_table(directory: str | Path, name: str, header: Sequence[str], rows: I
     return path
 
 
+class NoSpace(BadInput):
+    """A full disk: the message of a place that cannot be written, which is nothing that the user gave."""
+
+
 def not_written(directory: str | Path, error: OSError) -> BadInput:
     """The message for a place that cannot be written."""
-    return BadInput("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror or error}.")
+    kind = NoSpace if error.errno in FULL else BadInput
+    return kind("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror or error}.")
 
 
 @contextmanager

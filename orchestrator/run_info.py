@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache, partial
-from importlib.metadata import distribution
 from time import perf_counter, process_time
 from typing import Any
 
+from ..fmus.versions import distribution
 from .engine.algorithms import Master
 from .engine.coupling import Coupling
 from .scene.scene import Scene

@@ -24,6 +24,7 @@ from .store import digest_of, read_kept, write_kept
 
 if COMPILED:
     import llvmlite.binding as llvm
+    from numba.core.compiler_lock import global_compiler_lock
     from numba.core.types import unliteral
 
     from .kernel_cache import private_folder
@@ -234,9 +235,10 @@ def kinds_of(overload: Any, times: int) -> tuple[str, ...]:
 @lru_cache(maxsize=1024)
 def compiled(kernel: Any, times: int, signature: tuple[Any, ...]) -> tuple[int, tuple[str, ...]]:
     """(address, types of its arguments behind the times) of a kernel's machine code."""
-    overload = kernel.for_kernels((*[kernel.typeof_pyval(0.0)] * times, *signature))
-    check_result(kernel, overload)
-    return overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name), kinds_of(overload, times)
+    with global_compiler_lock:  # LLVM's engines are made for one thread at a time, and its calls free Python's lock
+        overload = kernel.for_kernels((*[kernel.typeof_pyval(0.0)] * times, *signature))
+        check_result(kernel, overload)
+        return overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name), kinds_of(overload, times)
 
 
 def check_result(kernel: Any, overload: Any) -> None:
@@ -250,21 +252,25 @@ def _function(body: str) -> int:
     """The address of a function with this body; kept on disk, for nothing in it depends on the process."""
     name = "entry_" + digest_of(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}")
     folder = private_folder("entries")
-    code = None if folder is None else read_kept(folder / f"{name}.o")
-    engine = _engine()
-    if code is None:
-        code = _machine().emit_object(llvm.parse_assembly(f"define i32 @{name}(double %t, double %h, ptr %block) {{\n{body}\n}}"))
-        if folder is not None:
-            write_kept(folder / f"{name}.o", code)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    return engine.get_function_address(name)
+    with global_compiler_lock:
+        engine, added = _engine()
+        if name not in added:  # by another thread
+            code = None if folder is None else read_kept(folder / f"{name}.o")
+            if code is None:
+                text = f"define i32 @{name}(double %t, double %h, ptr %block) {{\n{body}\n}}"
+                code = _machine().emit_object(llvm.parse_assembly(text))
+                if folder is not None:
+                    write_kept(folder / f"{name}.o", code)
+            engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+            engine.finalize_object()
+            added.add(name)
+        return engine.get_function_address(name)
 
 
 @lru_cache(maxsize=1)
-def _engine() -> Any:
-    """What owns the machine code, as long as the process lives."""
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+def _engine() -> tuple[Any, set[str]]:
+    """What owns the machine code, as long as the process lives, and the names of the functions in it."""
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine()), set()
 
 
 def _machine() -> Any:

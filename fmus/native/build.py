@@ -12,7 +12,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
@@ -27,6 +26,7 @@ from ...components.core.kernel_cache import sources_digest
 from ..build import is_sound, write
 from ..description import documentation, shared_files
 from ..evidence import Evidence
+from ..versions import version
 from .description import HOST, description2, description3, listed, name_of
 from .instance import Model, Places, model_of
 from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of

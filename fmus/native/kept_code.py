@@ -12,12 +12,12 @@ import sys
 import types
 import zlib
 from collections.abc import Callable, Iterable, Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ...components.core import store
 from ...components.core.kernel_cache import private_folder, sources_digest
+from ..versions import version
 
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
 ENTRIES, KERNELS = ".ll", ".json"  # how files end: entries of one layout with all that they call; kernels for any layout

@@ -1,7 +1,8 @@
 """The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help and the
 completions of a shell are quick.
 
-Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept), 130 and
+Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept) or the
+disk is full, 130 and
 143 it was stopped by Ctrl-C or SIGTERM, 129 by SIGHUP (likewise).
 """
 
@@ -15,6 +16,7 @@ from collections.abc import Sequence
 from ...components.core.errors import BadInput
 from ...components.core.kernel_faults import is_typing_fault, typing_fault
 from ..cache import tidy_daily
+from ..output import FULL, NoSpace
 from .application import app
 from .common import BAD_INPUT, FAILED_RUN
 
@@ -28,14 +30,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
         app(arguments)
     except BadInput as error:
         print(f"cosimo: {error}", file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
+        raise SystemExit(FAILED_RUN if isinstance(error, NoSpace) else BAD_INPUT) from None
     except MemoryError:  # in a report or a figure: a run ends with what it has
         print("cosimo: out of memory; what was written before stays", file=sys.stderr)
         raise SystemExit(FAILED_RUN) from None
     except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
         place = repr(str(error.filename)) if error.filename is not None else "output"
         print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None
+        raise SystemExit(FAILED_RUN if error.errno in FULL else BAD_INPUT) from None
     except Exception as error:
         if not is_typing_fault(error):
             raise

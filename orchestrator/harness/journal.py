@@ -15,12 +15,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import asdict
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
 from ...components.catalogue import component_name
 from ...components.core import store
+from ...fmus.versions import version
 from ..checkpoint import digest
 from ..output import UNFINISHED, locked
 from ..scene.scene import Scene

@@ -11,6 +11,9 @@ from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_TOML, check_values, loading
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
+ARCHIVE = (
+    "This cosimo is imported from an archive, in which it does not find its scenes and tables. Install it, or unpack the archive."
+)
 SYSTEMS = (".ssd", ".ssp")
 
 
@@ -35,7 +38,7 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
             where,
             repr(str(name_or_path)),
             "a shipped scene or the path of a .toml, .ssd or .ssp file",
-            nearest(str(name_or_path), files),
+            nearest(str(name_or_path), files) if files else ARCHIVE,
         )
     return files[str(name_or_path)]
 

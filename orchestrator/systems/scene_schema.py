@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from importlib.metadata import version
 from math import isfinite
 from typing import Any
 
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component
 from ...components.core.variables import Causality, Kind, Variable
+from ...fmus.versions import version
 from ..scene.scene import Scene
 from . import ANALYSIS
 

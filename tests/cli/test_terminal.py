@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -115,3 +116,27 @@ def test_open_wants_a_report(tmp_path, capsys, monkeypatch):
         main(["open", str(tmp_path / "nothing")])
     assert end.value.code == 2
     assert "report.html" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
+def test_a_full_disk_is_no_bad_input(number, tmp_path, monkeypatch, capsys):
+    """Exit code 3, wherever the disk is full: here where a directory is reserved, and in the drawing of a scene."""
+
+    def full(*_args, **_keywords):
+        raise OSError(number, os.strerror(number))
+
+    for place in ("Path.mkdir", "Path.write_text"):
+        with monkeypatch.context() as patch:
+            patch.setattr(f"pathlib.{place}", full)
+            with pytest.raises(SystemExit) as end:
+                main(["new", "component", "Foo", "-o", str(tmp_path / "out")])
+        assert end.value.code == 3
+        assert os.strerror(number) in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_an_output_whose_name_is_no_text_is_one_message(tmp_path, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["run", "mass-on-spring", "--in-process", "-o", os.fsdecode(bytes(tmp_path) + b"/b\xffad")])
+    assert end.value.code == 2
+    assert "expected a name in UTF-8" in capsys.readouterr().err

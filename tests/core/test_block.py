@@ -90,7 +90,7 @@ def process(tmp_path, monkeypatch):
             return kept_machine().emit_object(module)
 
     def run(t: float = 2.0) -> tuple[int, list[float], int]:
-        engines.append(llvm.create_mcjit_compiler(llvm.parse_assembly(""), kept_machine()))
+        engines.append((llvm.create_mcjit_compiler(llvm.parse_assembly(""), kept_machine()), set()))
         monkeypatch.setattr(block, "_engine", lambda: engines[-1])
         monkeypatch.setattr(block, "_machine", Machine)
         monkeypatch.setattr(block, "_function", kept_function.__wrapped__)

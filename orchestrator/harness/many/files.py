@@ -16,7 +16,6 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ....components.core.store import replaced
+from ....fmus.versions import version
 from ...output import write_json, write_table
 from ...scene.scene import Scene
 from . import store as stores

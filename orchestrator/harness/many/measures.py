@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError
 from importlib.util import find_spec
 from pathlib import Path
 from signal import Signals
@@ -17,6 +17,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.store import digest_of
+from ....fmus.versions import version
 from ...checkpoint import digest as scene_digest
 from ...results import Result
 from ...scene.scene import Scene, read_scene

@@ -11,11 +11,11 @@ import os
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
+from ....fmus.versions import version
 from ...scene.scene import Scene
 from .quantities import Quantity, TimeHistory, errors, percent, quantities_to_judge, recording
 from .reference import Reference, reference

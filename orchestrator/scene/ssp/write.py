@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from ....components.core.errors import BadInput
 from ....components.core.measure import BASES, Unit, parse
 from ....fmus.build import built
 from ....fmus.build import write as write_zip
+from ....fmus.versions import version
 from ...engine.coupling import Coupling
 from ...engine.coupling.graph import Link
 from ...settings import UnitSettings
