@@ -31,6 +31,8 @@ myst_heading_anchors = 3
 suppress_warnings = ["toc.not_included"]  # the index links every page, which tests/documentation/test_readme.py looks at
 html_math_renderer = "mathml"
 
+python_maximum_signature_line_length = 80
+
 html_theme = "furo"
 html_static_path = [str(HERE / "site" / "static")]
 html_css_files = ["site.css"]

@@ -80,7 +80,7 @@ class BallDefect(races.BallDefect):
 
 
 class LoadVariation(ball_bearing.LoadVariation):
-    """A load beside the given one: amplitude · sin(2π frequency tau + phase) along x."""
+    """A load beside the given one: amplitude · sin(2π frequency τ + phase) along x."""
 
     amplitude = unitless(ball_bearing.LoadVariation.amplitude, 0.1020)
     frequency = unitless(ball_bearing.LoadVariation.frequency, 0.03912, "periods per unit of time")

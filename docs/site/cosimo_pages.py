@@ -87,9 +87,22 @@ class MachineDirective(Directive):
         return [nodes.raw("", f'<div class="sketch">{drawing}</div>', format="html")]
 
 
+class SceneDirective(Directive):
+    """`{scene} NAME`: the machine of a scene, and the curve that it is there for."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Raw HTML, which the search leaves out."""
+        import scene_pages
+
+        return [nodes.raw("", scene_pages.picture(self.arguments[0]), format="html")]
+
+
 def setup(app: Any) -> dict[str, bool]:
     """Register with Sphinx."""
     app.add_directive("machine", MachineDirective)
+    app.add_directive("scene", SceneDirective)
     app.connect("builder-inited", generate)
     app.connect("source-read", link)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -7,36 +7,22 @@ import re
 from typing import Any, get_args
 
 import click
-import cosimo
+import python_pages
 import typer
 from cosimo.orchestrator.cli.application import app
 from cosimo.orchestrator.settings import AnalysisKeys, Model, SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS
-from prose import code, docstring, joined, plain, table, verbatim
-
-GROUPS = {
-    "Scenes and runs": (
-        "load_scene",
-        "read_scene",
-        "write_scene",
-        "Scene",
-        "run",
-        "Result",
-        "read_result",
-        "summary",
-        "write_report",
-        "sweep",
-    ),
-    "Judging": ("validate", "accuracy", "stability", "effects"),
-    "FMUs": ("build", "check"),
-    "Errors": ("BadInput", "StepFailed"),
-}
-OTHERS = "Components of your own"
+from prose import code, joined, plain, table, verbatim
 
 
 def pages() -> dict[str, str]:
     """File name -> Markdown."""
-    return {"scene-keys": _scene_keys(), "analysis-keys": _analysis_keys(), "command-line": _commands(), "python": _python()}
+    return {
+        "scene-keys": _scene_keys(),
+        "analysis-keys": _analysis_keys(),
+        "command-line": _commands(),
+        "python": python_pages.page(),
+    }
 
 
 # -- settings -------------------------------------------------------------------------------------------------------------------
@@ -135,61 +121,3 @@ def _record(parameter: Any, context: Any) -> tuple[str, str] | None:
     if parameter.param_type_name == "argument":
         return parameter.name.upper(), getattr(parameter, "help", "") or ""
     return ", ".join([*parameter.opts, *parameter.secondary_opts]), parameter.help or ""
-
-
-# -- Python ---------------------------------------------------------------------------------------------------------------------
-def _python() -> str:
-    listed = {name for names in GROUPS.values() for name in names}
-    groups = GROUPS | {OTHERS: tuple(n for n in cosimo.__all__ if n not in listed)}
-    text = (
-        "`import cosimo` gives the names of this page; what they need is imported when they are used first. Everything "
-        "else in the package may change from version to version."
-    )
-    parts = ["# Python interface", text]
-    for title, names in groups.items():
-        parts.append(f"## {title}")
-        parts += [_object(name, getattr(cosimo, name)) for name in names if name in cosimo.__all__]
-    return joined(*parts)
-
-
-def _object(name: str, value: Any) -> str:
-    kind = "class" if inspect.isclass(value) else "function"
-    body = docstring(inspect.getdoc(value) or "")
-    if kind == "class":
-        body = joined(body, *(_method(name, k, v) for k, v in vars(value).items() if not k.startswith("_") and _is_public(v)))
-    return f"`````{{py:{kind}}} cosimo.{name}{_signature(value)}\n\n{body.rstrip()}\n`````"
-
-
-def _is_public(value: Any) -> bool:
-    inner = value.fget if isinstance(value, property) else getattr(value, "__func__", value)
-    return inspect.isfunction(inner) and bool(inspect.getdoc(inner))
-
-
-def _method(owner: str, name: str, value: Any) -> str:
-    if isinstance(value, property):
-        return f"````{{py:property}} {name}\n\n{docstring(inspect.getdoc(value) or '')}\n````"
-    function = getattr(value, "__func__", value)
-    kind = {staticmethod: "staticmethod", classmethod: "classmethod"}.get(type(value), "method")
-    body = docstring(inspect.getdoc(function) or "")
-    return f"````{{py:{kind}}} {name}{_signature(function, kind != 'staticmethod')}\n\n{body}\n````"
-
-
-def _signature(value: Any, bound: bool = False) -> str:
-    """Names and defaults; types stand in the text."""
-    if inspect.isclass(value) and (issubclass(value, Model) or issubclass(value, type(cosimo.Result))):
-        return ""
-    try:
-        parameters = list(inspect.signature(value).parameters.values())[1 if bound else 0 :]
-    except (ValueError, TypeError):
-        return "()"
-    shown, starred = [], False
-    for p in parameters:
-        if p.kind is p.KEYWORD_ONLY and not starred and not any(q.kind is q.VAR_POSITIONAL for q in parameters):
-            shown.append("*")
-            starred = True
-        text = {p.VAR_POSITIONAL: "*", p.VAR_KEYWORD: "**"}.get(p.kind, "") + p.name
-        if p.default is not p.empty:
-            simple = isinstance(p.default, str | int | float | bool | tuple | None.__class__)
-            text += f"={p.default!r}" if simple else "=..."
-        shown.append(text)
-    return f"({', '.join(shown)})"

@@ -27,6 +27,11 @@ def cards(system: str, folder: str) -> str:
     return _raw(f'<ul class="gallery" data-system="{system}">{"".join(_card(name, folder) for name in of_system)}</ul>')
 
 
+def picture(name: str) -> str:
+    """Machine and curve of a scene, as HTML."""
+    return f'<div class="pair large">{_machine(name)}{_curve(name)}</div>'
+
+
 def _card(name: str, folder: str) -> str:
     data = read_toml(scene_files()[name])
     effects = sorted({effect for unit in data["units"].values() for effect in unit.get("effects", ())})
@@ -73,7 +78,6 @@ def _gallery() -> str:
 def _page(name: str, path: Path) -> str:
     data = read_toml(path)
     system = path.parent.parent.name
-    picture = _raw(f'<div class="pair large">{_machine(name)}{_curve(name)}</div>')
     units = table(("unit", "what it is", "effects"), [_unit(unit, given) for unit, given in data["units"].items()])
     links = [c if isinstance(c, str) else f"{c['source']} -> {c['target']}" for c in data.get("connections", ())]
     run = verbatim(f"cosimo run {name} --in-process -o out\ncosimo show {name}")
@@ -81,7 +85,7 @@ def _page(name: str, path: Path) -> str:
     return joined(
         f"# {name}",
         title,
-        picture,
+        _raw(picture(name)),
         run,
         "## Units",
         units,

@@ -65,6 +65,7 @@ def test_the_python_interface_is_searchable(site):
 
     page = (site / "generated/reference/python.html").read_text(encoding="utf-8")
     assert [name for name in cosimo.__all__ if f'id="cosimo.{name}"' not in page] == []
+    assert "model_" not in page  # nothing of pydantic
     assert "Pantograph" in (site / "searchindex.js").read_text(encoding="utf-8")
 
 

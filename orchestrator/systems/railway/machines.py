@@ -98,7 +98,7 @@ def scene(units: Mapping[str, Mapping[str, Any]]) -> Machine:
     elif "second_wire" in effects:
         m.line((12, 133), (328, 133), width=3)
     for k in range(len(pantographs)):
-        x = 170 + (k - (len(pantographs) - 1) / 2) * 76
+        x = (130 if len(pantographs) == 1 else 170) + (k - (len(pantographs) - 1) / 2) * 76
         heads = (x - 8, x + 8) if "two_strips" in effects else (x,)
         for head in heads:
             m.line((head - (5 if len(heads) > 1 else 13), 138), (head + (5 if len(heads) > 1 else 13), 138), width=3.4)
