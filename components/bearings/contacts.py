@@ -26,7 +26,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel, kernel_tuple
-from .geometry import BallGeometry
 
 COS, SIN, GAP, LOAD = range(4)  # columns of `balls`
 LARGEST_CONTACT = 0.5  # semi-axis over the ball's radius, beyond which neither Hertz nor a half space is a model
@@ -47,30 +46,15 @@ class BallContacts(NamedTuple):
 
 @kernel
 def groove_contacts(balls, stiffness, inner_conformity, outer_conformity, ball_diameter, pitch_diameter, angle, clearance):
-    """`ball_contacts` in kernels; lengths in m, angle: the contact angle, clearance: the diametral one."""
+    """Contacts of a bearing with K in N/m^1.5, lengths in m, the contact angle in rad, and the diametral clearance.
+
+    With a contact angle the rings just touch at q = 0, shifted along z against the symmetric position. The clearance comes on
+    top of that which the contact angle implies; negative: a preload.
+    """
     distance = (inner_conformity + outer_conformity - 1.0) * ball_diameter
     radial = distance * math.cos(angle) - 0.5 * clearance
     lever = 0.5 * pitch_diameter + (inner_conformity - 0.5) * ball_diameter * radial / distance
     return BallContacts(balls, stiffness, distance, radial, distance * math.sin(angle), lever)
-
-
-def ball_contacts(geometry: BallGeometry, stiffness: float, diametral_clearance: float = 0.0) -> BallContacts:
-    """Contacts of a bearing with K in N/m^1.5.
-
-    With a contact angle the rings just touch at q = 0, shifted along z against the symmetric position. The diametral
-    clearance in m comes on top of that which the contact angle implies; negative: a preload.
-    """
-    g = geometry
-    return groove_contacts(
-        g.balls,
-        float(stiffness),
-        g.inner_conformity,
-        g.outer_conformity,
-        g.ball_diameter,
-        g.pitch_diameter,
-        g.contact_angle,
-        diametral_clearance,
-    )
 
 
 @kernel

@@ -40,13 +40,6 @@ def load_integrals(epsilon: float) -> tuple[float, float]:
     return float(share @ np.cos(psi)), float(share.sum())
 
 
-def discrete_sums(balls: int, epsilon: float, first: float = 0.0) -> tuple[float, float]:
-    """The same means over `balls` balls, the first of them at `first` rad from the load line."""
-    psi = first + 2.0 * math.pi * np.arange(balls) / balls
-    share = ball_share(psi, epsilon)
-    return float((share * np.cos(psi)).mean()), float(share.mean())
-
-
 def stribeck_number(epsilon: float = 0.5) -> float:
     """Z Q_max / Fr of a radial bearing with many balls, 1 / Jr; 4.37 without clearance."""
     return 1.0 / load_integrals(epsilon)[0]

@@ -1,4 +1,4 @@
-"""Eigenvalues of turning rotors: whirl frequencies, their direction, Campbell diagram, critical speeds, onset of instability.
+"""Eigenvalues of turning rotors: whirl frequencies, their direction, Campbell diagram, critical speeds.
 
 Functions of the matrices of M q'' + (C + Omega G) q' + (K + Omega H) q = 0, dense, with the degrees of freedom of a node in
 the order x, y, tilt_x, tilt_y. Sources: Friswell, Penny, Garvey & Lees (2010), sections 6.2, 6.4 and 6.8.
@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eig, eigvals
-from scipy.optimize import brentq
 
 from .model import DOFS, Matrices
 
@@ -82,11 +81,6 @@ def critical_speeds(matrices: Matrices, order: float = 1.0) -> np.ndarray:
     meeting = (np.abs(above) > RIGID) & (below != 0.0)
     squares = above[meeting] / below[meeting]
     return np.sort(np.sqrt(squares.real[(squares.real > 0.0) & (np.abs(squares.imag) < 1e-6 * squares.real)]))
-
-
-def onset_speed(matrices: Matrices, low: float, high: float) -> float:
-    """Speed between `low` (stable) and `high` (unstable) at which the first mode loses its damping, rad/s."""
-    return float(brentq(lambda speed: eigenvalues(matrices, speed).real.max(), low, high, xtol=1e-9, rtol=1e-13))
 
 
 def _first_order(matrices: Matrices, speed: float) -> np.ndarray:

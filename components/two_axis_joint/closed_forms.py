@@ -1,11 +1,11 @@
 """Exact solutions of the two-axis joint and the two-link chain: what a simulation of them is compared with.
 
-Chain: its small motion, M a + D w + K th = 0 in the absolute angles, with the quartic of its eigenvalues, and its exact solution
+Chain: its small motion, M a + D w + K th = 0 in the absolute angles, and its exact solution
 where damping decouples in the modes of the undamped chain. By Caughey and O'Kelly (ASME J. Appl. Mech. 32, 1965, 583-588) that
 is where D M^-1 K is symmetric; it includes proportional damping, D = mu M + nu K, and the chain without gravity, K = 0, whatever
 its dampers. Akulenko, Bolotnik, Leshchenko, Palii (2020) announce an exact solution "in a partial case"; which one, the abstract,
 all that was at hand, does not say: both candidates are here.
-Gimbal: motion without torques, the governor, nutation and precession. One axis: pendulum of any amplitude, decay by dry friction.
+Gimbal: the governor. One axis: decay by dry friction.
 """
 
 from __future__ import annotations
@@ -43,38 +43,6 @@ def small_motion(chain: TwoLinkChain) -> SmallMotion:
     )
 
 
-def quartic(motion: SmallMotion) -> np.ndarray:
-    """Coefficients of det(lambda² M + lambda D + K), the highest power first, (5,)."""
-    M, D, K = motion
-    return np.array([
-        np.linalg.det(M),
-        M[0, 0] * D[1, 1] + M[1, 1] * D[0, 0] - 2.0 * M[0, 1] * D[0, 1],
-        M[0, 0] * K[1, 1] + M[1, 1] * K[0, 0] - 2.0 * M[0, 1] * K[0, 1] + np.linalg.det(D),
-        D[0, 0] * K[1, 1] + D[1, 1] * K[0, 0] - 2.0 * D[0, 1] * K[0, 1],
-        np.linalg.det(K),
-    ])  # fmt: skip
-
-
-def proportional_dampers(chain: TwoLinkChain, second: float) -> float:
-    """Damping of the first joint, N.m.s/rad, with which the chain's damping is proportional, for that of the second.
-
-    Dampers in the joints leave one free number, D = mu M + nu K with mu = -d2 / M12; a first damper below zero is refused.
-    """
-    M, _, K = small_motion(chain)
-    if K[1, 1] == 0.0 or M[0, 1] == 0.0:
-        raise BadInput("proportional damping", "a second link without weight", "gravity, and a second mass off its joint")
-    mu = -second / M[0, 1]
-    first = mu * M[0, 0] + (second - mu * M[1, 1]) / K[1, 1] * K[0, 0] - second
-    if first < 0.0:
-        raise BadInput(
-            "proportional damping",
-            f"a chain that needs a first damper of {first:g} N.m.s/rad",
-            "one of at least 0",
-            "Give the first link less inertia for its weight.",
-        )
-    return float(first)
-
-
 def damped_motion(motion: SmallMotion, angles, rates, t) -> tuple[np.ndarray, np.ndarray]:
     """Angles and rates at times t, each (2, n): the exact solution from `angles` and `rates` (2,) at t = 0.
 
@@ -89,7 +57,7 @@ def damped_motion(motion: SmallMotion, angles, rates, t) -> tuple[np.ndarray, np
             "the exact damped motion",
             "damping that couples the modes",
             "D M^-1 K symmetric",
-            "`proportional_dampers` gives a first damper to match; or leave gravity out.",
+            "Give dampers D = mu M + nu K, or leave gravity out.",
         )
     spread = [np.ptp(np.linalg.eigvalsh(A)) / n if n > 0.0 else 0.0 for A, n in ((R, r), (S, s))]
     modes = root.T @ np.linalg.eigh(R if spread[0] > spread[1] else S)[1]  # of both; M-orthonormal
@@ -112,23 +80,6 @@ def _mode(decay: float, square: float, start: float, speed: float, t: np.ndarray
     q = start * grown + (speed - slow * start) * response
     rate = start * slow * grown + (speed - slow * start) * (grown + fast * response)
     return np.real(q), np.real(rate)
-
-
-def pendulum_period(frequency: float, amplitude: float) -> float:
-    """Period of th'' + frequency² sin th = 0 for an amplitude below pi, s: 4 K(sin(amplitude / 2)) / frequency."""
-    mean, other = 1.0, math.cos(0.5 * amplitude)
-    while abs(mean - other) > 1e-15 * mean:  # K by the arithmetic-geometric mean
-        mean, other = 0.5 * (mean + other), math.sqrt(mean * other)
-    return 2.0 * math.pi / (frequency * mean)
-
-
-def pendulum_motion(frequency: float, amplitude: float, t) -> tuple[np.ndarray, np.ndarray]:
-    """Angle and rate at times t of th'' + frequency² sin th = 0, released at the amplitude at t = 0."""
-    from scipy.special import ellipj, ellipk
-
-    modulus = math.sin(0.5 * amplitude)
-    sn, cn, *_ = ellipj(ellipk(modulus**2) - frequency * np.asarray(t, dtype=float), modulus**2)
-    return 2.0 * np.arcsin(modulus * sn), -2.0 * frequency * modulus * cn
 
 
 def friction_turning_points(amplitude: float, friction: float, moment: float) -> list[float]:
@@ -179,40 +130,3 @@ def governor(
         return 0.0, math.sqrt(difference * (critical**2 - speed**2) / inner_inertia)
     angle = math.acos((critical / speed) ** 2)
     return angle, math.sqrt(difference * speed**2 / inner_inertia) * math.sin(angle)
-
-
-def inertial_period(
-    momentum: float, amplitude: float, frame_inertia: float, inner_inertia: float, cross_inertia: float, axial_inertia: float
-) -> float:
-    """Period of the inner angle of a gimbal without torques, s; amplitude: rad below pi/2 from the stable position; 0: the limit.
-
-    Momentum about the outer axis, p = J(b) a', and energy are constant, which leaves t = int db / sqrt((2 E - p² / J(b)) / A).
-    The body oscillates about b = 0 where C > B, else about pi/2. With sin e = sin(amplitude) sin u, e counted from there, the
-    integrand is smooth and periodic in u, and equal steps converge faster than any power.
-    """  # fmt: skip
-    near, far = max(cross_inertia, axial_inertia), min(cross_inertia, axial_inertia)
-    if momentum == 0.0 or near == far or not 0.0 <= amplitude < 0.5 * math.pi:
-        raise BadInput("the inertial period", f"p = {momentum:g} N.m.s, B = {cross_inertia:g}, C = {axial_inertia:g} kg.m2, "
-                       f"amplitude {amplitude:g} rad", "a momentum, two different inertias, an amplitude below pi/2")  # fmt: skip
-
-    def inertia(square):
-        return frame_inertia + near - (near - far) * square
-
-    top, last, n = math.sin(amplitude) ** 2, math.nan, 16
-    while True:
-        square = top * np.sin(2.0 * math.pi / n * np.arange(n)) ** 2
-        period = 2.0 * math.pi * float(np.mean(np.sqrt(
-            inner_inertia * inertia(square) * inertia(top) / (momentum**2 * (near - far) * (1.0 - square)))))  # fmt: skip
-        if abs(period - last) <= 1e-14 * period or n >= 1 << 20:
-            return period
-        last, n = period, 2 * n
-
-
-def nutation_frequency(spin_momentum: float, outer_inertia: float, inner_inertia: float) -> float:
-    """Frequency of the small fast motion of a gimbal with a rotor across both axes, rad/s: h / sqrt(J_outer J_inner)."""
-    return abs(spin_momentum) / math.sqrt(outer_inertia * inner_inertia)
-
-
-def precession_rate(torque: float, spin_momentum: float, inclination: float) -> float:
-    """Rate of the outer axis that holds a torque on the inner one, rad/s: torque / (h cos inclination); without end at pi/2."""
-    return torque / (spin_momentum * math.cos(inclination))

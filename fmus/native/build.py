@@ -27,7 +27,7 @@ from ..build import is_sound, write
 from ..description import documentation, shared_files
 from ..evidence import Evidence
 from ..versions import version
-from .description import HOST, description2, description3, listed, name_of
+from .description import HOST, description, listed, name_of
 from .instance import Model, Places, model_of
 from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of
 from .variables import NativeVariable, native_variables, tables
@@ -113,8 +113,8 @@ def assembled(
     texts: of entries, in LLVM's language; sources: of the runtime, beside those of each FMU; others as of `Library`.
     """
     objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in {*compilers, "linux64"}}
-    description = description2(name, described, variables, "", abilities=abilities.get(2, {}))
-    digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), description)
+    model_description = description(2, name, described, variables, "", abilities=abilities.get(2, {}))
+    digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), model_description)
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(held, variables, token)
     binaries = {target: _linked(name, target, command, model, objects[target], sources) for target, command in compilers.items()}
@@ -255,14 +255,14 @@ def pack(
     done: Library, directory: Path, fmi: int, derivatives: bool = True, file: str = "", evidence: Evidence | None = None
 ) -> Path:
     """One FMU file of a library; `derivatives`: list those of its inputs; `file`: its name without suffix, else the library's."""
-    describe, described = {2: description2, 3: description3}[fmi], done.described
+    described = done.described
     present = [v for _, v in listed(done.variables, derivatives)]
     scalars = tuple(v.scalar for v in present)
     ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
     notes = dict.fromkeys(TARGETS[target].note for target in done.binaries if TARGETS[target].note)
     members = {
-        "modelDescription.xml": describe(
-            done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
+        "modelDescription.xml": description(
+            fmi, done.name, described, done.variables, done.token, derivatives, abilities=done.abilities.get(fmi, {})
         ),
         "documentation/index.html": documentation(
             done.name, described, scalars, " ".join([done.host, *notes]), evidence.section() if evidence else ""

@@ -24,6 +24,26 @@ from ..description import (
 )
 from .variables import NativeVariable
 
+ABILITIES = {
+    2: {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": "0",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    },
+    3: {
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "maxOutputDerivativeOrder": "0",
+    },
+}
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 HOST = (
     "This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
@@ -31,17 +51,13 @@ HOST = (
 )
 
 
-def _finished(root: ET.Element) -> bytes:
-    ET.indent(root)
-    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
-
-
 def listed(variables: Iterable[NativeVariable], derivatives: bool) -> list[tuple[int, NativeVariable]]:
     """The variables that an FMU lists, with their value references; `derivatives`: those of inputs as well."""
     return [(k, v) for k, v in enumerate(variables) if v.role != "ABSENT" and (derivatives or not v.scalar.order)]
 
 
-def description2(
+def description(
+    fmi: int,
     name: str,
     component: Any,
     variables: tuple[NativeVariable, ...],
@@ -50,61 +66,36 @@ def description2(
     *,
     abilities: Mapping[str, str] = MappingProxyType({}),
 ) -> bytes:
-    """For FMI 2.0; abilities: attributes of the co-simulation beside those of components, or in their place."""
-    root = ET.Element("fmiModelDescription", {"fmiVersion": "2.0", **identity(name, component, "", guid=token)})
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": name,
-            "needsExecutionTool": "false",
-            "canHandleVariableCommunicationStepSize": "true",
-            "canInterpolateInputs": "true",
-            "maxOutputDerivativeOrder": "0",
-            "canBeInstantiatedOnlyOncePerProcess": "false",
-            "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": "true",
-            **abilities,
-        },
-    )
-    present = [(k, v.scalar) for k, v in listed(variables, derivatives)]
-    add_head(root, component, [s for _, s in present])
+    """modelDescription.xml for FMI 2.0 or 3.0; abilities: attributes of the co-simulation beside those of components, or in their
+    place.  In FMI 3.0 elements that follow one another are an array."""
+    known = identity(name, component, "", **{"guid" if fmi == 2 else "instantiationToken": token})
+    root = ET.Element("fmiModelDescription", {"fmiVersion": f"{fmi}.0", **known})
+    attributes = {"modelIdentifier": name, "needsExecutionTool": "false", **ABILITIES[fmi], **abilities}
+    ET.SubElement(root, "CoSimulation", attributes)
+    present = listed(variables, derivatives)
+    if fmi == 2:
+        _add_variables2(root, component, present)
+    else:
+        _add_variables3(root, component, present, variables)
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def _add_variables2(root: ET.Element, component: Any, present: list[tuple[int, NativeVariable]]) -> None:
+    """Units of measure, variables and structure as FMI 2.0 has them."""
+    scalars = tuple(v.scalar for _, v in present)
+    add_head(root, component, scalars)
     parent = ET.SubElement(root, "ModelVariables")
-    for reference, scalar in present:
-        add_variable(parent, reference, scalar)
-    add_structure(root, component, tuple(s for _, s in present))
-    return _finished(root)
+    for reference, variable in present:
+        add_variable(parent, reference, variable.scalar)
+    add_structure(root, component, scalars)
 
 
-def description3(
-    name: str,
-    component: Any,
-    variables: tuple[NativeVariable, ...],
-    token: str,
-    derivatives: bool = True,
-    *,
-    abilities: Mapping[str, str] = MappingProxyType({}),
-) -> bytes:
-    """For FMI 3.0, as `description2`: elements that follow one another are arrays."""
-    root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", **identity(name, component, "", instantiationToken=token)})
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": name,
-            "needsExecutionTool": "false",
-            "canBeInstantiatedOnlyOncePerProcess": "false",
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
-            "providesDirectionalDerivatives": "true",
-            "canHandleVariableCommunicationStepSize": "true",
-            "maxOutputDerivativeOrder": "0",
-            **abilities,
-        },
-    )
-    present = [(k, v) for k, v in listed(variables, derivatives) if v.size]
+def _add_variables3(
+    root: ET.Element, component: Any, present: list[tuple[int, NativeVariable]], variables: tuple[NativeVariable, ...]
+) -> None:
+    """Units of measure, variables and structure as FMI 3.0 has them, the time among the variables."""
+    present = [(k, v) for k, v in present if v.size]
     add_head(root, component, [v.scalar for _, v in present], 3)
     parent = ET.SubElement(root, "ModelVariables")
     ET.SubElement(
@@ -139,7 +130,6 @@ def description3(
             "InitialUnknown",
             {"valueReference": str(reference), **initial_dependencies(component, always, dependencies)},
         )
-    return _finished(root)
 
 
 def name_of(variable: NativeVariable) -> str:

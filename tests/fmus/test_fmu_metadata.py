@@ -13,7 +13,7 @@ from cosimo.components.core.measure import parse
 from cosimo.fmus.build import build
 from cosimo.fmus.description import FILE, ICON, model_description, shared_files, terminals
 from cosimo.fmus.interface import interface
-from cosimo.fmus.native.description import description3
+from cosimo.fmus.native.description import description
 from cosimo.fmus.native.variables import NativeVariable
 from cosimo.fmus.picture import SIZE, icon
 from lxml import etree
@@ -132,7 +132,7 @@ def test_arrays_of_fmi_3_are_one_variable_with_a_type():
     component = component_class("BeamRotor")
     scalars = [s for s in interface(component) if s.name.startswith("bearing_a.stiffness[")]
     variables = tuple(NativeVariable(s, "INPUT", size=len(scalars) if not k else 0) for k, s in enumerate(scalars))
-    root = ET.fromstring(description3("BeamRotor", component, variables, "", derivatives=False))
+    root = ET.fromstring(description(3, "BeamRotor", component, variables, "", derivatives=False))
     assert [v.get("name") for v in root.find("ModelVariables")] == ["time", "bearing_a.stiffness"]
     assert all(t.get("unit") in {u.get("name") for u in root.iter("Unit")} for t in root.iter("Float64Type"))
 

@@ -145,7 +145,7 @@ def _judged(names: tuple[str, ...], solution: Any, low: np.ndarray, high: np.nda
     reach = float(norm.ppf(0.5 + 0.5 * COVERAGE)) if noise_known or m <= n else float(t.ppf(0.5 + 0.5 * COVERAGE, m - n))
     intervals = np.stack([p - reach * deviations, p + reach * deviations], axis=1)
     messages = [] if solution.success else [f"the search ended before it had converged: {solution.message}"]
-    messages += _identifiability(names, basis, sigma, condition, correlation)
+    messages += _identifiability(names, basis, condition, correlation)
     if m == n and not noise_known:
         messages.append("as many parameters as residuals: the data leave nothing to estimate their uncertainty from")
     width = np.where(np.isfinite(high - low), high - low, np.inf)
@@ -169,9 +169,7 @@ def _judged(names: tuple[str, ...], solution: Any, low: np.ndarray, high: np.nda
     )
 
 
-def _identifiability(
-    names: Sequence[str], basis: np.ndarray, sigma: np.ndarray, condition: float, correlation: np.ndarray
-) -> list[str]:
+def _identifiability(names: Sequence[str], basis: np.ndarray, condition: float, correlation: np.ndarray) -> list[str]:
     """Which parameters the data do not determine, one by one or together."""
     texts = []
     if condition > LARGEST_CONDITION:

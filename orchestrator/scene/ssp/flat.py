@@ -63,7 +63,7 @@ class Flat:
         if len(elements[0]) != len(elements[1]):
             raise BadInput(connection.where, f"ends of {len(elements[0])} and {len(elements[1])} values", "as many at both")
         for names in zip(*elements, strict=True):
-            self._connect_scalars(path, system, connection, inner_of, names)
+            self._connect_scalars(path, connection, inner_of, names)
 
     def _element(self, path: Path, system: Element, element: str, connection: Connection) -> Element:
         inner = self.elements.get((*path, element)) if element else system
@@ -76,9 +76,7 @@ class Flat:
             )
         return inner
 
-    def _connect_scalars(
-        self, path: Path, system: Element, connection: Connection, inner_of: list[Element], names: tuple[str, ...]
-    ) -> None:
+    def _connect_scalars(self, path: Path, connection: Connection, inner_of: list[Element], names: tuple[str, ...]) -> None:
         gives: list[Place] = []
         takes: list[Place] = []
         for (element, _), inner, name in zip(connection.ends, inner_of, names, strict=True):

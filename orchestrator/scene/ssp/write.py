@@ -87,12 +87,12 @@ class _System:
         self.scene, self.coupling, self.starts = scene, scene.coupling, starts
         self.files: dict[str, Path] = {}  # place in the package -> FMU
         self.names = _identifiers(scene.units)
-        self.sources = {name: self._packed(name, unit) for name, unit in scene.units.items()}
+        self.sources = {name: self._packed(unit) for name, unit in scene.units.items()}
         self.descriptions = {name: read_description(str(self.files[s]), f"units.{name}") for name, s in self.sources.items()}
         self.measures: dict[str, Unit] = {}
         self.enumerations: dict[str, Mapping[str, int]] = {}
 
-    def _packed(self, name: str, unit: UnitSettings) -> str:
+    def _packed(self, unit: UnitSettings) -> str:
         """The place of a unit's FMU in the package; units with the same FMU share it."""
         file = Path(unit.fmu) if unit.fmu else built(unit.component)
         stem = re.sub(r"\W", "_", file.stem, flags=re.ASCII)

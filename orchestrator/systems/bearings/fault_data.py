@@ -235,7 +235,7 @@ def fault_data(
             x = chosen.record(acceleration, 1.0 / STEP, rng)[int(TRANSIENT * chosen.rate) :]
             _write(folder, record, x, layout, chosen)
             written.append(record)
-    _labels(folder, written, chosen)
+    _labels(folder, written)
     return written, runs
 
 
@@ -273,7 +273,7 @@ def name_of(record: Record, layout: str) -> str:
     return f"N{record.rpm / 100.0:02.0f}_F{record.load / 100.0:02.0f}_{record.label}{record.individual:03d}_{record.number:03d}"
 
 
-def _labels(folder: Path, records: list[Record], sensor: Sensor) -> Path:
+def _labels(folder: Path, records: list[Record]) -> Path:
     names = list(Record.__dataclass_fields__)
     rows = [tuple("yes" if v is True else "no" if v is False else v for v in (getattr(r, n) for n in names)) for r in records]
     units = {

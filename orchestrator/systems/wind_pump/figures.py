@@ -52,7 +52,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     if wind is not None:
         smooth = moving_mean(result.time, wind, average)
         start = after_transient(result).start
-        followed = branches(result.time[start:], smooth[start:])
+        followed = branches(smooth[start:])
         if followed:
             content.append(draw_chart(branches_chart(shown, followed, start)))
         elif (binned := bins_chart(shown, start)) is not None:

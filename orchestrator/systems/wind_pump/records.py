@@ -132,7 +132,7 @@ def _at(values: np.ndarray | None, sample: int | None) -> float | None:
     return float(values[sample]) if values is not None and sample is not None else None
 
 
-def branches(time: np.ndarray, wind: np.ndarray) -> list[tuple[str, slice]]:
+def branches(wind: np.ndarray) -> list[tuple[str, slice]]:
     """The stretches in which the wind rises and falls; none where it turns about too often to be followed, or stays."""
     size = float(np.ptp(wind))
     if size <= NOTICED * float(np.abs(wind).max(initial=0.0)):

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.bearings.contacts import ENERGY, LOAD, LOADED, BallContacts, ball_contacts, contact_forces, place_balls
+from cosimo.components.bearings.contacts import ENERGY, LOAD, LOADED, BallContacts, contact_forces, place_balls
 from cosimo.components.bearings.geometry import BallGeometry
 from cosimo.components.bearings.hertz import effective_modulus
 from cosimo.components.bearings.loads import static_loads
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
+from cosimo.tests.systems.bearings.ring_contacts import ball_contacts
 
 pytestmark = pytest.mark.interpreted
 

@@ -4,13 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.bearings.contacts import ball_contacts
 from cosimo.components.bearings.geometry import BallGeometry
-from cosimo.components.bearings.load_zone import ball_share, discrete_sums, load_integrals, stribeck_number
+from cosimo.components.bearings.load_zone import ball_share, load_integrals, stribeck_number
 from cosimo.components.bearings.loads import static_loads
 from cosimo.components.core.errors import BadInput
+from cosimo.tests.systems.bearings.ring_contacts import ball_contacts
 from scipy.integrate import quad
 from scipy.special import beta
+
+
+def discrete_sums(balls: int, epsilon: float, first: float = 0.0) -> tuple[float, float]:
+    """The same means over `balls` balls, the first of them at `first` rad from the load line."""
+    psi = first + 2.0 * math.pi * np.arange(balls) / balls
+    share = ball_share(psi, epsilon)
+    return float((share * np.cos(psi)).mean()), float(share.mean())
 
 
 def test_stribeck_number_in_closed_form():

@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.components.rotor.elements import solid_disk
-from cosimo.components.rotor.modal import campbell, critical_speeds, eigenvalues, modes, onset_speed
+from cosimo.components.rotor.modal import campbell, critical_speeds, eigenvalues, modes
+from scipy.optimize import brentq
 
 NO_DISKS = {f"disks.{n}[{k}]": 0.0 for n in ("mass", "polar_inertia", "diametral_inertia") for k in (1, 2)}
+
+
+def onset_speed(matrices, low: float, high: float) -> float:
+    """Speed between `low` (stable) and `high` (unstable) at which the first mode loses its damping, rad/s."""
+    return float(brentq(lambda speed: eigenvalues(matrices, speed).real.max(), low, high, xtol=1e-9, rtol=1e-13))
 
 
 def matrices(effects, **parameters):

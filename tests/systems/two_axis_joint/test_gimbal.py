@@ -7,17 +7,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.components.two_axis_joint.closed_forms import (
-    friction_turning_points,
-    governor,
-    governor_speed,
+from cosimo.components.two_axis_joint.closed_forms import friction_turning_points, governor, governor_speed
+from cosimo.components.two_axis_joint.gimbal import GimbalBody
+from cosimo.tests.systems.two_axis_joint.exact_motions import (
     inertial_period,
     nutation_frequency,
     pendulum_motion,
     pendulum_period,
     precession_rate,
 )
-from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from scipy.optimize import brentq
 
 pytestmark = pytest.mark.interpreted

@@ -15,6 +15,9 @@ from cosimo.components.two_axis_joint.closed_forms import (
     friction_turning_points,
     governor,
     governor_speed,
+    small_motion,
+)
+from cosimo.tests.systems.two_axis_joint.exact_motions import (
     inertial_period,
     nutation_frequency,
     pendulum_motion,
@@ -22,7 +25,6 @@ from cosimo.components.two_axis_joint.closed_forms import (
     precession_rate,
     proportional_dampers,
     quartic,
-    small_motion,
 )
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm

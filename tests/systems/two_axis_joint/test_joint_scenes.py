@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
-from cosimo.components.two_axis_joint.closed_forms import quartic, small_motion
+from cosimo.components.two_axis_joint.closed_forms import small_motion
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
+from cosimo.tests.systems.two_axis_joint.exact_motions import quartic
 
 pytestmark = pytest.mark.full
 

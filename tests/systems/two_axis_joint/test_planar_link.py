@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
-from cosimo.components.two_axis_joint.closed_forms import pendulum_motion
 from cosimo.components.two_axis_joint.compliant_joint import CompliantJoint
 from cosimo.components.two_axis_joint.link import LOADS, PlanarLink, link_derivatives, link_energy
+from cosimo.tests.systems.two_axis_joint.exact_motions import pendulum_motion
 from scipy.integrate import solve_ivp
 
 pytestmark = pytest.mark.interpreted

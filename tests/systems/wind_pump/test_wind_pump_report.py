@@ -110,11 +110,11 @@ def test_moving_mean_takes_a_pulsation_away_and_keeps_the_rest():
 
 def test_branches_follow_a_slow_wind_and_give_up_on_a_gusty_one():
     t, wind = triangle()
-    assert [(way, part.start, part.stop) for way, part in branches(t, wind)] == [("rising", 0, 2001), ("falling", 2000, 4001)]
+    assert [(way, part.start, part.stop) for way, part in branches(wind)] == [("rising", 0, 2001), ("falling", 2000, 4001)]
     noisy = wind + 0.05 * np.sin(40.0 * t)  # 2 % of the range: no turning points
-    assert [way for way, _ in branches(t, noisy)] == ["rising", "falling"]
-    assert branches(t, np.full(t.size, 6.0)) == []
-    assert branches(t, 5.0 + np.sin(t)) == []
+    assert [way for way, _ in branches(noisy)] == ["rising", "falling"]
+    assert branches(np.full(t.size, 6.0)) == []
+    assert branches(5.0 + np.sin(t)) == []
 
 
 def test_the_ripple_of_a_piston_is_drawn_as_its_mean():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
+from cosimo.tests.systems.wrist.linkage_limits import crank_limits, rocker_extremes, transmission_extremes
 
 pytestmark = pytest.mark.interpreted
 
@@ -33,7 +34,7 @@ def four_bar(angle=0.5 * math.pi, rate=0.0, load=0.0, lengths=CRANK_ROCKER, effe
 
 def angles(lengths, count=60):
     """Crank angles that the linkage reaches, away from its toggles."""
-    limits = linkage.crank_limits(*lengths)
+    limits = crank_limits(*lengths)
     low, high = (0.0, 2.0 * math.pi) if limits is None else limits
     return low + (high - low) * (np.arange(count) + 0.5) / count
 
@@ -44,7 +45,7 @@ def all_of(lengths, name, **parameters):
 
 def test_rocker_turns_back_where_crank_and_coupler_are_in_line():
     """Law of cosines: 32.1572 and 93.5833 degrees between rocker and ground; the unit counts from the ground's direction."""
-    closed = np.degrees(linkage.rocker_extremes(*CRANK_ROCKER))
+    closed = np.degrees(rocker_extremes(*CRANK_ROCKER))
     np.testing.assert_allclose(closed, [32.1572, 93.5833], atol=5e-5)
     reached = 180.0 - np.degrees([four_bar(a)["output_angle"] for a in np.linspace(0.0, 2.0 * math.pi, 20001)])
     np.testing.assert_allclose([reached.min(), reached.max()], closed, atol=2e-6)  # parabola, (2 pi / 20000)² / 8
@@ -53,7 +54,7 @@ def test_rocker_turns_back_where_crank_and_coupler_are_in_line():
 
 
 def test_transmission_angle_is_extreme_with_the_crank_along_the_ground():
-    closed = np.degrees(linkage.transmission_extremes(*CRANK_ROCKER))
+    closed = np.degrees(transmission_extremes(*CRANK_ROCKER))
     np.testing.assert_allclose(closed, [44.0486, 112.4111], atol=5e-5)
     for angle, expected in zip((0.0, math.pi), closed, strict=True):
         assert math.degrees(four_bar(angle)["transmission_angle"]) == pytest.approx(expected, abs=1e-10)

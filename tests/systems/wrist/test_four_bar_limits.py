@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
+from cosimo.tests.systems.wrist.linkage_limits import crank_limits
 
 pytestmark = pytest.mark.full
 
@@ -36,7 +37,7 @@ def four_bar(lengths, angle, rate=1.0, **parameters) -> FourBar:
 
 def test_at_the_toggle_a_run_fails_and_says_so():
     """The ratio grows beyond bounds as 1 / sin of the transmission angle; what was computed until then stays."""
-    _, high = linkage.crank_limits(*ROCKER_DRIVES)
+    _, high = crank_limits(*ROCKER_DRIVES)
     made = four_bar(ROCKER_DRIVES, high - 0.2)
     ratios = []
 
@@ -54,13 +55,13 @@ def test_at_the_toggle_a_run_fails_and_says_so():
 
 def test_the_ratio_at_the_toggle_grows_as_one_over_the_root_of_the_distance():
     """Four times nearer, twice the ratio: the output has the slope of a square root there."""
-    high = linkage.crank_limits(*ROCKER_DRIVES)[1]
+    high = crank_limits(*ROCKER_DRIVES)[1]
     near, nearer = (abs(four_bar(ROCKER_DRIVES, high - s, least_transmission_angle=1e-6)["ratio"]) for s in (1e-6, 0.25e-6))
     assert nearer / near == pytest.approx(2.0, rel=2e-3)
 
 
 def test_a_start_beyond_the_toggle_is_refused():
-    high = linkage.crank_limits(*ROCKER_DRIVES)[1]
+    high = crank_limits(*ROCKER_DRIVES)[1]
     with pytest.raises(StepFailed, match="beyond the toggle"):
         four_bar(ROCKER_DRIVES, high + 0.01)
     with pytest.raises(StepFailed, match="toggle"):

@@ -14,7 +14,6 @@ from ...runs import numbers, reference_run
 from .lumped import FRAME_SPRING, MASSLESS, SPAN, lumped_run
 
 SPEEDS = (250.0, 300.0)  # km/h
-STATIC_FORCE = 120.0  # N
 ROWS = ("mean", "std", "statistical_max", "statistical_min", "max", "min", "uplift_mm", "loss_raw")
 DROPPER = 9  # harmonic
 FIT = (0.30, *[0.0] * (DROPPER - 2), 0.15)

@@ -25,7 +25,6 @@ PROXIMAL = (1, 3, 4, 5)  # ligaments of the proximal row, which are redundant
 PATTERN = (1, 3, 5)  # cut together: radius to lunate, scaphoid to lunate, radius to triquetrum
 CUTS: dict[str, tuple[int, ...]] = {"none": (), **{f"cut {j}": (j,) for j in PROXIMAL}, "several": PATTERN}
 DIRECTIONS = {"flexion": (1.0, 0.0), "extension": (-1.0, 0.0), "radial": (0.0, 1.0), "ulnar": (0.0, -1.0)}
-FUSED = math.radians(30.0)  # tilt of the distal axis after an intervention
 
 
 def scenes() -> dict[str, Scene]:
