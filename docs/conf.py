@@ -36,10 +36,12 @@ python_maximum_signature_line_length = 80
 html_theme = "furo"
 html_static_path = [str(HERE / "site" / "static")]
 html_css_files = ["site.css"]
+html_js_files = ["plots.js"]
+html_search_scorer = str(HERE / "site" / "static" / "scorer.js")
 html_show_sphinx = html_show_copyright = False
 html_copy_source = False
-pygments_style = "friendly"
-pygments_dark_style = "monokai"
+pygments_style = "a11y-high-contrast-light"  # AA, as furo has it
+pygments_dark_style = "a11y-high-contrast-dark"
 
 nb_execution_mode = "force" if os.environ.get("COSIMO_DOCS_NOTEBOOKS", "run") == "run" else "off"
 nb_execution_in_temp = True

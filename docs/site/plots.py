@@ -5,6 +5,7 @@ Plotly's own output has a MIME type that documentation pages do not show, or a c
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 SCRIPT = "../_static/plotly.min.js"  # from a page in a folder
@@ -20,7 +21,16 @@ def _show(figure: Any) -> None:
         config={"displaylogo": False},
         default_height=figure.layout.height or 420,
     )
-    display(HTML(f'<div class="plot">{html}</div>'))
+    display(HTML(f'<div class="plot" role="group" aria-label="{escape(_name(figure), quote=True)}">{html}</div>'))
+
+
+def _name(figure: Any) -> str:
+    """What is drawn over what, from the titles of the axes."""
+    layout = figure.to_dict()["layout"]
+    x, y = (
+        [a.get("title", {}).get("text", "") for k, a in sorted(layout.items()) if k.startswith(f"{axis}axis")] for axis in "xy"
+    )
+    return f"Figure: {', '.join(filter(None, y)) or 'curves'} over {', '.join(filter(None, x)) or 'time'}"
 
 
 def _register() -> None:

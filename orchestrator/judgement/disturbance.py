@@ -55,7 +55,7 @@ class GrowthRate:
         """How it grew with steps of h, s."""
         if self.failure or self.factor == math.inf:
             return self.failure or "grows out of nothing"
-        return f"grows e-fold in {0.5 * self.time / (h * math.log(self.factor)):.3g} steps"
+        return f"grows by a factor of 2.7 in {0.5 * self.time / (h * math.log(self.factor)):.3g} steps"
 
 
 @dataclass(frozen=True)

@@ -164,9 +164,10 @@ def step_warnings(scene: Scene, limits: Sequence[PairLimit], tolerable: float, k
         oscillates = 0.0 < c.share < 1.0
         if c.left < -tolerable or (kept and oscillates and c.left < kept * c.share):
             own = f"has {_percent(c.share)} and " if oscillates else ""
+            longest = f"is stable up to {c.longest[degree]:.3g} s" if c.longest[degree] else "is stable at no step"
             texts.append(
                 f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
-                f"{c.pair}, which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
+                f"{c.pair}, which {own}{longest}. Reduce master.step, or take another "
                 "master.extrapolation"
             )
     return texts

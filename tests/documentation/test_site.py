@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import http.server
+import io
 import os
 import re
 import shutil
@@ -18,6 +19,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.orchestrator.scene.scene import scene_files
 
+CONTRAST = Path(__file__).with_name("contrast.js").read_text(encoding="utf-8")
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn")
 pytestmark = [
@@ -248,6 +250,59 @@ def test_the_search_finds_a_component(browser, address):
     visit.page.locator("#search-results li a").first.wait_for()
     assert any("LumpedCatenary" in (a.get_attribute("href") or "") for a in visit.page.locator("#search-results li a").all())
     visit.close()
+
+
+KINDS = (
+    "index.html",
+    "start.html",
+    "new-system.html",
+    "systems/railway.html",
+    "papers/ball-bearing.html",
+    "tutorials/bearing.html",
+    "generated/components/Pantograph.html",
+    "generated/scenes/index.html",
+    "generated/scenes/en50318-2002.html",
+    "generated/reference/python.html",
+)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_text_can_be_read(browser, address, scheme):
+    """Contrast AA of WCAG 2.2, from the colours that are drawn."""
+    faint = {}
+    for path in KINDS:
+        visit = Visit(browser, address, path, scheme)
+        if seen := visit.page.evaluate(CONTRAST):
+            faint[path] = seen
+        visit.close()
+    assert faint == {}
+
+
+def test_a_page_can_be_used_by_keyboard_and_ear(browser, address):
+    visit = Visit(browser, address, "tutorials/bearing.html")
+    visit.page.locator(".plot .modebar").first.wait_for(state="attached")
+    stops = "[...document.querySelectorAll('.plot *')].filter((e) => e.tabIndex >= 0 && e.closest('.modebar')).length"
+    assert visit.page.evaluate(stops) == 0
+    assert all(visit.page.locator(".plot").evaluate_all("all => all.map((e) => (e.ariaLabel ?? '').length > 20)"))
+    visit.page.keyboard.press("Tab")
+    assert visit.page.evaluate("document.activeElement.textContent").strip() == "Skip to content"
+    visit.close()
+
+
+def test_no_plot_is_white_in_the_dark_theme(browser, address):
+    """What is drawn, not what the style sheet says: the lightest tenth of a picture's pixels."""
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed (extra test)")
+    for path, selector in (
+        ("tutorials/bearing.html", ".plot"),
+        ("accuracy.html", "article img"),
+        ("railway-contact.html", "article img"),
+    ):
+        visit = Visit(browser, address, path, "dark")
+        visit.page.locator(selector).first.scroll_into_view_if_needed()
+        visit.page.wait_for_timeout(500)
+        pixels = sorted(image.open(io.BytesIO(visit.page.locator(selector).first.screenshot())).convert("L").getdata())
+        assert pixels[len(pixels) // 2] < 60, path
+        visit.close()
 
 
 def test_dark_pages_are_dark(browser, address):
