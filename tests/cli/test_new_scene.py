@@ -81,6 +81,13 @@ def test_a_table_of_a_scenes_figures_is_kept_by_the_scene(tmp_path):
     assert command("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits) == 0
 
 
+def test_two_supports_are_a_line_and_one_is_none(folder, capsys):
+    for supports, code in (("0\n50\n", 0), ("0\n", 2)):
+        (folder / "few.csv").write_text("position [m]\n" + supports)
+        assert command("new", "line", f"{code}.toml", "few.csv") == code
+    assert "1 supports; expected at least two" in capsys.readouterr().err
+
+
 def test_bad_input_leaves_no_file(folder, capsys):
     (folder / "line.toml").write_text("")
     (folder / "bad.csv").write_text("position [m];hight [m]\n0;5,3\n")
