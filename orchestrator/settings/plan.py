@@ -33,7 +33,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, mo
 
 from ...components.core.errors import BadInput, nearest
 from .model import RANGE, Model, Number, Seconds, Truth, ranged
-from .study import wanted
+from .study import Quantities
 
 SAMPLED = ("latin-hypercube", "sobol", "random")
 MOST_RUNS = 10_000_000
@@ -111,19 +111,12 @@ class KeepSettings(Model):
 
     statistics: Truth = Field(default=True, description="minimum, maximum, mean, standard deviation of every recorded signal")
     summary: Truth = Field(default=True, description="the figures of the scene's system, as in summary.json")
-    quantities: tuple[str, ...] = Field(default=(), description='"unit.output, kind", as in [study]; those of the scene as well')
+    quantities: Quantities = Field(default=(), description='"unit.output, kind", as in [study]; those of the scene as well')
     functions: tuple[str, ...] = Field(
         default=(), description='"module:function" of a Result, which returns a number or numbers by name'
     )
     signals: tuple[str, ...] = Field(default=(), description='"unit.output", kept as time histories')
     interval: Seconds | None = Field(default=None, description="s: signals interpolated at its multiples; default: every row")
-
-    @field_validator("quantities")
-    @classmethod
-    def _readable(cls, quantities: tuple[str, ...]) -> tuple[str, ...]:
-        for text in quantities:
-            wanted(text)
-        return quantities
 
     @field_validator("functions")
     @classmethod

@@ -10,9 +10,9 @@ stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from ...components.core.errors import BadInput, nearest
 from .model import Model, Sweep
@@ -64,6 +64,15 @@ def _frequency(text: str, number: str) -> float:
     return frequency
 
 
+def _readable(quantities: tuple[str, ...]) -> tuple[str, ...]:
+    for text in quantities:
+        wanted(text)
+    return quantities
+
+
+Quantities = Annotated[tuple[str, ...], AfterValidator(_readable)]  # texts that `wanted` reads
+
+
 class MonolithSettings(Model):
     """Another scene with the same physics in one unit: its solution is what the coupled scene should give."""
 
@@ -76,7 +85,7 @@ class MonolithSettings(Model):
 class StudySettings(Model):
     """Read by cosimo accuracy, stability and effects."""
 
-    quantities: tuple[str, ...] = Field(
+    quantities: Quantities = Field(
         default=(),
         description=(
             '"unit.output, kind", after the transient of [analysis]; kinds: '
@@ -96,13 +105,6 @@ class StudySettings(Model):
             "unit.parameter = [values] or { from, to, points }, one or two of them: axes of the map of cosimo stability"
         ),
     )
-
-    @field_validator("quantities")
-    @classmethod
-    def _readable(cls, quantities: tuple[str, ...]) -> tuple[str, ...]:
-        for text in quantities:
-            wanted(text)
-        return quantities
 
     @field_validator("stability")
     @classmethod
