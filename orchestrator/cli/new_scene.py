@@ -39,7 +39,6 @@ def _write(file: Path, text: str) -> None:
         raise BadInput("file", f"{file}, which is there already", "a file that does not exist yet", "Give another name.")
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
-    print_written([file])
 
 
 def _number(text: str, unit: str, where: str) -> float:
@@ -94,6 +93,7 @@ def line(
     except BadInput:
         file.unlink()
         raise
+    print_written([file])
     print(f"{form.support.size} supports, {form.layout.droppers.position.size} droppers; next: cosimo show {file}")
 
 
@@ -139,14 +139,13 @@ def scene(
     _write(file, text)
     for table, content in tables.items():
         table.write_bytes(content)
-    if tables:
-        print_written(list(tables))
     try:
         with_limits(load_scene(file))
     except BadInput:
         for path in (file, *tables):
             path.unlink()
         raise
+    print_written([file, *tables])
     print(f"next: cosimo run {file} -o out, or first cosimo run {file} --dry-run")
 
 
@@ -281,6 +280,7 @@ def case(
     except BadInput:
         file.unlink()
         raise
+    print_written([file])
     print(f"next: cosimo validate {file} -o out --pdf")
 
 
@@ -314,4 +314,5 @@ def table(
         parts += ["[[rows]]", f'quantity = "{row.text}"', f'measure = "{row.name}"', f'unit = "{row.unit}"']
         parts += [f"low = {ends[0]:.6g}", f"high = {ends[1]:.6g}", 'standing = "computed"', 'source = "run"', ""]
     _write(file, "\n".join(parts))
+    print_written([file])
     print(f"{len(rows)} rows; next: cosimo run {scene} --limits {file}")

@@ -23,12 +23,13 @@ DIVERGING = [[0, "#b35806"], [0.25, "#f1a340"], [0.5, "#f7f7f7"], [0.75, "#67a9c
 RISING = [[0, PAPER], [0.15, "#cfe3ee"], [0.4, "#67a9cf"], [0.7, BLUE], [1, "#08304f"]]
 BINARY = [[0, PAPER], [1, INK]]
 SHADES = [[0, BLUE], [0.5, "#8f9ba7"], [1, VERMILION]]  # of points: none of them fades into the paper
+WORDS = {GREEN: "#00795a", VERMILION: "#b34a00", ORANGE: "#8a6000", SKY: "#1b6fa0"}  # of texts, 4.5 to 1 from the paper
 # The same figures on dark paper: every colour of the left as the one of the right.
 DARK = {
     PAPER: "#14191f", INK: "#e4e9ee", MUTED: "#a3b0bd", RULE: "#46525e", GRID: "#262e37", RAW: "#5d7183",
     BLUE: "#4fa8de", ORANGE: "#eeb13c", GREEN: "#2fc295", PURPLE: "#d283cf", SKY: "#8cd0f5", VERMILION: "#ff8742",
     "#f7f7f7": "#20262d", "#053061": "#a9d4f5", "#b35806": "#ffc68a", "#cfe3ee": "#1d3344", "#08304f": "#cfeaff",
-    "#67a9cf": "#4386ad", "#f1a340": "#b8721f",
+    "#67a9cf": "#4386ad", "#f1a340": "#b8721f", "#00795a": "#2fc295", "#b34a00": "#ff8742", "#8a6000": "#eeb13c", "#1b6fa0": "#8cd0f5",
 }  # fmt: skip
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
 SAMPLES = "samples"  # of a trace: all of what it shows the extremes of, (x, y); nothing that Plotly knows
@@ -169,8 +170,9 @@ def rectangle(
 
 def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
     """A small text in a figure, in the figure's own coordinates unless given otherwise."""
-    size = {"size": 11, "color": MUTED}
-    return {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "font": size} | more
+    note = {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False} | more
+    font = {"size": 11, "color": MUTED} | note.get("font", {})
+    return note | {"font": font | {"color": WORDS.get(font["color"], font["color"])}}
 
 
 def standing_colour(standing: str) -> str:

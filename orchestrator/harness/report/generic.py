@@ -55,7 +55,8 @@ def _range_row(row: Row) -> RangeRow:
     text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
     if low == high and low is not None:
         text = ends[0]
-    margin = f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–"
+    digits = ".0f" if 100.0 <= abs(row.margin) < 1e6 else ".2g"
+    margin = f"{row.margin:{digits}}".replace("-", "−") if np.isfinite(row.margin) else "–"
     return RangeRow(
         r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
         unit,

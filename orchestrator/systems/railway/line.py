@@ -184,15 +184,25 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
     ]
     for i, x in enumerate(form.layout.supports):
         if left <= x <= right:
-            parts.append(path([(x, low - 0.2), (x, high + 0.1)], stroke="#888", stroke_dasharray="4 4"))
+            parts.append(
+                path([(x, low - 0.2), (x, high + 0.1)], stroke="currentColor", stroke_opacity="0.5", stroke_dasharray="4 4")
+            )
             parts.append(text(along(x), side - 12.0, f"S{i} {x:g} m"))
     d = form.layout.droppers
     for x, z, length in zip(d.position, d.height, form.length, strict=True):
         if left <= x <= right:
-            parts.append(path([(x, z), (x, z + length)], stroke="#444", stroke_width="1"))
+            parts.append(path([(x, z), (x, z + length)], stroke="currentColor", stroke_width="1"))
     for shape, wire in zip(shapes, form.layout.wires, strict=True):
         contact = wire.lane in form.layout.contact_lanes
-        colour = "#0072B2" if wire.lane == 0 else "#CC3311" if contact else "#E69F00" if wire.clamped_to is not None else "#222"
+        colour = (
+            "#0072B2"
+            if wire.lane == 0
+            else "#CC3311"
+            if contact
+            else "#E69F00"
+            if wire.clamped_to is not None
+            else "currentColor"
+        )
         if shape:
             parts.append(path(shape, stroke=colour, stroke_width="2.5" if contact else "1.5"))
     if staggered:
@@ -200,7 +210,8 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
         scale = f"plan, sides {BESIDE / per_metre:.3g} times as large as lengths, and forces on the arms"
         parts.append(text(MARGIN, side + 16.0, scale, "start"))
         parts.append(
-            f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="#888" stroke-dasharray="8 4"/>'
+            f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="currentColor" '
+            'stroke-opacity="0.5" stroke-dasharray="8 4"/>'
         )
         for wire in np.unique(lateral[:, 0]):
             mine = lateral[:, 0] == wire
@@ -217,8 +228,8 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
     body = "\n".join(parts)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
-        f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'
-        f'<rect width="100%" height="100%" fill="white"/>\n{body}\n</svg>\n'
+        f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12" fill="currentColor" role="img">\n'
+        f"<title>{escape(title)}</title>\n{body}\n</svg>\n"
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cosimo import compare as compare_runs
 from cosimo import load_scene, run, write_report
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.delivery import delivered
@@ -177,3 +178,55 @@ def test_the_slider_moves_a_machine_which_stands_where_less_motion_is_asked_for(
     assert figure.locator("output").text_content().endswith(" s")
     figure.get_by_role("button", name="Play").click()
     page.wait_for_function(f"{pixels} !== {json.dumps(moved)}")
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Pages of a run that is judged, of a comparison, and of a line with its drawing."""
+    folder = tmp_path_factory.mktemp("pages")
+    first = run(load_scene("lumped-catenary").with_changes({"limits": {"table": "en50367"}}), in_process=True)
+    lines = run(load_scene("overlap").with_changes({"stop_time": 0.2}), in_process=True, verify="no")
+    return [
+        write_report(first, folder / "run"),
+        compare_runs(first, run(load_scene("lumped-catenary"), in_process=True)).report(folder / "compare"),
+        write_report(lines, folder / "line"),
+    ]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_text_stands_out_from_what_is_behind_it(browser, pages, theme):
+    """WCAG 2.2 AA, of folded parts and of drawings, too."""
+    for path in pages:
+        page = browser.new_page(color_scheme=theme)
+        page.goto(path.as_uri())
+        page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        for plot in page.locator(".plot").all():
+            plot.scroll_into_view_if_needed()
+            plot.locator(".main-svg").first.wait_for()
+        seen = page.evaluate((Path(__file__).parent / "contrast.js").read_text(encoding="utf-8"))
+        assert seen["measured"] > 50
+        assert seen["pale"] == []
+        page.close()
+
+
+def test_the_keyboard_goes_from_the_skip_link_to_texts_and_controls_alone(page, pages):
+    page.goto(pages[0].as_uri())
+    page.locator(".plot .main-svg").first.wait_for()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    assert page.evaluate("document.activeElement.getBoundingClientRect().left") >= 0
+    page.keyboard.press("Enter")
+    assert page.url.endswith("#content")
+    assert page.evaluate("[...document.querySelectorAll('.plot *')].every((e) => !(e.tabIndex >= 0))")
+    unnamed = "[...document.querySelectorAll('figure')].filter((f) => !f.querySelector('figcaption')?.textContent.trim())"
+    assert page.evaluate(f"{unnamed}.length") == 0
+
+
+def test_a_drawing_shrinks_with_the_page(browser, pages):
+    page = browser.new_page(viewport={"width": 360, "height": 800})
+    for path in pages:
+        page.goto(path.as_uri())
+        for drawing in page.locator(".sketch svg").all():
+            assert drawing.evaluate("(e) => e.getBoundingClientRect().right") <= 360.0
+        assert page.evaluate("document.documentElement.scrollWidth") <= 360
+    page.close()
