@@ -24,7 +24,7 @@ author = "the authors of cosimo"
 release = version = cosimo_pages.version()
 html_title = f"cosimo {release}"
 
-extensions = ["myst_nb", "sphinx_design", "cosimo_pages", "mathml", "search"]
+extensions = ["myst_nb", "cosimo_pages", "mathml", "search"]
 exclude_patterns = ["site/*", "out/*"]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

@@ -298,12 +298,18 @@ def sentences(text: str, symbols: set[str], write: Callable[[str], str] = str) -
             k += 1
             continue
         end = k
-        while end + 2 < len(words) and mathy[end + 2] and not re.search(r"[,;:.]$", words[end]):
+        while end + 2 < len(words) and mathy[end + 2] and (_is_open(words[k : end + 1]) or not re.search(r"[,;:.]$", words[end])):
             end += 2
         preceded = bool(out) and bool(re.search(r"\d\s*$", "".join(out[-2:])))
         out.append(_formula(words[k : end + 1], symbols, preceded, write))
         k = end + 1
     return "".join(out)
+
+
+def _is_open(words: list[str]) -> bool:
+    """Whether a bracket is open behind the words, in which a comma does not end the formula."""
+    text = "".join(words)
+    return text.count("(") > text.count(")")
 
 
 def _is_mathy(word: str, symbols: set[str]) -> bool:

@@ -37,7 +37,7 @@ def _card(name: str, folder: str) -> str:
     effects = sorted({effect for unit in data["units"].values() for effect in unit.get("effects", ())})
     title, attributes = escape(data.get("title", "")), f'data-effects="{" ".join(effects)}" data-figures="{_figures(name)}"'
     return (
-        f'<li {attributes}><a href="{folder}{name}.html"><span class="pair">{_machine(name)}{_curve(name)}</span>'
+        f'<li {attributes}><a href="{folder}{name}.html"><span class="pair" aria-hidden="true">{_machine(name)}{_curve(name)}</span>'
         f"<strong>{name}</strong> <span>{title}</span></a></li>"
     )
 

@@ -21,7 +21,7 @@ from cosimo.orchestrator.scene.scene import scene_files
 
 CONTRAST = Path(__file__).with_name("contrast.js").read_text(encoding="utf-8")
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn")
+NEEDED = ("sphinx", "myst_nb", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn")
 pytestmark = [
     pytest.mark.full,
     pytest.mark.skipif(

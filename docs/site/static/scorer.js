@@ -1,5 +1,5 @@
 // The search: pages written by hand before those made from declarations; excerpts without the letters of drawings.
-const Scorer = {
+var Scorer = {  // as searchtools.js of Sphinx looks for it
   score: ([page, , anchor, , score]) => {
     if (page.startsWith("papers/")) return score - 3;
     if (page.startsWith("generated/scenes/") && !anchor) return score - 2;
