@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -17,7 +18,14 @@ PAGES = {  # picture -> command, what it writes and where its page is, height in
     "accuracy": (("accuracy", "en50318-2002", "--budget", "200"), "", "report.html", 960),
     "stability": (("stability", "mass-on-spring", "--algorithm", "jacobi,gauss-seidel"), "", "report.html", 1000),
     "effects": (("effects", "wind-pump-start", "--tolerance", "5%"), "", "report.html", 1160),
-    "explore": (("explore", "en50318-2002", "--effects", "catenary.dropper_slackening"), "page.html", "page.html", 1350),
+    "explore": (("explore", "en50318-2002"), "page.html", "page.html", 1350),
+}
+# picture -> scene, what is done in its page (selector, and what is chosen there; "" is a click), what of the page is shown
+IN_USE = {
+    "explore-minimum": ("en50318-2002", (("#figure", "actual minimum"), ("#scanned", "uplift force of the drive")), "#moves"),
+    "explore-slackening": ("en50318-2002", (("#pin", ""), ("[id='e-catenary.dropper_slackening']", "")), "#answers"),
+    "explore-step": ("en50318-2002", (), "#costs"),
+    "explore-chaos": ("ball-bearing-clearance", (), "#moves"),
 }
 
 
@@ -46,14 +54,37 @@ def photograph(page: Path, picture: Path, height: int) -> None:
         )
 
 
+def photograph_in_use(page: Path, picture: Path, actions: Sequence[tuple[str, str]], shown: str) -> None:
+    """A part of a page in which something was done, 1300 wide, as PNG."""
+    from playwright.sync_api import sync_playwright
+
+    path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=path, args=["--no-sandbox"]) as browser:
+        tab = browser.new_page(viewport={"width": 1300, "height": 3000})
+        tab.goto(page.as_uri())
+        for selector, choice in (*actions, ("", "")):
+            tab.wait_for_function("Number(document.getElementById('results').dataset.scanned) === question", timeout=120_000)
+            if choice:
+                tab.select_option(selector, label=choice)
+            elif selector:
+                tab.click(selector)
+        tab.wait_for_timeout(1000)
+        tab.locator(shown).screenshot(path=picture)
+
+
 def main(names: list[str]) -> None:
     """Make the named pictures, or all."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or PAGES:
-            command, written, page, height = PAGES[name]
+        for name in names or (*PAGES, *IN_USE):
             out = Path(folder) / name
-            subprocess.run(["cosimo", *command, "-o", str(out / written)], check=True)
-            photograph(out / page, HERE / f"{name}.png", height)
+            if name in PAGES:
+                command, written, page, height = PAGES[name]
+                subprocess.run(["cosimo", *command, "-o", str(out / written)], check=True)
+                photograph(out / page, HERE / f"{name}.png", height)
+            else:
+                scene, actions, shown = IN_USE[name]
+                subprocess.run(["cosimo", "explore", scene, "-o", str(out / "page.html")], check=True)
+                photograph_in_use(out / "page.html", HERE / f"{name}.png", actions, shown)
 
 
 if __name__ == "__main__":

@@ -55,11 +55,14 @@ def link(app: Any, page: str, source: list[str]) -> None:
     """
     if page == "papers/index":
         source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
+    from live import frame
+
+    if page == "index":
+        source[0] = source[0].replace("\n## ", f"\n{frame(page)}\n## ", 1)
     if not page.startswith("systems/"):
         return
     from cosimo.components.catalogue import CATALOGUE
     from cosimo.orchestrator.scene.scene import scene_files
-    from live import frame
     from scene_pages import cards
 
     folders = dict.fromkeys(CATALOGUE, "components") | dict.fromkeys(scene_files(), "scenes")

@@ -6,84 +6,13 @@ const parameters = Object.fromEntries(data.parameters.map((p) => [p.name, p]));
 const usualStep = data.steps.findIndex((s) => s.length === data.step);
 const usual = { algorithm: data.algorithms[0], extrapolation: data.extrapolation };
 const initial = () => ({ values: {}, off: [], step: usualStep, ...usual });
-let state = initial(), pinned = null, shown = null, ladder = [], question = 0, problem = "";
+let state = initial(), pinned = null, shown = null, ladder = [], influences = [], scanned = [], question = 0, problem = "";
 const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
   return made;
 };
 const unitText = (unit) => (unit === "1" ? "" : ` ${unit}`);
-
-// ---- the state as an address, a command, a scene ----
-const text = (value) => String(value);
-function address({ values, off, step, ...master }) {
-  const parts = Object.entries(values).map(([name, value]) => `${name}=${text(value)}`);
-  off.forEach((name) => parts.push(`off=${name}`));
-  if (step !== usualStep) parts.push(`step=${data.steps[step].length}`);
-  for (const [key, value] of Object.entries(usual)) if (master[key] !== value) parts.push(`${key}=${master[key]}`);
-  return parts.join("&");
-}
-function stateOf(hash) { // what is not known is left out, with a sentence
-  const next = initial(), unknown = [];
-  for (const part of decodeURIComponent(hash.replace(/^#/, "")).split("&").filter(Boolean)) {
-    const [name, value] = part.split("="), number = Number(value);
-    if (name === "off" && data.effects.some((e) => e.name === value)) next.off.push(value);
-    else if (name === "step" && data.steps.some((s) => s.length === number)) next.step = data.steps.findIndex((s) => s.length === number);
-    else if (name === "algorithm" && data.algorithms.includes(value)) next.algorithm = value;
-    else if (name === "extrapolation" && value in data.variants[0].extrapolations) next.extrapolation = number;
-    else if (name in parameters && value !== "" && !refusal(parameters[name], value)) next.values[name] = number;
-    else if (part !== "results") unknown.push(part);
-  }
-  problem = unknown.length ? `Left out of the address, which this page does not know: ${unknown.join(", ")}.` : "";
-  return next;
-}
-const place = (name) => { const dot = name.indexOf("."); return [name.slice(0, dot), name.slice(dot + 1)]; };
-function unitOf(name) { // a unit of a subsystem has dots in its name
-  const units = Object.keys(data.settings.units).filter((unit) => name.startsWith(`${unit}.`));
-  const unit = units.sort((a, b) => b.length - a.length)[0];
-  return unit === undefined ? place(name) : [unit, name.slice(unit.length + 1)];
-}
-function changesOf({ values, off, step, ...master }) { // as `with_changes` takes them
-  const changes = {};
-  for (const [name, value] of Object.entries(values)) {
-    const [unit, parameter] = unitOf(name);
-    changes[`units.${unit}.parameters.${parameter}`] = value;
-  }
-  for (const name of off) {
-    const [unit] = unitOf(name);
-    const without = off.filter((n) => unitOf(n)[0] === unit).map((n) => unitOf(n)[1]);
-    changes[`units.${unit}.effects`] = data.settings.units[unit].effects.filter((e) => !without.includes(e));
-  }
-  if (step !== usualStep) changes["master.step"] = data.steps[step].length;
-  for (const [key, value] of Object.entries(usual)) if (master[key] !== value) changes[`master.${key}`] = master[key];
-  return changes;
-}
-function settingsOf({ values, off, step, algorithm, extrapolation }) {
-  const settings = structuredClone(data.settings);
-  for (const name of off) {
-    const [unit, effect] = unitOf(name), of = settings.units[unit];
-    of.effects = of.effects.filter((e) => e !== effect);
-    of.parameters = Object.fromEntries(Object.entries(of.parameters ?? {}).filter(([n]) => !n.startsWith(`${effect}.`)));
-  }
-  for (const [name, value] of Object.entries(values)) {
-    const [unit, parameter] = unitOf(name);
-    if (available(name)) (settings.units[unit].parameters ??= {})[parameter] = value;
-  }
-  Object.assign(settings.master, { step: data.steps[step].length, algorithm, extrapolation });
-  return settings;
-}
-function elsewhere() {
-  const { values, off, step, algorithm, extrapolation } = state, numbers = Object.entries(values).filter(([name]) => available(name));
-  const sets = numbers.map(([name, value]) => ` --set ${name}=${text(value)}`);
-  if (step !== usualStep) sets.push(` --step ${data.steps[step].length}`);
-  if (algorithm !== usual.algorithm) sets.push(` --algorithm ${algorithm}`);
-  if (extrapolation !== usual.extrapolation) sets.push(` --extrapolation ${extrapolation}`);
-  byId("command").value = off.length ? "cosimo run scene.toml  # the scene below: effects are off" : `cosimo run ${data.name}${sets.join("")}`;
-  const changes = JSON.stringify(changesOf({ ...state, values: Object.fromEntries(numbers) }), null, 4);
-  const changed = address(state) !== address(initial());
-  byId("python").value = `import cosimo\n\nscene = cosimo.load_scene(${JSON.stringify(data.name)})${changed ? `.with_changes(${changes})` : ""}\nresult = cosimo.run(scene)\nprint(result.summary)`;
-  byId("toml").value = toml(settingsOf(state));
-}
 
 // ---- settings ----
 const variantOf = ({ off, algorithm }) => data.variants.findIndex((v) => v.algorithm === algorithm
@@ -143,7 +72,7 @@ function knob(p) {
 function choice(key, values, shownAs) { // of a setting of the master: nothing to choose, nothing shown
   const select = byId(key);
   select.parentElement.hidden = values.length < 2;
-  values.forEach((value) => select.append(element("option", { value }, `${shownAs(value)}${value === usual[key] ? ", as the scene" : ""}`)));
+  values.forEach((value) => select.append(element("option", { value }, `${shownAs(value)}${value === usual[key] ? ", scene" : ""}`)));
   select.addEventListener("change", () => change({ ...state, [key]: values[select.selectedIndex] }, true));
 }
 function build() {
@@ -161,7 +90,7 @@ function build() {
     });
     byId("effects").append(element("div", { className: "effect" }, box, element("label", { htmlFor: box.id }, name), element("small", {}, meaning)));
   }
-  data.steps.forEach((s, k) => byId("step").append(element("option", { value: k }, `${digits(1000 * s.length, 6)} ms${k === usualStep ? ", as the scene" : ""}`)));
+  data.steps.forEach((s, k) => byId("step").append(element("option", { value: k }, `${digits(1000 * s.length, 6)} ms${k === usualStep ? ", scene" : ""}`)));
   byId("step").addEventListener("change", () => change({ ...state, step: Number(byId("step").value) }, true));
   choice("algorithm", data.algorithms, String);
   choice("extrapolation", Object.keys(data.variants[0].extrapolations).map(Number), (degree) => ["0, held", "1, linear", "2, quadratic"][degree]);
@@ -184,6 +113,11 @@ function build() {
   });
   data.signals.forEach((s) => byId("over2").append(element("option", { value: s.name }, s.name)));
   byId("over2").addEventListener("change", () => drawCurve(2));
+  data.figures.forEach((f) => byId("figure").append(element("option", {}, f.text)));
+  byId("figure").addEventListener("change", () => { showInfluences(); draw("scan"); });
+  data.first.forEach((name) => byId("scanned").append(element("option", { value: name }, parameters[name].text)));
+  byId("scanned").addEventListener("change", ask);
+  byId("moves").hidden = !data.first.length || !data.figures.length;
   byId("reset").addEventListener("click", () => change(initial(), true));
   byId("pin").addEventListener("click", () => {
     pinned = pinned ? null : shown && { run: shown, address: address(state) };
@@ -202,7 +136,7 @@ function startWorker() {
   worker = new Worker((workerUrl ??= URL.createObjectURL(new Blob([byId("worker").textContent], { type: "text/javascript" }))));
   worker.onmessage = ({ data: message }) => { if (message.id === question) answers[message.kind](message); };
   worker.onerror = (event) => tell(`The computation could not be started: ${event.message}.`);
-  worker.postMessage({ data: { ...data, parameters: undefined, layouts: undefined, settings: undefined }, modules: sources });
+  worker.postMessage({ data: { ...data, usual: Object.fromEntries(data.parameters.map((p) => [p.name, p.value])), sliders: data.first.map((n) => ({ name: n, from: parameters[n].from, to: parameters[n].to })), parameters: undefined, layouts: undefined, settings: undefined }, modules: sources });
 }
 function change(next, settled, keep) {
   state = next;
@@ -227,7 +161,7 @@ function ask() {
   }, patience);
   send();
 }
-function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation }); }
+function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation, over: byId("scanned").value }); }
 const tell = (sentence) => { byId("sentence").hidden = !sentence; byId("sentence").textContent = sentence; };
 const answers = {
   progress({ time }) { clearTimeout(waiting); byId("status").textContent = `Computing: ${digits(time, 3)} of ${data.stop} s.`; },
@@ -235,13 +169,14 @@ const answers = {
     clearTimeout(waiting);
     shown = { ...run, errors: {} };
     ladder = [];
+    influences = [];
+    scanned = [];
     byId("results").classList.remove("waiting");
     const reached = (run.count - 1) * run.step;
-    byId("status").textContent = `${digits(reached, 6)} s computed in ${run.spent.toFixed(0)} ms, ${digits((1000 * reached) / run.spent, 2)} times as fast as real time.`;
+    noteTime({ spent: run.spent, rows: run.count });
     tell([problem, run.whole ? windowOf(run) : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
     showNumbers();
-    drawCurve(1);
-    drawCurve(2);
+    draw("curve1", "curve2");
     byId("results").dataset.answered = (performance.now() - asked).toFixed(1);
     answered();
   },
@@ -256,11 +191,18 @@ const answers = {
   },
   ladder(rung) {
     ladder[rung.place] = rung;
-    drawAccuracy();
+    draw("accuracy");
     if (rung.place === state.step && !rung.stable && shown.whole) {
       tell([problem, `The macro step of ${digits(1000 * rung.length, 4)} ms is beyond the stability limit of this state: the coupling makes the signals grow.`].filter(Boolean).join(" "));
     }
     if (rung.place === data.steps.length - 1) byId("results").dataset.laddered = question;
+  },
+  influence(answer) { influences.push(answer); noteTime(answer); showInfluences(); },
+  scan(answer) {
+    scanned[answer.place] = answer;
+    noteTime(answer);
+    if (answer.place % 4 === 0 || answer.place === answer.count - 1) draw("scan");
+    if (answer.place === answer.count - 1) byId("results").dataset.scanned = question;
   },
   error({ text: what }) { clearTimeout(waiting); tell(`The computation failed: ${what}.`); },
 };
@@ -272,13 +214,24 @@ function windowOf(run) { // why there are no numbers: "" where there are some
   return `The figures are those from ${digits(from, 6)} to ${digits(to, 6)} of ${signal}, and this run covers ${digits(x[0], 4)} to ${digits(x.at(-1), 4)}: there are no numbers.`;
 }
 
+function noteTime({ spent, rows }) { // of a run with the macro step of this state: the fastest of them counts, the others were disturbed
+  const reached = (shown.count - 1) * shown.step, steps = Math.max(rows - 1, 1);
+  shown.perStep = Math.min(shown.perStep ?? Infinity, (1000 * spent) / steps);
+  const perStep = (run) => `${digits(run.perStep, 2)} µs`;
+  byId("status").textContent = `${digits(reached, 6)} s computed in ${shown.spent.toFixed(0)} ms, ${digits((1000 * reached) / shown.spent, 2)} times as fast as real time; ${
+    perStep(shown)} a macro step at best${pinned ? `, pinned ${perStep(pinned.run)}` : ""}.`;
+}
+
 // ---- numbers ----
 function showNumbers() {
   if (!shown) return;
   byId("numbers").replaceChildren(...data.figures.map((f) => {
-    const value = element("dd", {}, `${withError(shown.numbers[f.name], shown.errors[f.name])}${unitText(f.unit)}`);
-    const before = pinned?.run.numbers[f.name];
-    if (pinned) value.append(element("small", {}, `pinned ${digits(before, 5)}, change ${digits(shown.numbers[f.name] - before, 3)}`));
+    const now = shown.numbers[f.name], { number, error, unit } = quantity(now, f.unit, shown.errors[f.name]);
+    const value = element("dd", {}, `${withError(number, error)}${unit}`);
+    if (pinned) {
+      const before = pinned.run.numbers[f.name], [was, change] = [before, now - before].map((v) => quantity(v, f.unit, 0, now).number);
+      value.append(element("small", {}, `pinned ${digits(was, 5)}, change ${digits(change, 3)}`));
+    }
     return element("div", {}, element("dt", {}, f.text), value);
   }));
   showRanges();
@@ -305,11 +258,44 @@ function showRanges() {
   box.replaceChildren(element("caption", {}, caption), ...(rows.length ? [element("thead", {}, head), element("tbody", {}, ...body)] : []));
 }
 
+// ---- what moves a figure ----
+const chosenFigure = () => data.figures[byId("figure").selectedIndex];
+function showInfluences() {
+  const figure = chosenFigure(), box = byId("influences");
+  if (!figure || !shown) return;
+  const base = shown.numbers[figure.name], error = shown.errors[figure.name];
+  const rows = influences.map((one) => ({ ...one, change: one.numbers[figure.name] - base })).filter((one) => Number.isFinite(one.change));
+  rows.sort((a, b) => Math.abs(b.change) - Math.abs(a.change));
+  const most = Math.abs(rows[0]?.change) || 1, signed = (v, n) => `${v < 0 ? "−" : "+"}${digits(Math.abs(v), n)}`;
+  box.replaceChildren(...rows.map(({ name, by, change }) => {
+    const { text: meaning, unit } = parameters[name], share = Math.abs(change) / most, hidden = Math.abs(change) <= error;
+    const bar = element("span", { className: `influence ${change < 0 ? "down" : "up"}` });
+    bar.style.width = `${100 * share}%`;
+    return element("tr", { className: hidden ? "below" : "", title: hidden ? "within the numerical error" : "" },
+      element("th", { scope: "row" }, meaning, element("small", {}, ` ${signed(by, 2)}${unitText(unit)}`)),
+      element("td", {}, bar), element("td", { className: "num" }, `${signed(quantity(change, figure.unit, 0, base).number, 3)}${quantity(base, figure.unit).unit}`));
+  }));
+}
+function drawScan() {
+  const figure = chosenFigure(), name = byId("scanned").value, points = scanned.filter(Boolean), colours = data.colours;
+  if (!figure || !name) return;
+  const layout = structuredClone(data.layouts.curve), p = parameters[name], here = state.values[name] ?? p.value;
+  layout.xaxis.title.text = labelled({ name, unit: p.unit, text: p.text });
+  layout.xaxis.range = [p.from, p.to];
+  layout.shapes = [{ type: "line", x0: here, x1: here, y0: 0, y1: 1, yref: "paper", line: { color: colours.bad, width: 1.2 } }];
+  const signal = figure.section ? data.signals.find((s) => s.name === figure.signals[0]) : null;
+  layout.yaxis.title.text = signal ? labelled(signal) : labelled({ ...figure, unit: figure.unit });
+  const trace = signal ? { mode: "markers", marker: { size: 2.5, color: colours.line }, name: "section",
+    x: points.flatMap((one) => one.points.map(() => one.value)), y: points.flatMap((one) => one.points) }
+    : { mode: "lines+markers", marker: { size: 4 }, line: { color: colours.line }, name: figure.text, x: points.map((one) => one.value), y: points.map((one) => one.numbers[figure.name]) };
+  return plot("scan", [{ type: "scatter", showlegend: false, ...trace }], layout);
+}
+
 // ---- curves ----
-const POINTS = 1500;
-function thinned(run, y) { // the least and the largest of each piece
-  const n = y.length, pieces = POINTS / 2, xs = [], ys = [];
-  if (n <= POINTS) return { x: Array.from(y, (_, k) => k * run.step), y: Array.from(y) };
+const MOST_POINTS = 1500;
+function thinned(run, y, width) { // the least and the largest of each piece; a piece is 1.5 px wide
+  const points = Math.min(MOST_POINTS, Math.max(400, Math.round(width / 0.75))), n = y.length, pieces = points / 2, xs = [], ys = [];
+  if (n <= points) return { x: Array.from(y, (_, k) => k * run.step), y: Array.from(y) };
   for (let piece = 0; piece < pieces; piece++) {
     const end = Math.floor((n * (piece + 1)) / pieces);
     let least = Math.floor((n * piece) / pieces), largest = least;
@@ -319,7 +305,18 @@ function thinned(run, y) { // the least and the largest of each piece
   return { x: xs, y: ys };
 }
 let plotting = false;
-const again = new Set();
+const again = new Set(), drawings = { curve1: () => drawCurve(1), curve2: () => drawCurve(2), accuracy: () => drawAccuracy(), scan: () => drawScan() };
+const inSight = new Set(), behind = new Set(); // plots that can be seen; those that are drawn anew when they come into sight
+const sight = new IntersectionObserver((entries) => {
+  for (const { target: { id }, isIntersecting } of entries) {
+    if (!isIntersecting) { inSight.delete(id); continue; }
+    inSight.add(id);
+    if (behind.delete(id)) drawings[id]();
+  }
+}, { rootMargin: "100px" });
+function draw(...ids) {
+  for (const id of ids) if (inSight.has(id) || !again.has(id)) drawings[id](); else behind.add(id);
+}
 async function plot(id, traces, layout) {
   if (!plotting) return;
   const spec = JSON.stringify({ traces, layout });
@@ -339,14 +336,15 @@ const labelled = ({ name, unit, text: what }) => { // of an axis
 };
 function drawCurve(k) {
   if (!shown) return;
-  const name = byId(`signal${k}`).value, over = k === 2 ? byId("over2").value : "", colours = data.colours, traces = [];
+  const name = byId(`signal${k}`).value, over = k === 2 ? byId("over2").value : "", colours = data.colours, traces = [], width = byId(`curve${k}`).clientWidth;
   const of = (signal) => data.signals.find((s) => s.name === signal);
   const line = (run, y, title, colour, more = {}) => ({
     type: "scatter", name: title, ...(over ? { ...orbit(run.columns[over], y), mode: "markers", marker: { color: colour, size: 2.5 } }
-      : { ...thinned(run, y), mode: "lines", line: { color: colour, width: 1.4, ...more } }),
+      : { ...thinned(run, y, width), mode: "lines", line: { color: colour, width: 1.4, ...more } }),
   });
   const parts = (run) => Object.entries(run.smooth).filter(([key]) => key.startsWith(`${name} below`));
-  if (pinned) traces.push(line(pinned.run, parts(pinned.run)[0]?.[1] ?? pinned.run.columns[name], "pinned", colours.pinned, { dash: "dot" }));
+  if (!shown.columns[name] || (over && !shown.columns[over])) return; // of an effect that is off
+  if (pinned?.run.columns[name] && (!over || pinned.run.columns[over])) traces.push(line(pinned.run, parts(pinned.run)[0]?.[1] ?? pinned.run.columns[name], "pinned", colours.pinned, { dash: "dot" }));
   const smooth = parts(shown);
   traces.push(line(shown, shown.columns[name], smooth.length ? "unfiltered" : "this state", smooth.length ? colours.raw : colours.line));
   smooth.forEach(([key, y]) => traces.push(line(shown, y, key.slice(name.length + 1), colours.line, { width: 2 })));
@@ -369,7 +367,7 @@ function drawAccuracy() {
     bad ? `The dashed line: with ${digits(1000 * bad.length, 4)} ms the run is unstable${bad.said ? ` (${bad.said})` : ""}.` : rungs.length === data.steps.length ? "No step that the page offers is unstable here." : ""}`;
   return plot("accuracy", traces, layout);
 }
-const drawAll = () => { drawCurve(1); drawCurve(2); drawAccuracy(); };
+const drawAll = () => draw(...Object.keys(drawings));
 
 async function begin() {
   build();
@@ -388,5 +386,7 @@ async function begin() {
   byId("no-plotly").hidden = plotting;
   wantsDark.addEventListener("change", drawAll);
   drawAll();
+  Object.keys(drawings).forEach((id) => sight.observe(byId(id)));
+  window.addEventListener("beforeprint", () => [...behind].forEach((id) => { behind.delete(id); drawings[id](); }));
 }
 begin();

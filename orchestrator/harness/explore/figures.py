@@ -12,17 +12,40 @@ from ..analysis.signals import Filter, sections
 from ..studies.quantities import EDGE, quantities_of
 
 MOST = 12  # figures of a scene without a system that knows better
-LIVE_KINDS = (*KINDS, "end", "mean + 3 σ", "mean - 3 σ", "share not above zero", "amplitude")
+OF_THE_SIGNAL = (
+    *KINDS,
+    "end",
+    "mean + 3 σ",
+    "mean - 3 σ",
+    "amplitude",
+    "largest size",
+    "peak to peak",
+    "at the largest",
+    "overshoot",
+)
+LIVE_KINDS = (  # those with the signal's unit of measure, and the others
+    *OF_THE_SIGNAL, "kurtosis", "integral", "change", "rate of change", "largest drift", "share not above zero", "share of zeros",
+    "share of time at 1", "settling time", "starts", "distinct points",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class LiveFigure:
     """One number of a run.
 
-    signals: "unit.output"; of several, the largest number.  kind: one of `LIVE_KINDS`; a share is in percent.  factor: of the
-    number shown over that of the signals.  cutoff: Hz, of the `Filter` that the whole signal goes through first; 0 without.
+    signals: "unit.output"; of several, the largest number, unless they are combined row by row.
+    combine: "size" (Euclidean norm), "product", "difference" of two, "largest size"; "" for none.
+    kind: one of `LIVE_KINDS`; a share is in percent.  factor: of the number shown over that of the signals.
+    powers: "unit.parameter" -> exponent with which the present value of the parameter multiplies the number.
+    over: a figure by which this one is divided; without a number where that one is not positive.
+    cutoff: Hz, of the `Filter` that the whole signal goes through first; 0 without.
     window: (signal, from, to), where the signal never decreases: rows with from <= signal < to; without one the rows from
     `transient` s on, without `edge` s at either end.  frequency: Hz, of an amplitude.
+    moves: of overshoot and settling time: (begin, change done, begin of the next one, s; sign of the change; band).
+    section: of distinct points: (signal of an angle, spacing in rad): groups of points 2 % of the range apart, among the
+    combinations of all signals at the multiples of the spacing; the first half of the signals has one range, and so has the
+    other. Over a parameter the page draws the first signal there.
+    limits: of starts: speed above which a shaft runs, and the longest standstill, s, that is no stop.
     measure: its name in reference tables.
     """
 
@@ -32,16 +55,31 @@ class LiveFigure:
     signals: tuple[str, ...]
     kind: str
     factor: float = 1.0
+    combine: str = ""
+    powers: tuple[tuple[str, float], ...] = ()
+    over: LiveFigure | None = None
     cutoff: float = 0.0
     window: tuple[str, float, float] | None = None
     transient: float = 0.0
     edge: float = 0.0
     frequency: float = 0.0
+    moves: tuple[tuple[float, float, float, float, float], ...] = ()
+    section: tuple[str, float] | None = None
+    limits: tuple[float, float] | None = None
     measure: str = ""
+
+    @property
+    def whole(self) -> tuple[LiveFigure, ...]:
+        """Itself and the figure by which it is divided."""
+        return (self, self.over) if self.over else (self,)
 
     def to_json(self) -> dict[str, Any]:
         """For the page."""
-        return asdict(self) | {"filter": f"{self.cutoff:g}" if self.cutoff else ""}
+        return asdict(self) | {
+            "filter": f"{self.cutoff:g}" if self.cutoff else "",
+            "over": self.over.to_json() if self.over else None,
+            "of_the_signal": self.kind in OF_THE_SIGNAL and not self.over and self.combine != "product",
+        }
 
 
 def figures_of_study(scene: Scene) -> tuple[LiveFigure, ...]:
@@ -76,7 +114,7 @@ def filters(figures: Iterable[LiveFigure], step: float) -> dict[str, dict[str, A
     from scipy.signal import sosfilt_zi
 
     rate, needed = 1.0 / step, {}
-    for cutoff in {f.cutoff for f in figures if 0.0 < f.cutoff < 0.5 * rate}:
+    for cutoff in {f.cutoff for figure in figures for f in figure.whole if 0.0 < f.cutoff < 0.5 * rate}:
         coefficients = sections(Filter(cutoff), rate)
         needed[f"{cutoff:g}"] = {
             "sections": coefficients.tolist(),

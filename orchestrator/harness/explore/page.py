@@ -56,7 +56,7 @@ def explore_page(
         dark=DARK,
         modules=[compressed(module) for module in content.modules],
         worker=_asset("analysis.js") + _asset("worker.js"),
-        script=asset("shared.js") + _asset("words.js") + _asset("explore.js"),
+        script=asset("shared.js") + "".join(_asset(f"{name}.js") for name in ("words", "state", "explore")),
         library=library,
         plotly="" if library else compressed_plotly(),
     )

@@ -23,6 +23,11 @@ function withError(value, error) {
   if (digit >= 0 || digit < -9) return `${digits(value, 4)} ± ${digits(shown, 2)}`;
   return `${value.toFixed(-digit)} ± ${shown.toFixed(-digit)}`;
 }
+// A number with its unit, lengths below 0.1 m in mm, below 0.1 mm in µm. of: the number that decides, if not this one.
+function quantity(value, unit, error, of = value) {
+  const [factor, shown] = unit !== "m" || !(Math.abs(of) < 0.1) || of === 0 ? [1, unit] : Math.abs(of) < 1e-4 ? [1e6, "µm"] : [1e3, "mm"];
+  return { number: factor * value, error: error === undefined ? undefined : factor * error, unit: shown === "1" ? "" : ` ${shown}` };
+}
 // TOML of plain data: numbers, texts, truth values, lists, tables.
 function toml(settings) {
   const key = (k) => (/^[\w-]+$/.test(k) ? k : JSON.stringify(k));

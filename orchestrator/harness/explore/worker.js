@@ -1,5 +1,5 @@
 // Computes runs: the latest wish wins, between pieces of a run the worker looks whether there is a newer one.
-const PIECE = 12; // ms
+const PIECE = 20; // ms, between two looks for a newer wish, each of which costs a turn of the event loop
 const GROWN = 3; // times the deviation of a signal with the shortest step: the coupling adds energy that is not there
 let data, modules, wish = null, busy = false;
 const instances = [];
@@ -29,7 +29,7 @@ function instanceOf(variant) { // the module of a variant, started once
       new Uint8Array(x.memory.buffer, at).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
       return at;
     };
-    const names = data.signals.map((s) => s.name), { outputs, token } = data.variants[variant];
+    const { outputs, token } = data.variants[variant], names = data.signals.map((s) => s.name).filter((name) => name in outputs);
     const bytes = (string) => put(new TextEncoder().encode(string + "\0"));
     const changes = Object.fromEntries(Object.entries(data.variants[variant].extrapolations).map(([degree, cells]) => [degree, {
       count: cells.length, cells: put(Uint32Array.from(cells, ([cell]) => cell)), values: put(Uint32Array.from(cells.flatMap(([, low, high]) => [low, high]))),
@@ -70,14 +70,17 @@ async function run({ variant, values, extrapolation }, length, exact, newer, pro
       progress?.(done * length);
     }
   }
-  const table = gone || !rows ? null : new Float64Array(x.memory.buffer, rows, n * (failed && !done ? 0 : done + 1)).slice();
+  const kept = gone || !rows || (failed && !done) ? 0 : done + 1, columns = {};
+  const table = new Float64Array(x.memory.buffer, rows, n * kept); // of the module, until it is freed below
+  of.names.forEach((name, c) => {
+    const column = (columns[name] = new Float64Array(kept));
+    for (let k = 0, at = c; k < kept; k++, at += n) column[k] = table[at];
+  });
   [references, numbers, rows].forEach((at) => x.free(at));
   if (unit) x.fmi3FreeInstance(unit);
-  if (table === null) return null;
-  const kept = table.length / n, columns = {};
-  of.names.forEach((name, c) => { columns[name] = Float64Array.from({ length: kept }, (_, k) => table[k * n + c]); });
+  if (gone || !rows) return null;
   const whole = !failed && kept === count + 1;
-  return { step: length, count: kept, columns, whole, spent, said: whole ? "" : said.at(-1) ?? "the run ended early" };
+  return { step: length, count: kept, columns, whole, spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
 }
 
 function everySecond(finer, length) { // the rows of a run with half the step at the instants of the whole ones
@@ -98,7 +101,7 @@ const spread = (x) => { const mean = x.reduce((s, v) => s + v, 0) / x.length; re
 function apart(numbers, others, run) {
   let largest = { share: 0, figure: "" };
   for (const f of data.figures) {
-    const size = Math.max(Math.abs(numbers[f.name]), ...f.signals.map((name) => Math.abs(f.factor) * spread(run.columns[name])));
+    const size = Math.max(Math.abs(numbers[f.name]), ...(f.of_the_signal ? f.signals.map((name) => Math.abs(f.factor) * spread(run.columns[name] ?? [0])) : []));
     const share = size > 0 ? Math.abs(numbers[f.name] - others[f.name]) / size : 0;
     if (share > largest.share) largest = { share, figure: f.name };
   }
@@ -114,30 +117,68 @@ async function serve() {
   }
   busy = false;
 }
-const halved = (values) => Object.fromEntries(data.parameters.filter((p) => p.name.endsWith(".substep"))
-  .map((p) => [p.name, 0.5 * (values[p.name] ?? p.value)])); // the internal steps
-const judged = () => [...new Set(data.figures.flatMap((f) => f.signals))];
+const halved = ({ values }) => Object.fromEntries(Object.entries(data.usual).filter(([name]) => name.endsWith(".substep"))
+  .map(([name, value]) => [name, 0.5 * (values[name] ?? value)])); // the internal steps
+const judged = ({ variant }) => [...new Set(data.figures.flatMap((f) => [...f.signals, ...(f.over?.signals ?? [])]))].filter((n) => n in data.variants[variant].outputs);
+const valuesOf = ({ values }) => (name) => values[name] ?? data.usual[name];
 
 async function answer(job, newer) {
   const { length, exact, half, filters } = data.steps[job.step];
   const began = performance.now();
   const first = await run(job, length, exact, newer, (time) => postMessage({ id: job.id, kind: "progress", time }));
   if (!first) return;
-  const { numbers, smooth } = figuresOf(data.figures, { ...first, filters });
+  const { numbers, smooth } = figuresOf(data.figures, { ...first, filters, valueOf: valuesOf(job) });
   postMessage({ id: job.id, kind: "run", ...first, numbers, smooth, took: performance.now() - began });
   if (job.quick) return;
   await breathe();
   if (newer() || !first.whole) return first.whole ? undefined : ladder(job, newer);
-  const second = await run({ ...job, values: { ...job.values, ...halved(job.values) } }, 0.5 * length, half, newer);
+  const second = await run({ ...job, values: { ...job.values, ...halved(job) } }, 0.5 * length, half, newer);
   if (!second) return;
-  const same = everySecond(second, length), others = figuresOf(data.figures, { ...same, filters }).numbers;
-  const worst = second.whole ? Math.max(0, ...judged().map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
+  const same = everySecond(second, length), others = figuresOf(data.figures, { ...same, filters, valueOf: valuesOf(job) }).numbers;
+  const worst = second.whole ? Math.max(0, ...judged(job).map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
   const factor = worst > data.error.limit ? data.error.unsure : data.error.sure;
-  const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => [name, factor * Math.abs(value - others[name])]));
+  const between = figuresOf(data.figures, { ...second, filters: {}, valueOf: valuesOf(job) }).numbers; // with the rows between those of the first run
+  const missed = (name) => (Number.isFinite(between[name]) ? Math.abs(between[name] - others[name]) : 0);
+  const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => [name, factor * Math.abs(value - others[name]) + missed(name)]));
   const { share, figure } = apart(numbers, others, first);
   postMessage({ id: job.id, kind: "errors", errors, worst: factor * share, figure, said: second.said });
   await breathe();
-  if (!newer()) await ladder(job, newer);
+  if (newer()) return;
+  await ladder(job, newer);
+  if (!newer()) await influences(job, newer);
+  if (!newer()) await scan(job, newer, first.spent);
+}
+
+// The same state with a parameter changed: the figures, and of a section its points.
+async function varied(job, name, value, newer) {
+  const { length, exact, filters } = data.steps[job.step], values = { ...job.values, [name]: value };
+  const one = await run({ ...job, values }, length, exact, newer);
+  if (!one) return null;
+  const section = data.figures.find((f) => f.section), angle = one.columns[section?.section[0]], rows = angle && one.whole && rowsOf(section, one);
+  const points = rows ? sectionOf(angle.subarray(...rows), section.section[1], [one.columns[section.signals[0]].subarray(...rows)])[0] : [];
+  await breathe();
+  return newer() ? null : { name, value, spent: one.spent, rows: one.count, numbers: figuresOf(data.figures, { ...one, filters, valueOf: valuesOf({ values }) }).numbers, points };
+}
+const PART = 0.1; // of a slider's range, by which a parameter is moved to see what follows
+async function influences(job, newer) {
+  for (const { name, from, to } of data.sliders) {
+    if (!(name in data.variants[job.variant].parameters)) continue;
+    const here = valuesOf(job)(name), by = (here + PART * (to - from) > to ? -PART : PART) * (to - from);
+    const answered = await varied(job, name, here + by, newer);
+    if (!answered) return;
+    postMessage({ id: job.id, kind: "influence", ...answered, by });
+  }
+}
+const SCANNED = 41, BUDGET = 8000; // points over a parameter; ms that they may take
+async function scan(job, newer, spent) {
+  const slider = data.sliders.find((s) => s.name === job.over && s.name in data.variants[job.variant].parameters);
+  if (!slider) return;
+  const count = Math.round(Math.min(SCANNED, Math.max(9, BUDGET / spent)));
+  for (let k = 0; k < count; k++) {
+    const answered = await varied(job, slider.name, slider.from + ((slider.to - slider.from) * k) / (count - 1), newer);
+    if (!answered) return;
+    postMessage({ id: job.id, kind: "scan", place: k, count, ...answered });
+  }
 }
 
 // The same state with every macro step that the page offers, the shortest first, which is the reference of the others.
@@ -147,7 +188,7 @@ async function ladder(job, newer) {
     const { length, exact, filters } = data.steps[k];
     const one = await run(job, length, exact, newer);
     if (!one) return;
-    const names = judged(), { numbers } = figuresOf(data.figures, { ...one, filters });
+    const names = judged(job), { numbers } = figuresOf(data.figures, { ...one, filters, valueOf: valuesOf(job) });
     if (!reference && one.whole) {
       reference = one;
       best = numbers;

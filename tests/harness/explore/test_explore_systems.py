@@ -1,0 +1,61 @@
+"""Pages of scenes of several systems: their figures at random states against those of runs in process."""
+
+from __future__ import annotations
+
+import json
+import random
+from math import isfinite
+
+import pytest
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import explore_page, load_scene
+from cosimo.tests.fmus.native.web_assembly import needs_node
+from cosimo.tests.harness.explore.test_explore_page import at, opened  # noqa: F401
+from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
+
+pytestmark = needs_node
+STATES = 7  # of each scene
+# scene -> (what is varied, changes that make the motion one that does not follow the last digits, figures of the summary at least)
+SCENES = {
+    "mass-on-spring": (("spring.stiffness", "spring.damping", "mass.mass"), {}, 0),
+    "ball-bearing-clearance": (
+        ("bearing.mass", "bearing.damping", "bearing.contact_stiffness"),
+        {"units.bearing.parameters.clearance.radial_clearance": 2e-6, "stop_time": 1.5},
+        6,
+    ),
+    "rov-station-keeping": (("current.speed", "current.gust.amplitude", "hull.mass"), {}, 4),
+    "wind-pump-gusts": (("converter.lever_mass", "converter.crank_radius", "wind.gusts.amplitude"), {}, 4),
+    "friction-drive-step": (("wheels.normal_force", "wheels.friction", "controller.feed_gain"), {}, 4),
+    "pipe-robot-resonance": (("straight.stiffness", "straight.damping", "stiffening.stiffness"), {}, 6),
+    "wrist-motion": (("wrist.flexion_stiffness", "wrist.deviation_stiffness", "wrist.hand_mass"), {}, 6),
+    "gimbal-scan": (("body.gravity.distance", "outer_motor.resistance"), {}, 4),
+}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", SCENES)
+def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
+    varied, changes, least = SCENES[name]
+    scene = load_scene(name).with_changes({**changes, "record.interval": None})
+    page = opened(explore_page(scene, tmp_path / "page.html", parameters=dict.fromkeys(varied), effects=()))
+    usual, chance = {p["name"]: p["value"] for p in page.evaluate("data.parameters")}, random.Random(name)
+    for _ in range(STATES):
+        values = {n: float(f"{chance.uniform(0.85, 1.15) * usual[n]:.5g}") for n in varied}
+        degree = chance.choice([int(d) for d in page.evaluate("Object.keys(data.variants[0].extrapolations)")])
+        settings = {f"units.{u}.parameters.{p}": v for n, v in values.items() for u, p in [scene.split(n)]}
+        fragment = "&".join(f"{n}={json.dumps(v)}" for n, v in values.items())
+        if degree != scene.master.extrapolation:
+            settings["master.extrapolation"] = degree
+            fragment += f"&extrapolation={degree}"
+        result, compared = run(scene.with_changes(settings), in_process=True), 0
+        here = at(page, fragment)
+        assert here["said"] == ""
+        expected = {row.name: row.value for row in result.summary if isfinite(row.value)}
+        expected |= {
+            f"{n}, {word}": pick(x) for n, x in result.columns.items() for word, pick in (("maximum", max), ("minimum", min))
+        }
+        for quantity, number in here["numbers"].items():
+            if quantity in expected:
+                assert number == pytest.approx(expected[quantity], rel=1e-6, abs=1e-9), (fragment, quantity)
+                compared += quantity in {row.name for row in result.summary}
+        assert compared >= least
