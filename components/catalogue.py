@@ -111,7 +111,7 @@ def _not_imported(name: str, where: str, error: Exception) -> BadInput:
 
 
 def component_name(cls: type[Component]) -> str:
-    """What a scene calls a class: its name in the catalogue, or "module:Class". Raises `BadInput` for one inside a function."""
+    """The name of a class in scenes: its name in the catalogue, or "module:Class". Raises `BadInput` for one inside a function."""
     if cls.__module__.endswith(f".components.{CATALOGUE.get(cls.__name__, '?')}"):
         return cls.__name__
     if "." in cls.__qualname__:

@@ -105,7 +105,7 @@ class GivenStart(Effect):
 
 
 class TwoDofBearing(OdeComponent):
-    """What the dimensional and the dimensionless bearing share; the dimensionless one replaces what has a unit."""
+    """The common part of the dimensional and the dimensionless bearing; the latter replaces all variables with a unit."""
 
     system = "bearings"
     start_inputs = ("load", "transverse_load")

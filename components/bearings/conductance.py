@@ -238,10 +238,10 @@ OUT = AngularContactConductance.output_places()
 
 @kernel_tuple
 class Rings(NamedTuple):
-    """What follows from the parameters for the rings."""
+    """Constants of the rings, from the parameters."""
 
     wall: float  # 1 / (2 pi k width) of a ring, K/W
-    inner_relief: float  # what a ring's finite part takes off the constriction, K/W
+    inner_relief: float  # reduction of the constriction by a ring's finite size, K/W
     outer_relief: float
     raceways: float  # ratio of the diameters where the balls touch the outer and the inner ring
     area: float  # of each ring towards the other, m2
@@ -270,7 +270,7 @@ def rings_of(s):
 
 @kernel
 def conductance_start(t, s, p, e):
-    """What follows from the parameters: contacts, rings, places of the balls."""
+    """Constants from the parameters: contacts, rings, places of the balls."""
     d = p.ball_diameter
     if not d < p.pitch_diameter:
         return LARGE_BALLS
@@ -336,7 +336,7 @@ def gaps_status(across, s, p, e):
 
 @kernel
 def side_of_ball(load, thickness, contact, relief, s, p, e):
-    """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both.
+    """Conductance between a ball and one race, W/K: the contact, the gap beside it, and the resistances in series with both.
 
     load: N.  thickness: of the film, m.  relief: what the ring's finite part takes off the constriction, K/W.
     """

@@ -55,13 +55,13 @@ def constriction(major: float, minor: float, conductivity: float) -> float:
 
 @kernel
 def ball_spreading(major, minor, radius, conductivity):
-    """What a ball of `radius` m adds to the constriction at each of two opposite spots with semi-axes in m, K/W."""
+    """Resistance that a ball of `radius` m adds at each of two opposite spots with semi-axes in m, K/W."""
     return (math.log(2.0 * radius / (major + minor)) + 0.5) / (4.0 * math.pi * conductivity * radius)
 
 
 @kernel
 def finite_ring(radius, conductivity):
-    """What an insulated cylinder of `radius` m around a small spot takes off its constriction on a half space, K/W.
+    """Resistance that a small spot lacks in an insulated cylinder of `radius` m against a half space, K/W.
 
     The leading term of R = (1 - 1.4098 a/b + ...) / (4 k a) of an isothermal circle in a tube (Yovanovich, recalled).
     """

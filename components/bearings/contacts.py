@@ -110,7 +110,7 @@ def finish_stiffness(k, lever):
 
 @kernel
 def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, damping):
-    """What the balls do to the inner ring; returns OUT_OF_RANGE if a ring is displaced beyond the grooves.
+    """Forces of the balls on the inner ring; returns OUT_OF_RANGE if a ring is displaced beyond the grooves.
 
     q: (5,).  balls: (Z, 4) with cos, sin and gap in m; the load is written.  sums: (8,), written: force in N and moment in N.m
     (5), energy in J, largest ball load in N, number of loaded balls.  stiffness: (5, 5) or None, written: -d(force)/dq.

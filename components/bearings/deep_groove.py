@@ -330,7 +330,7 @@ class DeepGrooveBearing(KernelComponent):
         super()._check(status)
 
     def left_range(self) -> str:
-        """The displacements, and what the bearing can take."""
+        """The displacements, and the bearing's range."""
         names = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
         given = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in names)
         limit = constants(self.arguments[0]).largest_load

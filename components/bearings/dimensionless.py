@@ -103,7 +103,7 @@ class GivenStart(ball_bearing.GivenStart):
 
 
 class DimensionlessBallBearing(TwoDofBearing):
-    """The bearing with mass, stiffness and load 1: what is left are damping, clearance, speed, number of balls, and effects.
+    """The bearing with mass, stiffness and load 1: damping, clearance, speed, number of balls, and effects remain.
 
     Lengths in x_s = (W/K)^(2/3), times in 1/w_0 = sqrt(m / (K x_s^0.5)), forces in W; the time of a run is tau. The
     defaults are those of `BallBearing`, scaled.

@@ -79,7 +79,7 @@ def solved_ellipse(ratio):
         squared = shape.k**2 * shape.second
         top, bottom = squared - shape.first, shape.first - shape.second
         step = (wanted - math.log(top / bottom)) / ((squared + top) / top - shape.second / bottom)
-        if not abs(step) < last:  # what is left is rounding
+        if not abs(step) < last:  # the rest is rounding
             break
         log_k, last = min(max(log_k + step, low), high), abs(step)
     return ellipse_of(math.exp(log_k))

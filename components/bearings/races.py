@@ -66,7 +66,7 @@ class CageFault(Effect):
     """A broken cage that no longer holds one ball at its distance: the ball runs ahead of its place, or behind, by a fixed angle.
 
     Loads then repeat once a turn of the cage only, so that lines at the cage's frequency come up, and sidebands at its distance
-    about those of pits: what a broken cage is known by. That it moves balls from their places is how Wang et al. (Mechanical
+    about those of pits: the signs of a broken cage. That it moves balls from their places is how Wang et al. (Mechanical
     Systems and Signal Processing 182 (2023) 109545, abstract read) model it; a constant angle is a choice of ours. A cage that
     moves against its balls, strikes them or rubs is not in it.
     """

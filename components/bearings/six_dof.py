@@ -36,14 +36,14 @@ FEATURES = (
     "ball_defect",
 )
 
-# Statuses; the last are of what a ball may have missed, in the order of `FEATURES`
+# Statuses; the last name the feature that a ball may have missed, in the order of `FEATURES`
 LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
 MISSED = OWN + 5
 
 
 @kernel_tuple
 class Constants(NamedTuple):
-    """What follows from the parameters."""
+    """Constants that the parameters determine."""
 
     contacts: BallContacts
     cage_ratio: float
@@ -123,7 +123,7 @@ def bearing_start(t, s, p, e):
 
 @kernel
 def list_features(s, e):
-    """What a ball should not pass unseen, into s.features."""
+    """Features that a ball should not pass within one step, into s.features."""
     k, features = constants(s), s.features
     inner, outer = 1.0 - k.cage_ratio, k.cage_ratio
     if e.inner_waviness is not None:

@@ -1,4 +1,4 @@
-"""Temperatures of a bearing and its surroundings as a network of heat capacities, and what they do to the clearance."""
+"""Temperatures of a bearing and its surroundings as a network of heat capacities, and their effect on the clearance."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ NARROW = (
 
 @kernel_tuple
 class Constants(NamedTuple):
-    """What follows from the parameters."""
+    """Constants that the parameters determine."""
 
     mass: float
     damping: float
@@ -105,7 +105,7 @@ def fill_gaps(x, speed, k, balls, inner_waves, outer_waves, e):
     inner_waves, outer_waves: see `races`.
     """
     if e.cage_fault is not None:
-        # a ball ahead of its place meets what it would meet there were the cage turned further
+        # a ball ahead of its place meets a pit as if the cage had turned further
         ball, place = e.cage_fault.ball - 1, x[5]
         x[5] = place + e.cage_fault.offset
         fill_gaps_in_place(x, speed, k, balls, inner_waves, outer_waves, e)

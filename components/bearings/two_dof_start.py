@@ -1,4 +1,4 @@
-"""The start of the ball bearing with two degrees of freedom: what follows from the parameters, equilibrium, limits of the step.
+"""The start of the ball bearing with two degrees of freedom: constants from the parameters, equilibrium, limits of the step.
 
 Kernels; the equations stand in `two_dof`.
 """
@@ -37,7 +37,7 @@ from .two_dof import (
 
 @kernel
 def put_constants(s, mass, damping, stiffness, ball_diameter, pitch_diameter, contact_angle):
-    """What follows from a bearing's own parameters."""
+    """Constants that a bearing's own parameters determine."""
     gamma = diameter_share(ball_diameter, pitch_diameter, contact_angle)
     s.constants[0], s.constants[1], s.constants[2] = mass, damping, stiffness
     s.constants[3], s.constants[4] = cage_turn(gamma), spin_turn(ball_diameter, pitch_diameter, gamma)
@@ -108,7 +108,7 @@ def shortest_pass(s, e):
 def bearing_stable(t, s, p, e):
     """Longest step for the deepest penetration to which energy at the start and a fall through the clearance can lead.
 
-    With the forces of the start; what comes later, a greater load or resonance, is checked at every step.
+    With the forces of the start; every step checks for a greater load or resonance.
     """
     k, gap, speed = constants(s), radial_gap(e.clearance), s.u[0, SPEED]
     force = math.hypot(s.u[0, LOAD], s.u[0, TRANSVERSE_LOAD])

@@ -1,1 +1,1 @@
-"""What every component is made of: declared variables, effects, kernels, integrators."""
+"""The parts of every component: declared variables, effects, kernels, integrators."""

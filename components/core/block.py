@@ -118,7 +118,7 @@ class Block:
         return [(at.cell, at.cell + max(1, -(-int(np.prod(at.shape)) * at.itemsize // CELL))) for at in leaves]
 
     def cell(self, *path: str | int) -> int:
-        """The first cell of what lies at a path, such as ("p", "mass")."""
+        """The first cell of the field at a path, such as ("p", "mass")."""
         return self._leaves[path].cell
 
     def write(self, path: tuple[str | int, ...], value: Any) -> Any:
@@ -143,7 +143,7 @@ class Block:
         return self.memory[self.parameters_at : self.saved]
 
     def take_arrays(self, cells: np.ndarray) -> None:
-        """What stands behind parameters and addresses, from the memory of another block of this layout."""
+        """Copy the cells behind parameters and addresses from the memory of another block of this layout."""
         first = self.addresses_at + len(self.entries)
         self.memory[first:] = cells[first:]
 
@@ -211,7 +211,7 @@ class Block:
 
 
 def joined(ranges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Ranges of cells in their order, those that follow one another as one."""
+    """Ranges of cells in their order; adjoining ranges are joined."""
     parts: list[tuple[int, int]] = []
     for first, end in sorted(ranges):
         if parts and parts[-1][1] == first:
@@ -269,7 +269,7 @@ def _function(body: str) -> int:
 
 @lru_cache(maxsize=1)
 def _engine() -> tuple[Any, set[str]]:
-    """What owns the machine code, as long as the process lives, and the names of the functions in it."""
+    """The owner of the machine code, as long as the process lives, and the names of the functions in it."""
     return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine()), set()
 
 

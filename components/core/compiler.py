@@ -1,7 +1,7 @@
 """How Numba compiles a kernel: with nothing in the machine code that the kernel does not need.
 
 Fields of a NamedTuple argument that hold None are None before any branch is looked at. Numba prunes `if effect is not None` where
-`effect` is an argument of type none, before types are inferred, and so never compiles what stands behind it. It does not do so
+`effect` is an argument of type none, before types are inferred, and so never compiles the branch behind it. It does not do so
 for `e.effect` of an argument `e`: the branch would stay, and its body would fail to be typed. Here every such access becomes the
 constant None, and Numba's own pruning does the rest.
 

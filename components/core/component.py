@@ -24,7 +24,7 @@ from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .variables import Causality, Declared, Kind, Variable
 
-INITIALIZATION = ("initialize", "_initialize", "kernels")  # what decides on the initial state
+INITIALIZATION = ("initialize", "_initialize", "kernels")  # they decide on the initial state
 
 
 def _inherited(cls: type, kind: type) -> dict[str, Any]:
@@ -262,7 +262,7 @@ class Component:
         return (p, cls.Present(*map(self._effect_values, cls.effects))) if cls.effects else (p,)
 
     def _effect_values(self, name: str) -> Any:
-        """What kernels get of an effect: its `Values`, or None where it is off."""
+        """The form of an effect in kernels: its `Values`, or None where it is off."""
         if name not in self.on:
             return None
         effect = type(self).effects[name]
@@ -324,7 +324,7 @@ class Component:
             raise StepFailed(self.name, self.t, reason, remedy)
 
     def left_range(self) -> str:
-        """What is out of the model's range, with its value and the range; of components that have one."""
+        """The variable that is out of the model's range, with its value and the range; of components that have one."""
         return ""
 
     def save(self) -> bytes:

@@ -37,7 +37,7 @@ _LOCK = Lock()  # of the images: threads initialize instances of their own
 
 
 class Kernels(NamedTuple):
-    """What a component consists of; `derivatives(t, x, u, dx, s, p, e)` where a smooth differential equation is all of it."""
+    """The kernels of a component; `derivatives(t, x, u, dx, s, p, e)` where a smooth differential equation is all of it."""
 
     initialize: Callable[..., int]
     step: Callable[..., int]
@@ -83,7 +83,7 @@ class KernelComponent(Component):
             cls.Present = _tuple_type(cls, "Present", ["none"])
 
     def shapes(self) -> dict[str, Any]:
-        """What `s` holds besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
+        """The arrays of `s` besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
 
         `x` is the state. It depends on the structural parameters and the effects that are on; its names are always the same.
         """
@@ -158,7 +158,7 @@ class KernelComponent(Component):
         return self._calls[name](t, h, self.block.address)  # type: ignore[union-attr]
 
     def _prepare(self) -> Block:
-        """The block with the present parameters, and nothing else in it but inputs and what is `kept`."""
+        """The block with the present parameters, inputs and `kept` arrays; all else is zero."""
         if self.block is None or self._structure != self._present_structure():
             self._lay_out()
         assert self.block is not None
@@ -181,7 +181,7 @@ class KernelComponent(Component):
         return block
 
     def _image_key(self) -> tuple[Any, ...]:
-        """What the arrays that are `kept` follow from."""
+        """The values that the `kept` arrays follow from."""
         assert self.block is not None
         return type(self), self.on, self._structure, self._contents, self.block.parameters.tobytes()
 

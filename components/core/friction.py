@@ -89,7 +89,7 @@ def stick_switch(mode, drive, static):
 
 @kernel
 def stick_friction(mode, drive, kinetic):
-    """Friction in a mode: the kinetic level while sliding; at rest what balances the drive."""
+    """Friction in a mode: the kinetic level while sliding; at rest the force that balances the drive."""
     if mode == 0.0:
         return drive
     return mode * kinetic
@@ -130,7 +130,7 @@ def directed_switch(mode, drive, forward, backward):
 
 @kernel
 def directed_friction(mode, drive, forward, backward):
-    """Friction in a mode, against a positive rate, for two kinetic levels; at rest what balances the drive."""
+    """Friction in a mode, against a positive rate, for two kinetic levels; at rest the force that balances the drive."""
     if mode == 0.0:
         return drive
     return forward if mode > 0.0 else -backward

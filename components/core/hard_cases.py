@@ -1,4 +1,4 @@
-"""Hard cases of components: where a model is at its limits, and what has to hold there all the same.
+"""Hard cases of components: where a model is at its limits, and the claims that hold there all the same.
 
 Each system declares those of its components in its `hard_cases.py`, as HARD_CASES = {component: {name: HardCase}}. Nothing that
 runs imports those files; tests and the command `cosimo stability --hard-cases` look them up and say how far each claim is from

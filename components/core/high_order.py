@@ -173,7 +173,7 @@ class SmoothComponent(OdeComponent):
 
     @property
     def method(self) -> str:  # type: ignore[override]
-        """What messages call the method."""
+        """The name of the method in messages."""
         return "the method of order eight" if "high_order" in self.on else "RK4"
 
     def shapes(self) -> dict[str, Any]:

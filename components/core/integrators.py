@@ -1,6 +1,6 @@
 """Ordinary differential equations, advanced by the classic Runge-Kutta method: kernels as templates.
 
-What a component supplies:
+A component supplies:
 
     start(t, s, p, e) -> status                 the state, and what follows from the parameters
     derivatives(t, x, u, dx, s, p, e)           x: (n,) state; u: (m,) inputs at t; dx: (n,) result
@@ -194,7 +194,7 @@ class OdeComponent(KernelComponent):
     It has a parameter `substep` in s, which is refused above the longest stable step.
     """
 
-    method: str = "RK4"  # what messages call it
+    method: str = "RK4"  # its name in messages
     rows: ClassVar[int] = 6  # of the workspace of a step
     _forced_step = 0.0
     refusals: ClassVar[Mapping[int, Refusal]] = {
@@ -223,7 +223,7 @@ class OdeComponent(KernelComponent):
         return self.of_initialization("limits", SUBSTEP)
 
     def force_internal_step(self, h: float) -> None:
-        """Take internal steps of h, s, whatever is stable: for measurements of what is."""
+        """Take internal steps of h, s, stable or not: for measurements of the stability limit."""
         self._forced_step = h
 
     def _initialize(self, t: float) -> int:

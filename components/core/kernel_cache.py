@@ -72,7 +72,7 @@ def _import_index() -> ImportIndex:
 def private_root() -> Path | None:
     """A folder for machine code that belongs to the user and can be written; None where there is none.
 
-    NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. What lies there is executed:
+    NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. The files there are executed:
     one that another user owns or may write is not taken.
     """
     asked = config.CACHE_DIR  # type: ignore[attr-defined]
@@ -142,7 +142,7 @@ class _Reader(pickle.Unpickler):
 
 
 class _Files(IndexDataCacheFile):
-    """Index and machine code of a kernel, each behind its digest; what is damaged counts as missing, and is written anew.
+    """Index and machine code of a kernel, each behind its digest; a damaged file counts as missing, and is written anew.
 
     Both are pickles, and one of them is machine code: nothing is looked at before the digest fits.
 

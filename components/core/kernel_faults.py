@@ -1,4 +1,4 @@
-"""What Numba says of a kernel that it cannot compile, in one message: file, line, and the near name."""
+"""The reason why Numba cannot compile a kernel, in one message: file, line, and the near name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def is_typing_fault(error: BaseException) -> bool:
 
 
 def typing_fault(error: BaseException, names: Iterable[str] = ()) -> BadInput:
-    """What Numba says of a kernel in one message: file, line, what it does not know there, and the near names.
+    """Numba's error of a kernel in one message: file, line, what it does not know there, and the near names.
 
     names: parameters, inputs and outputs of the component.
     """

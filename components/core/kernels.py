@@ -59,7 +59,7 @@ def inlined(dispatcher):
 
 
 def inlined_kernel(function):
-    """A `kernel` that is `inlined`, for what each derivative calls."""
+    """A `kernel` that is `inlined`, for functions that each derivative calls."""
     return inlined(kernel(function))
 
 

@@ -1,4 +1,4 @@
-"""Units of measure: what a unit string means in SI base units, and how to get from one to another.
+"""Units of measure: unit strings in SI base units, and conversion from one to another.
 
 A unit is written the way FMI tools write it: factors joined by ".", divided by "/" (each "/" divides only the
 factor behind it), with integer exponents ("N.s/m", "kg.m2", "1/s", "m/s2"). In a number that a person writes, "250 km/h" or

@@ -36,7 +36,7 @@ class Pulled(NamedTuple):
 
 @kernel_tuple
 class Motion(NamedTuple):
-    """What a step of the mass changes, in the form that the template of a step knows."""
+    """Arrays that a step of the mass changes, as the template of a step needs them."""
 
     u: np.ndarray  # (3, 0)
     y: np.ndarray  # (2,) way and velocity
@@ -71,7 +71,7 @@ def pulled_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def pulled_guards(t, x, u, g, s, p, e):
-    """What keeps the mode of the rigid contact; bristles have none."""
+    """Guard: positive while the mode of the rigid contact lasts; bristles have none."""
     g[0] = 1.0 if p.stiffness > 0.0 else stick_guard(x[2], x[1], spring_force(t, x), p.static)
 
 

@@ -1,6 +1,6 @@
 """Controllers that look at their inputs at whole multiples of a period, and hold their outputs in between. Kernels as templates.
 
-What a component supplies:
+A component supplies:
 
     start(t, s, p, e) -> status                 the state before the first sample, and what follows from the parameters
     sample(t, u, s, p, e)                       u: (m,) inputs at t; changes s.x by one sample at time t

@@ -1,6 +1,6 @@
 """Components without a state: massless couplings, tables, time histories. Kernels as templates.
 
-What a component supplies: `outputs(t, s, p, e) -> status`, and where something follows from the parameters a kernel `start` of
+A component supplies `outputs(t, s, p, e) -> status`, and where constants follow from the parameters a kernel `start` of
 the same form.
 """
 

@@ -31,7 +31,7 @@ def digest_of(*parts: str | bytes) -> str:
 
 
 def read_kept(file: Path) -> bytes | None:
-    """What `write_kept` has put into a file; None where it is missing or damaged."""
+    """The content that `write_kept` has put into a file; None where it is missing or damaged."""
     with suppress(OSError):
         content = file.read_bytes()
         if hashlib.sha256(content[CHECK:]).digest() == content[:CHECK]:

@@ -35,7 +35,7 @@ class Causality(enum.Enum):
 
 
 class Kind(enum.Enum):
-    """What values a variable takes."""
+    """The kind of values of a variable."""
 
     REAL = "real"
     INTEGER = "integer"
@@ -154,7 +154,7 @@ def port_of(signal: str, declared: Declared) -> str:
 
 
 def member_of(signal: str, members: Mapping[str, str]) -> str:
-    """What a signal is called within its port. members: own names that are others there."""
+    """The name of a signal within its port. members: own names that are others there."""
     name, bracket, index = signal.rpartition(".")[2].partition("[")
     return members.get(name, name) + bracket + index
 

@@ -1,1 +1,1 @@
-"""Drives: electric motors, and what turns their torque into motion."""
+"""Drives: electric motors and their gears."""

@@ -72,7 +72,7 @@ class ServoMotor(MotorParameters, EventComponent):
     title = "Servo motor with gear and wheel"
     system = "drives"
     default_stop = 0.5
-    start_inputs = ("voltage", "load_torque")  # whether the shaft sticks follows from what drives it
+    start_inputs = ("voltage", "load_torque")  # they decide whether the shaft sticks
 
     saturation = Saturation
     shaft_friction = ShaftFriction
@@ -210,7 +210,7 @@ def servo_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def servo_guards(t, x, u, g, s, p, e):
-    """What keeps the mode of the shaft."""
+    """Guards: positive while the shaft's mode lasts."""
     level = static_level(x, u, p, e)
     g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, e.inductance, e.saturation), level)
 

@@ -129,7 +129,7 @@ OUT = ServoController.output_places()
 
 @kernel
 def control_start(t, s, p, e):
-    """All states are zero, but for what the encoders have counted."""
+    """All states are zero, except the encoders' counts."""
     status = lost_motion(p.layout, p.angle)
     if status == DONE:
         status = idle_angle(p.layout, p.angle)

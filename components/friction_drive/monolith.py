@@ -58,7 +58,7 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
 
     title = "Friction-wheel drive, whole"
     system = "friction_drive"
-    start_inputs = ("first_voltage", "second_voltage")  # whether a shaft sticks follows from what drives it
+    start_inputs = ("first_voltage", "second_voltage")  # they decide whether a shaft sticks
 
     first_voltage = input_(0.0, "V", "voltage of the first motor", nominal=10.0)
     second_voltage = input_(0.0, "V", "voltage of the second motor", nominal=10.0)
@@ -153,7 +153,7 @@ def shaft_levels(k, at, x, voltage, p, inductance, shaft):
 
 @kernel
 def shafts(t, x, u, p, e):
-    """(drive, drive, static, static): torques that both shafts bear while they stand, and what they can, N.m."""
+    """(drive, drive, static, static): torques that both shafts bear while they stand, and their limits, N.m."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
@@ -209,7 +209,7 @@ def drive_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def drive_guards(t, x, u, g, s, p, e):
-    """What keeps the modes of both contacts, the seal and both shafts."""
+    """Guards: positive while the modes of both contacts, the seal and both shafts last."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
     g[3] = g[4] = 1.0
@@ -235,7 +235,7 @@ def drive_switch(which, t, x, u, s, p, e):
 
 @kernel
 def drive_outputs(t, s, p, e):
-    """Motors, sleeve, contacts, energy, and what stands."""
+    """Motors, sleeve, contacts, energy, and which parts stand."""
     x, u, y = s.x, s.u[0], s.y
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     y[OUT.first_angle], y[OUT.second_angle], y[OUT.first_rate], y[OUT.second_rate] = (

@@ -223,7 +223,7 @@ def sleeve_derivatives(t, x, first, second, external, dx, p, e):
 
 @kernel
 def sleeve_guards(x, first, second, g, p, lugre, exact, trocar):
-    """What keeps the modes of both contacts and the seal; those that are not there are never left."""
+    """Guards: positive while the modes of both contacts and the seal last; absent modes last for ever."""
     g[0] = g[1] = g[2] = 1.0
     if exact is not None:
         breakaway = exact.static_ratio * exact.deflection
@@ -252,7 +252,7 @@ def sleeve_switch(which, x, lugre, exact, trocar):
 
 @kernel
 def sleeve_energy(t, x, p, e):
-    """Kinetic energy of the sleeve, height above feed zero, and what the deflections hold, J."""
+    """Kinetic energy of the sleeve, its energy of height above feed zero, and that of the deflections, J."""
     twice = p.mass * x[FEED_RATE] * x[FEED_RATE] + p.inertia * x[ROTATION_RATE] * x[ROTATION_RATE]
     for k in range(2):
         z, share = DEFLECTIONS + 2 * k, preload_share(k, t, e.preload_loss)

@@ -164,7 +164,7 @@ def wheels_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def wheels_guards(t, x, u, g, s, p, e):
-    """What keeps the modes of both contacts and the seal."""
+    """Guards: positive while the modes of both contacts and the seal last."""
     sleeve_guards(x, u[IN.first_rate], u[IN.second_rate], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 

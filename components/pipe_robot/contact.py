@@ -21,7 +21,7 @@ class Bristles(Effect):
 
         N = M0 / (L (cos theta ± mu sin theta)),    F = count mu N        (+ moving forwards, - backwards)
 
-    From mu tan(theta) = 1 on it is locked: no force moves it backwards. It then bears 1e6 times what it would if straight.
+    From mu tan(theta) = 1 on it is locked: no force moves it backwards. It then bears 1e6 times the load of a straight leg.
     Own derivation; the paper speaks of elastic elements, and its abstract gives no law.
     """
 
@@ -93,7 +93,7 @@ def friction_on_body(v, contact, drive, forward, backward, p, smoothed, lugre):
 
 @kernel
 def contact_guard(v, mode, drive, forward, backward, ratio):
-    """What keeps the mode; `forward` and `backward` are kinetic levels, `ratio` leads to the static ones."""
+    """Guard: positive while the mode lasts; `forward` and `backward` are kinetic levels, `ratio` leads to the static ones."""
     return directed_guard(mode, v, drive, ratio * forward, ratio * backward)
 
 

@@ -1,4 +1,4 @@
-"""What pipe robots share: the inner mass's spring, the harmonic force, the pipe's slope, the load in tow, stable steps."""
+"""Common parts of pipe robots: the inner mass's spring, the harmonic force, the pipe's slope, the load in tow, stable steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an operator of a pipe robot sets over time: frequency and amplitude of the exciter, voltage of its motor."""
+"""Settings of an operator of a pipe robot over time: frequency and amplitude of the exciter, voltage of its motor."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class PipeRobot(ShakenRobot):
     """
 
     title = "Pipe robot with inclined elastic elements"
-    start_inputs = (  # whether it sticks follows from what drives it
+    start_inputs = (  # they decide whether it sticks
         "harmonic_force.amplitude",
         "harmonic_force.frequency",
         "unbalance.torque",
@@ -334,7 +334,7 @@ def robot_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def robot_guards(t, x, u, g, s, p, e):
-    """What keeps the body sliding, or at rest."""
+    """Guard: positive while the body goes on sliding, or stays at rest."""
     drive, _ = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)
     g[0] = contact_guard(x[VELOCITY], x[CONTACT], drive, forward, backward, p.static_ratio)
@@ -351,7 +351,7 @@ def robot_switch(which, t, x, u, s, p, e):
 
 @kernel
 def robot_outputs(t, s, p, e):
-    """Motion, friction, powers, energy, and what the effects add."""
+    """Motion, friction, powers, energy, and the outputs of effects."""
     x, u, y = s.x, s.u[0], s.y
     drive, mass = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)

@@ -49,7 +49,7 @@ class RollingPipeRobot(ShakenRobot):
     """
 
     title = "Pipe robot on elastic rings with one-way rollers"
-    start_inputs = (  # whether it sticks follows from what drives it
+    start_inputs = (  # they decide whether it sticks
         "diameter",
         "taper",
         "harmonic_force.amplitude",
@@ -208,7 +208,7 @@ def rolling_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def rolling_guards(t, x, u, g, s, p, e):
-    """What keeps the body rolling, sliding, or at rest."""
+    """Guard: positive while the body goes on rolling or sliding, or stays at rest."""
     forward, backward = rolling_levels(u, p, e.route)
     g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(x, u, p, e), forward, backward)
 

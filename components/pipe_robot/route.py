@@ -46,7 +46,7 @@ class PipeRoute(StatelessComponent):
     }
 
     def shapes(self) -> dict[str, Any]:
-        """What follows from the tables.
+        """Constants that the tables determine.
 
         `rates`: (3, KNOTS) derivatives at the places of slope, diameter and factor.  `disorder`: (3,) the first place that the
         next one is not behind: its number, it, and the next.

@@ -212,7 +212,7 @@ class Catenary(HungLine):
     def shapes(self) -> dict[str, Any]:
         """Geometry, the numbers that follow from parameters, and workspace.
 
-        `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `filled`, `network`:
+        `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: further arrays that fill it.  `plan`, `filled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `ready`: 1 when all that follows from
         parameters alone is there.  `points`: see `contact_points`.  `lateral`:
         rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
@@ -370,7 +370,7 @@ def catenary_initialize(t, s, p, e):
         alpha, beta = e.damping.alpha, e.damping.beta
     nodal, unilateral, status = s.space.nodal, e.dropper_slackening is not None, DONE
     if s.ready[0] == 0.0:
-        # what hangs where
+        # the parts of the line and their places
         if e.temperature is not None:
             status = find_form_at(e.temperature.change, s.plan, given, s.filled, s.network)
         elif e.line_table is not None:

@@ -202,7 +202,7 @@ def hung_around(position, q, mesh, messenger, tension):
 
 @kernel_tuple
 class WireOnMesh(NamedTuple):
-    """What decides how waves travel along one wire, and along its mesh."""
+    """Numbers that decide how waves travel along one wire, and along its mesh."""
 
     tension: float  # N
     mass: float  # kg/m

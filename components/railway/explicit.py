@@ -47,7 +47,7 @@ def drift(d, q, v, a, z, force, beta):
 
 @kernel
 def kick(j, end, d, v, a, z, force, inverse_mass, stiffness, alpha, W, bending):
-    """New acceleration from what the wires pull and the other forces, second half of the kick; degrees of freedom j to end - 1.
+    """New acceleration from the wires' pull and the other forces, second half of the kick; degrees of freedom j to end - 1.
 
     z: (N + 2 PAD W,), stiffness: (3 or 4, N + PAD W), see `fill_diagonals`. One sum over five nodes, or seven of beams: with
     slopes and bending moments kept in between, the processor would load and store numbers for twice as long.
@@ -73,7 +73,7 @@ def kick(j, end, d, v, a, z, force, inverse_mass, stiffness, alpha, W, bending):
 
 @kernel
 def add_clamped(z, force, first, end, stiffness, mesh):
-    """What the end of a wire pulls goes to the node it is clamped to, N; z, stiffness: as of `kick`."""
+    """The pull of a wire's end acts on the node to which it is clamped, N; z, stiffness: as of `kick`."""
     W = mesh.bending_gradient.size
     for k in range(first, end):
         j = mesh.clamped[k]

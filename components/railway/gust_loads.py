@@ -19,7 +19,7 @@ INTERVAL, DISTANCE, FIELDS = 0, 1, 2  # of `Buffeting.grid`
 
 @kernel_tuple
 class Buffeting(NamedTuple):
-    """Waves of the wind's fields and what they do to the mesh: the vertical field, then the one across the line if it lifts."""
+    """Waves of the wind's fields and their loads on the mesh: the vertical field, then the one across the line if it lifts."""
 
     grid: np.ndarray  # (3,) s between samples, m between stations, straight in between; number of fields
     random: np.ndarray  # (5, n) what is random: place of each frequency within its band, wave numbers and phases of both fields
@@ -117,7 +117,7 @@ def add_gusts(share, before, after, force):
 
 @kernel
 def add_air_damping(d, v, a, push, force):
-    """Subtract from the nodal forces what the air stream damps, with the predicted velocity v + d/2 a; (k,) each."""
+    """Subtract the damping of the air stream from the nodal forces, with the predicted velocity v + d/2 a; (k,) each."""
     for j in range(force.size):
         force[j] -= push[j] * (v[j] + 0.5 * d * a[j])
 

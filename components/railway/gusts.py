@@ -80,7 +80,7 @@ class Gusts(Effect):
 
 
 def empty_buffeting(mesh: Mesh, components: int, seed: int) -> Buffeting:
-    """Room for the waves on a mesh, with what is random of them."""
+    """Room for the waves on a mesh, with their random numbers."""
     n, random = components, np.random.default_rng(seed)
     place, share, turn = random.random(n), random.uniform(-1.0, 1.0, (2, n)), random.random((2, n))
     arrays: Any = (
@@ -121,7 +121,7 @@ def put_over_wires(contact_wire, messenger, mesh, plan, grid, out):
 def blow(g, unilateral, mesh, plan, grid, balance, space, refused):
     """Put the equilibrium in the mean wind into the mesh, as the one that displacements count from; g: `Gusts`; a status.
 
-    It is refused where a dropper would be slack there. What lift takes off the sag within an element, micrometres, is neglected.
+    It is refused where a dropper would be slack there. Lift reduces the sag within an element by micrometres; this is neglected.
     """
     n, W = mesh.position.size, mesh.bending_gradient.size
     lift, q = space.nodal[0], space.nodal[1]

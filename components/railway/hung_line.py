@@ -1,4 +1,4 @@
-"""The line that a catenary's parameters or its table describe: what hangs where, and its form at rest."""
+"""The line that a catenary's parameters or its table describe: its parts with their places, and its form at rest."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class HungLine(KernelComponent):
 
 @kernel
 def given_by(p, e):
-    """Parameters for what the line does not say."""
+    """Parameters in place of numbers that the line does not give."""
     contact_wire_bending, messenger_bending, arm_stiffness, arm_mass, sag = 0.0, 0.0, 0.0, 0.0, 0.0
     if e.bending_stiffness is not None:
         contact_wire_bending, messenger_bending = e.bending_stiffness.contact_wire, e.bending_stiffness.messenger

@@ -104,7 +104,7 @@ REFUSALS = {
 
 @kernel_tuple
 class Grid(NamedTuple):
-    """What else of a mesh follows from structure, to fill it with numbers; f places, k kinds of contact wire, j jumps."""
+    """Further structure of a mesh, to fill it with numbers; f places, k kinds of contact wire, j jumps."""
 
     node: np.ndarray  # (f,) int, of the places of a plan
     kind_of: np.ndarray  # (w,) int, kind of each wire, -1 of those that are no contact wires
@@ -114,7 +114,7 @@ class Grid(NamedTuple):
 
 @kernel_tuple
 class Discretisation(NamedTuple):
-    """What decides how waves run along the mesh.
+    """Numbers that decide how waves run along the mesh.
 
     time_error: s², the share that the time integration adds to the squared frequency omega² of a wave, over omega²/12.
     reading_error: s², what it adds to the contact's sharpness, over c²/h²; taken back there.
@@ -303,7 +303,10 @@ def around(i, length):
 
 @kernel
 def fourth_order_term(tension, mass, element, time_error):
-    """E4 = T h²/12, N m²: u_xx from five nodes is (1 - h² d²/12) d² u, d² the second difference. Less what the time step adds."""
+    """E4 = T h²/12, N m²: u_xx from five nodes is (1 - h² d²/12) d² u, d² the second difference.
+
+    Less the part that the time step adds.
+    """
     return max(tension * element**2 + time_error * tension**2 / mass, 0.0) / 12.0
 
 

@@ -268,7 +268,7 @@ def spring_forces(t, x, u, loss, s, p, e):
 
 @kernel
 def contact_forces(t, x, u, s, p, e):
-    """What `spring_forces` gives, or the force from outside, N."""
+    """The result of `spring_forces`, or the force from outside, N."""
     if e.outer_contact is not None:
         return -u[e.outer_contact.u], 0.0
     return spring_forces(t, x, u, e.contact_loss, s, p, e)
@@ -295,7 +295,7 @@ def strip_rates(t, x, dx, contact, s, p, e):
 
 @kernel
 def rates(t, x, u, dx, contact, s, p, e):
-    """dx/dt of the state, see `Pantograph.states`; contact: what `contact_forces` gives."""
+    """dx/dt of the state, see `Pantograph.states`; contact: the result of `contact_forces`."""
     head = p.head_stiffness * (x[2] - x[0]) + p.head_damping * (x[3] - x[1])
     if e.bump_stops is not None:
         travel = x[2] - x[0]

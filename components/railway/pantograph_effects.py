@@ -317,7 +317,7 @@ def uneven(wire, position, s):
 
 
 def measured_heights(table: str, where: str) -> np.ndarray:
-    """Positions, rising, and heights, (2, n) m, of `MeasuredUnevenness`; `BadInput` for what is no such table."""
+    """Positions, rising, and heights, (2, n) m, of `MeasuredUnevenness`; `BadInput` for another kind of table."""
     place = f"{where}: measured_unevenness.table"
     lines = [line for line in table.splitlines() if line.strip()]
     try:

@@ -22,7 +22,7 @@ def sum_of_sines(s, k, sines):
 
 
 def random_phases(count: int, sums: int, seed: int) -> np.ndarray:
-    """Sines of which only what is random is known: places within their bands, 0 to 1, and phases, (3 + sums, count)."""
+    """Sines of which only the random numbers are known: places within their bands, 0 to 1, and phases, (3 + sums, count)."""
     random = np.random.default_rng(seed)
     sines = np.zeros((PHASE + sums, count))
     sines[PLACE] = random.random(count)

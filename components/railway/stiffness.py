@@ -80,7 +80,7 @@ def product_at(i, band, x):
 
 @kernel
 def highest_eigenvalue(stiffness, inverse_mass, clamped, clamp, x, y):
-    """Largest omega², 1/s², by power iteration; 2 % are added for what is still missing.
+    """Largest omega², 1/s², by power iteration; 2 % are added for the terms that are left out.
 
     stiffness: upper band, (N, 3 W + 1); inverse_mass, clamped, clamp: as of `Mesh`; x, y: (N,) workspace.
     """

@@ -15,7 +15,7 @@ DENORMAL_GUARD = 1e-27
 
 @kernel_tuple
 class Motion(NamedTuple):
-    """What a step changes and what moves the wires, of m inputs."""
+    """The wires' state, which a step changes, and the m inputs that move them."""
 
     x: np.ndarray  # state
     u: np.ndarray  # (3, m)

@@ -19,7 +19,7 @@ from ..core.kernels import kernel, kernel_tuple
 
 @kernel_tuple
 class Section(NamedTuple):
-    """What a shaft's section contributes per length; stiffness of the shear is that with Cowper's coefficient."""
+    """Contributions of a shaft's section per length; stiffness of the shear is that with Cowper's coefficient."""
 
     bending: float  # EI, N.m2
     shear: float  # kappa G A, N

@@ -49,7 +49,7 @@ class FrameRotation(Effect):
 
 @kernel
 def turn_frame(nodes, gyroscopic, s, frame):
-    """What the outputs and the load need of a frame that turns: `s.about`, `s.levers` and the levers in `s.supports`.
+    """Numbers of a turning frame for the outputs and the load: `s.about`, `s.levers` and the levers in `s.supports`.
 
     nodes: (n,) m.  gyroscopic: (N, 15).  frame: values of the effect.  Whose nodes the supports and the ports hold is known.
     """

@@ -1,4 +1,4 @@
-"""What follows from a beam rotor's parameters, and its state at the start."""
+"""Constants that a beam rotor's parameters determine, and its state at the start."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def mesh_status(s, p, e):
 
 @kernel
 def set_matrices(s, p, e):
-    """Bands of shaft, disks and supports, and what holds the shaft where."""
+    """Bands of shaft, disks and supports, and the places where the shaft is held."""
     nodes = s.nodes[: s.mesh[NODES]]
     N = DOFS * nodes.size
     mass, damping, stiffness, rotary = s.mass[:N], s.damping[:N], s.stiffness[:N], s.now[0, :N]
@@ -168,7 +168,7 @@ def set_matrices(s, p, e):
 
 @kernel
 def set_loads(s, e):
-    """Weight, and what a frame that turns loads the rotor with per speed and rate."""
+    """Weight, and the loads of a turning frame on the rotor per speed and rate."""
     nodes = s.nodes[: s.mesh[NODES]]
     N = DOFS * nodes.size
     if e.gravity is not None:
@@ -182,7 +182,7 @@ def set_loads(s, e):
 
 @kernel
 def copy_band(band, result):
-    """The rows of `result` from those of a band that may be longer."""
+    """The rows of `result` from a band that may have more rows."""
     for i in range(result.shape[0]):
         for k in range(result.shape[1]):
             result[i, k] = band[i, k]

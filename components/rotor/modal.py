@@ -14,7 +14,7 @@ from scipy.linalg import eig, eigvals
 from .model import DOFS, Matrices
 
 ROUND = 0.05  # of the larger one of an orbit's axes: a smaller axis is a straight line's, which has no direction
-DOUBLE_ROOT = 10.0 * np.finfo(float).eps ** 0.5  # of the largest eigenvalue: what rounding makes of a double root at zero
+DOUBLE_ROOT = 10.0 * np.finfo(float).eps ** 0.5  # of the largest eigenvalue: the error that rounding gives a double root at zero
 RIGID = 1e-13  # of the stiffness' diagonal: rigid motions show 1e-16, the softest mode of 150 elements 1e-7
 SAME = 1e-6  # of an eigenvalue: rounding sets a degenerate pair of 150 elements 1e-9 apart, to either side of the real axis, too
 

@@ -203,7 +203,7 @@ class RovController(SampledComponent):
         return STATES + (2 if "further_thrusters" in self.on else 0)
 
     def shapes(self) -> dict[str, Any]:
-        """What follows from the arrangement and the table of poses.
+        """Constants that the arrangement and the table of poses determine.
 
         `matrix`: (6, n) wrench per thrust.  `table`: (n, 6) thrusts per wrench, of the thrusters whose bits are in `choice`,
         (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace.  `refused`: (4,) numbers of a refusal.

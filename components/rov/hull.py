@@ -338,7 +338,7 @@ class RovHull(OdeComponent):
         return 14
 
     def shapes(self) -> dict[str, Any]:
-        """What follows from masses, arrangement and weight; (X, Y, Z, K, M, N) in body axes about the origin.
+        """Constants that masses, arrangement and weight determine; (X, Y, Z, K, M, N) in body axes about the origin.
 
         `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
         wrench per thrust, those of `further_thrusters` last.  `righting`: (3,) N m.  `matrix`: of the linear equations, and

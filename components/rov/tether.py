@@ -145,7 +145,7 @@ OUT = Tether.output_places()
 
 @kernel_tuple
 class Chain(NamedTuple):
-    """What follows from the parameters."""
+    """Constants that the parameters determine."""
 
     length: float  # m, of a segment without tension
     stiffness: float  # N, tension per strain

@@ -361,7 +361,7 @@ def thruster_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def thruster_outputs(t, s, p, e):
-    """Thrust, and what motor and propeller do."""
+    """Thrust, and the states of motor and propeller."""
     x, u, y = s.x, s.u[0], s.y
     if e.lag is not None:
         y[OUT.thrust] = x[0]

@@ -32,7 +32,7 @@ GRAVITY = 9.80665  # m/s²
 TURN = 2.0 * math.pi
 STEEPEST = 0.142  # height over length at which a wave breaks in deep water (Miche 1944; recalled)
 LOWEST, HIGHEST = 0.4, 6.0  # ends of a spectrum over its peak frequency: all but 0.1 % of the energy lies between
-BLOCKED = 0.01  # of a sea's energy that a current may block: what is left out of it at most
+BLOCKED = 0.01  # largest share of a sea's energy that may be left out, as a current blocks it
 # rows of the components of a sea: m, rad/s at a fixed place, rad/s seen by one who drifts with the current, 1/m, rad
 AMPLITUDE, FREQUENCY, INTRINSIC, NUMBER, PHASE = range(5)
 ROWS = 5

@@ -130,7 +130,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     title = "Two-link chain"
     system = "two_axis_joint"
     default_stop = 10.0
-    start_inputs = ("first_torque", "second_torque")  # whether a joint sticks follows from what drives it
+    start_inputs = ("first_torque", "second_torque")  # they decide whether a joint sticks
     refusals = {
         WITHOUT_INERTIA: Refusal(
             "links without inertia: the mass matrix of the stretched chain is singular",
@@ -277,7 +277,7 @@ def chain_start(t, s, p, e):
 
 @kernel
 def chain_outputs(t, s, p, e):
-    """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
+    """Angles and rates, the tip, angular momentum and energy, and the outputs of effects."""
     x, u, y = s.x, s.u[0], s.y
     second, rate = x[0] + x[1], x[2] + x[3]
     s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)

@@ -20,7 +20,7 @@ FIRST_TORQUE, SECOND_TORQUE = range(2)  # inputs
 def mass_matrix(q2, p):
     """(m11, m12, m22, determinant) of the symmetric mass matrix of (q1, q2), kg.m2.
 
-    The determinant is a sum of what cannot be negative: the difference of products loses all digits in a stretched chain of
+    The determinant is a sum of terms that cannot be negative: the difference of products loses all digits in a stretched chain of
     point masses.
     """
     own = p.first_inertia + p.first_mass * p.first_centre * p.first_centre

@@ -30,7 +30,7 @@ class SmallMotion(NamedTuple):
 
 
 def small_motion(chain: TwoLinkChain) -> SmallMotion:
-    """Matrices of the hanging chain, or of the stretched one without gravity; of gravity and viscous damping what is on."""
+    """Matrices of the hanging chain, or of the stretched one without gravity; with gravity and viscous damping as far as they are on."""
     m1, l1, a1, i1 = (chain[f"first_{n}"] for n in ("mass", "length", "centre", "inertia"))
     m2, a2, i2 = (chain[f"second_{n}"] for n in ("mass", "centre", "inertia"))
     g = chain["gravity.acceleration"] if "gravity" in chain.on else 0.0

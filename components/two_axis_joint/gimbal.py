@@ -178,7 +178,7 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
     title = "Body on two crossed axes"
     system = "two_axis_joint"
     default_stop = 5.0
-    start_inputs = (  # whether an axis sticks follows from what drives it
+    start_inputs = (  # they decide whether an axis sticks
         "outer_torque",
         "inner_torque",
         "base_motion.rate",
@@ -354,7 +354,7 @@ def gimbal_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def gimbal_guards(t, x, u, g, s, p, e):
-    """What keeps the modes of the two axes."""
+    """Guards: positive while the modes of the two axes last."""
     _, outer, inner = drives(x, u, p, e)
     g[0], g[1] = axis_guard(0, outer, x, e.stick_friction), axis_guard(1, inner, x, e.stick_friction)
 
@@ -369,7 +369,7 @@ def gimbal_switch(which, t, x, u, s, p, e):
 
 @kernel
 def gimbal_outputs(t, s, p, e):
-    """Angles, rates, momentum, and what the effects add."""
+    """Angles, rates, momentum, and the outputs of effects."""
     x, u, y = s.x, s.u[0], s.y
     y[OUT.outer_angle], y[OUT.inner_angle], y[OUT.outer_rate], y[OUT.inner_rate] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
     y[OUT.outer_momentum] = outer_momentum(x, u, p, e)

@@ -1,4 +1,4 @@
-"""Equations of the gimbal, for numbers only: what the two axes feel, the accelerations, and the reactions of the base.
+"""Equations of the gimbal, for numbers only: the torques about the two axes, the accelerations, and the reactions of the base.
 
 Body axes: y is the inner axis, z points from the crossing of the axes to the centre of mass and is the rotor's axis, x
 completes them. The outer axis lies in the body's x-z plane; its direction (c, 0, s) is all that tells a vertical outer axis
@@ -223,5 +223,5 @@ def level_of_axis(which, stick):
 
 @kernel
 def axis_guard(which, drive, x, stick):
-    """What keeps the mode of one axis under its drive, see `stick_guard`."""
+    """Guard: positive while the mode of one axis lasts under its drive, see `stick_guard`."""
     return stick_guard(x[CONTACT + which], x[OUTER + which], drive, level_of_axis(which, stick))

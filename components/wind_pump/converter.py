@@ -249,7 +249,7 @@ def converter_derivatives(t, x, u, dx, s, p, e):
 
 @kernel
 def converter_guards(t, x, u, g, s, p, e):
-    """Free: distance from either clutch. Engaged: force and speed. Standing: what is left of the load."""
+    """Free: distance from either clutch. Engaged: force and speed. Standing: the rest of the load."""
     _, _, _, force = accelerations(x, u, p, e.compliant_clutches)
     if e.compliant_clutches is not None or x[MODE] == STANDING:
         g[0] = g[1] = shaft_guard(x[MODE], x[SPEED], p.clutch_arm * abs(force), u[IN.load_torque])

@@ -1,6 +1,6 @@
 """Power and torque coefficients of wind turbines over the tip speed ratio, for a blade pitch where the curve knows one.
 
-The torque coefficient is what a model turns with: C_p / ratio is 0/0 at standstill. Below the ratio SLOW it keeps its value;
+A model turns with the torque coefficient: C_p / ratio is 0/0 at standstill. Below the ratio SLOW it keeps its value;
 the exponential of the published curves has faded to less than 1e-8 there, so nothing but the 0/0 is taken away. Between
 there and FAST a negative power coefficient counts as none; beyond FAST, where the fits say nothing (one of them grows again),
 it is none throughout. The straight line of the farm windmill needs neither, and brakes a rotor that overruns the wind.

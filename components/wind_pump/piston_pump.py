@@ -42,7 +42,7 @@ class PistonPump(OdeComponent):
 
     With the rod of a double-acting pump on one side, that side has the rod's area less. So T phi' = rho g H q at every instant;
     the single-acting pump's largest torque is pi times its mean, rho g H V / (2 pi), V = A stroke.
-    The pump has no inertia. Its torque is what it takes to turn it forwards from the present angle, also at standstill; the
+    The pump has no inertia. Its torque is the one that turns it forwards from the present angle, also at standstill; the
     driven shaft of a transmission stands below it. It does not turn backwards: a negative speed counts as standstill.
     """
 

@@ -62,7 +62,7 @@ class WindTurbine(EventComponent):
     system = "wind_pump"
     default_step = 1e-2
     default_stop = 60.0
-    start_inputs = ("wind", "torque", "pitch.angle")  # whether the rotor sticks follows from what drives it
+    start_inputs = ("wind", "torque", "pitch.angle")  # they decide whether the rotor sticks
 
     pitch = Pitch
     furling = Furling

@@ -1,4 +1,4 @@
-"""Wind as an environment unit: a mean speed, and what varies it."""
+"""Wind as an environment unit: a mean speed, and effects that vary it."""
 
 from __future__ import annotations
 

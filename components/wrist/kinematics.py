@@ -230,7 +230,7 @@ def axes_status(axes):
 
 
 def axes_refusals(proximal_tilt: str, distal_tilt: str, sine: str) -> dict[int, Refusal]:
-    """What `axes_status` means, with texts for the two tilts and the sine between the axes."""
+    """The meaning of `axes_status`, with texts for the two tilts and the sine between the axes."""
     return {
         TILTED_HALF: Refusal(
             f"tilts of {proximal_tilt} and {distal_tilt} rad with the coupling model 'opensim_half'",

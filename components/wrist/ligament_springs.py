@@ -90,7 +90,7 @@ def make_ligaments(p, ligaments):
 
 
 def attachments(off_axis: np.ndarray) -> np.ndarray:
-    """What `attach` gives, (5, 6) m."""
+    """The result of `attach`, (5, 6) m."""
     ligaments = np.zeros((COUNT, COLUMNS))
     attach(np.asarray(off_axis, dtype=float), ligaments)
     return ligaments[:, :EXTENT_1]

@@ -75,7 +75,7 @@ class LigamentBundle(StatelessComponent):
     """The five ligaments as a unit without mass: angles and rates of the rows in, torques on these angles out.
 
     Its torques are for the inputs `proximal_torque` and `distal_torque` of a `Wrist` without the effect `constraint`, with the
-    same axes and coupling model. Always springs: a unit without mass cannot be rigid, for it would have to know what else acts.
+    same axes and coupling model. Always springs: a unit without mass cannot be rigid, for it would have to know all other forces.
     Which pairs are isometric is Sandow's (2008); attachments, extents and stiffness are ours (`ligament_springs`), the latter of
     the order that is recalled of tests of such ligaments, tens of newtons a millimetre.
     """

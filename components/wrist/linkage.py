@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from ..core.kernels import kernel, kernel_tuple
 
-SAME = 1e-9  # of the sum of the lengths: what differs by less counts as equal, as tolerances of manufacture are far larger
+SAME = 1e-9  # of the sum of the lengths: lengths that differ by less count as equal, as tolerances of manufacture are far larger
 
 
 @kernel_tuple

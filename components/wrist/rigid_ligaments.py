@@ -1,4 +1,4 @@
-"""Ligaments that do not give: what freedom they leave to the rows.
+"""Ligaments that do not give: the freedom that they leave to the rows.
 
 In the two-row mechanism each of the five lengths depends on one of the two angles alone: trapezium-scaphoid on that of the distal
 row, the other four on that of the proximal row. So five rigid ligaments are five conditions on two angles, and each of them is

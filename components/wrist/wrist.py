@@ -282,7 +282,7 @@ def wrist_start(t, s, p, e):
 
 @kernel
 def wrist_outputs(t, s, p, e):
-    """Angles and rates of the hand and of the rows, energy, and what the effects add."""
+    """Angles and rates of the hand and of the rows, energy, and the outputs of effects."""
     x, y, c = s.x, s.y, hand_of(p, e)
     at = wrist_pose(x, c, e.morphology)
     y[OUT.flexion], y[OUT.deviation], y[OUT.roll] = at.flexion, at.deviation, at.roll

@@ -1,4 +1,4 @@
-"""What hangs where along the track, as plain data: the uniform catenary and a line from a table both become a `Layout`.
+"""The parts of a line along the track, as plain data: the uniform catenary and a line from a table both become a `Layout`.
 
 Lanes are the rows of a mesh: 0 the contact wire, 1 its messenger, 2 a second contact wire, then further messengers and stitch
 wires. A wire takes its lane from one anchor to the other.
@@ -57,7 +57,7 @@ class Holds:
     height: of the wire there at rest, m; NaN where it follows.  lift: force of the arm on the wire at rest, N, upwards.
     A steady arm of a table has a length (0 without one), an angle below the horizontal (rad, NaN where it carries its own weight)
     and a mass of its own, and pulls with the tension of wire number `wire` times the `kink` of the lateral positions: stiffness,
-    mass and lift follow, and what stands there is added.
+    mass and lift follow, and the given numbers are added.
     """
 
     position: np.ndarray

@@ -1,6 +1,6 @@
 """A layout as arrays for kernels, and the numbers that parameters put into it.
 
-What hangs where follows from structure alone: `Plan`. Tensions, masses, stiffnesses and heights are `Filled` from what the plan
+Structure alone decides which part hangs where: `Plan`. Tensions, masses, stiffnesses and heights are `Filled` from what the plan
 says and, where it says nothing, from `Given`.
 """
 
