@@ -86,8 +86,11 @@ class MachineDirective(Directive):
         """Raw HTML, which the search leaves out."""
         import machines
 
-        drawing = machines.of_component(self.arguments[0]).svg(f"machine-{self.arguments[0]}")
-        return [nodes.raw("", f'<div class="sketch">{drawing}</div>', format="html")]
+        drawing = machines.of_component(self.arguments[0])
+        if drawing is None:
+            raise self.error(f"machine {self.arguments[0]!r}: expected a component that a module `machines` has a drawing of")
+        svg = drawing.svg(f"machine-{self.arguments[0]}")
+        return [nodes.raw("", f'<div class="sketch">{svg}</div>', format="html")]
 
 
 class SceneDirective(Directive):

@@ -344,7 +344,7 @@ def _formula(words: list[str], symbols: set[str], preceded: bool, write: Callabl
         body, tail = body[:-1], ")" + tail
     while body.count("(") > body.count(")") and body.startswith("("):
         body, before = body[1:], before + "("
-    known = body in symbols and body not in ARTICLES and not preceded
+    known = (body in symbols or re.fullmatch(r"[A-Za-z]_\w+", body)) and body not in ARTICLES and not preceded
     names = {text for kind, text in _safe_tokens(body) if kind == "name"}
     measure = names <= UNITS and (preceded or re.match(r"\d", body) or re.fullmatch(r"\(?\w+/\w+\)?|[ms][²³]", body))
     if known or (names and not measure and SIGNS.search(body) and not re.fullmatch(r"[A-Za-z]'?s?|[a-z]/[a-z]", body)):

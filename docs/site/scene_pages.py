@@ -44,7 +44,8 @@ def _card(name: str, folder: str) -> str:
 
 def _machine(name: str) -> str:
     path = scene_files()[name]
-    return machines.of_scene(path.parent.parent.name, read_toml(path)["units"]).svg(f"machine-{name}")
+    drawing = machines.of_scene(path.parent.parent.name, read_toml(path)["units"])
+    return drawing.svg(f"machine-{name}") if drawing else ""
 
 
 def _curve(name: str) -> str:

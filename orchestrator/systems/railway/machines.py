@@ -97,13 +97,15 @@ def scene(units: Mapping[str, Mapping[str, Any]]) -> Machine:
         m.line((90, 128), (250, 60), width=3).line((90, 60), (250, 128), width=3)
     elif "second_wire" in effects:
         m.line((12, 133), (328, 133), width=3)
+    middle = 130.0 if len(pantographs) == 1 else 170.0  # between two masts
     for k in range(len(pantographs)):
-        x = (130 if len(pantographs) == 1 else 170) + (k - (len(pantographs) - 1) / 2) * 76
-        heads = (x - 8, x + 8) if "two_strips" in effects else (x,)
-        for head in heads:
-            m.line((head - (5 if len(heads) > 1 else 13), 138), (head + (5 if len(heads) > 1 else 13), 138), width=3.4)
-        m.line((heads[0], 139), (heads[-1], 139), width=1.6) if len(heads) > 1 else m
-        m.line((x, 139), (x + 17, 153), (x, 169), width=2).line((x - 20, 170), (x + 20, 170), width=2)
+        at = middle + (k - (len(pantographs) - 1) / 2) * 76
+        if "two_strips" in effects:
+            m.line((at - 13, 138), (at - 3, 138), width=3.4).line((at + 3, 138), (at + 13, 138), width=3.4)
+            m.line((at - 8, 140), (at + 8, 140))
+        else:
+            m.line((at - 13, 138), (at + 13, 138), width=3.4)
+        m.line((at, 139), (at + 17, 153), (at, 169), width=2).line((at - 20, 170), (at + 20, 170), width=2)
     return m.arrow((276, 180), (332, 180), load=False).word(270, 180, text, "end")
 
 
