@@ -35,6 +35,7 @@ python_maximum_signature_line_length = 80
 
 html_theme = "furo"
 html_static_path = [str(HERE / "site" / "static")]
+html_extra_path = [str(HERE / "llms.txt")]  # for programs that read the site
 html_css_files = ["site.css"]
 html_js_files = ["plots.js"]
 html_search_scorer = str(HERE / "site" / "static" / "scorer.js")
