@@ -74,7 +74,7 @@ def test_the_python_interface_is_searchable(site):
 # Marks of an equation written as text: two primes, roots, powers, a derivative or a Greek name beside a sign. Equations in words,
 # and those that have none of these marks, pass unseen.
 ASCII = re.compile(
-    r"\w''|\bsqrt\(|[A-Za-z_)]\^[\d(-]|\w' [-+=] |[-+=] \w+'(?:\s|$)"
+    r"\w''|\bsqrt\(|[A-Za-z_)]\^[\d(-]|(?<!['\w])\w+' [-+=] |[-+=] \w+'(?:\s|$)"
     r"|\b(?:theta|phi|psi|alpha|beta|omega|rho|zeta|tau)(?:_\w+)? [-+=*/] "
 )
 MEASURE = re.compile(r"\bN/m\^1\.5")  # a unit of measure; nobody writes it otherwise in a declaration
