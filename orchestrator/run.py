@@ -409,7 +409,8 @@ class Run:
     def _warnings(self) -> list[str]:
         """What a user should know."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
-        texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
+        of_units = [f"{name}: {r}" for name, unit in self.scene.coupling.interfaces.items() for r in unit.remarks]
+        texts = [*self.scene.remarks, *of_units, *caught, *self.master.warnings(), *self.stepping.warnings()]
         texts += energy_warnings(self.account) if self.account else []
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

@@ -55,8 +55,19 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
         recordable={n: _signal(s, (), measures) for n, s in there.items() if s.variable.causality in RECORDABLE},
         arrays=_arrays(there),
         terminals=description.terminals,
+        remarks=_clock_remarks(description.model),
         refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
         **_capabilities(description, real),
+    )
+
+
+def _clock_remarks(model: ModelDescription) -> tuple[str, ...]:
+    """That the clocks which an importer has to trigger are not triggered; none where there are none."""
+    clocks = [v.name for v in model.modelVariables if v.type == "Clock" and v.causality == "input"]
+    if not clocks:
+        return ()
+    return (
+        f"clock{'s' * (len(clocks) > 1)} {', '.join(clocks)} of the FMU: nothing triggers, so that what they drive stands still",
     )
 
 

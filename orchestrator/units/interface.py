@@ -67,6 +67,7 @@ class Interface:
     ports: Mapping[str, Any] = field(default_factory=dict)  # ports of a component, and what variables are called in them, as
     port_members: Mapping[str, str] = field(default_factory=dict)  # the attributes of its class have them
     terminals: Terminals = field(default_factory=Terminals)  # ports of an FMU
+    remarks: tuple[str, ...] = ()  # what a user of the unit should know, for the warnings of a run
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 

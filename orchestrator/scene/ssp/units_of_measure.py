@@ -51,8 +51,9 @@ def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:
         return None
     if name in defined:
         return defined[name]
+    bare = name[1:-1] if name.startswith("[") and name.endswith("]") else name  # "[m]", as some tools write it
     try:
-        return Measure(name, parse(name))
+        return Measure(name, parse(bare))
     except (BadInput, ArithmeticError, ValueError):  # a power beyond the range of numbers
         return Measure(name, None)
 

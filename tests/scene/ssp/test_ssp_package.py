@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.scene.ssp.units_of_measure import between, named
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import component, document, system
@@ -127,3 +128,11 @@ def test_files_that_name_one_another_twice_over_and_over_are_refused(folder):
 
 def test_the_helpers_of_these_tests_write_valid_files():
     systems.validated(document(system("s", component("a")), systems.units()))
+
+
+def test_units_in_brackets_are_what_stands_in_them():
+    """As OMSimulator writes them into its .ssv files; a definition of the file comes first."""
+    assert between(named("[m]", {}), named("mm", {}), "x") == (1e3, 0.0)
+    assert between(named("[m]", {"[m]": named("km", {})}), named("m", {}), "x") == (1e3, 0.0)
+    with pytest.raises(BadInput, match=r"'\[abc\]' has no definition"):
+        between(named("[abc]", {}), named("m", {}), "x")
