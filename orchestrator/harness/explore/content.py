@@ -143,7 +143,7 @@ def _number(scene: Scene, name: str, value: Any, numbers: Mapping[str, NativeVar
     return float(number)
 
 
-def _ends(scene: Scene, name: str, given: Mapping[str, Any], numbers: Mapping[str, NativeVariable]) -> tuple[float, float] | None:
+def _ends(scene: Scene, name: str, given: Mapping[Any, Any], numbers: Mapping[str, NativeVariable]) -> tuple[float, float] | None:
     """The ends of a slider's range; None for the usual ones."""
     if not given:
         return None

@@ -39,7 +39,7 @@ def switches(scene: Scene, wanted: Sequence[str] | None, say: Callable[[str], No
     """The effects that a page offers: those asked for, else the first ones in the scene's order without which it runs."""
     known = [f"{unit}.{effect}" for unit, settings in scene.units.items() for effect in settings.effects]
     if wanted is None:
-        offered = []
+        offered: list[str] = []
         for name in known:
             if len(offered) < MOST_EFFECTS and _runs_without(scene, name, say):
                 offered.append(name)
