@@ -191,6 +191,7 @@ const answers = {
   },
   ladder(rung) {
     ladder[rung.place] = rung;
+    showLimit();
     draw("accuracy");
     if (rung.place === state.step && !rung.stable && shown.whole) {
       tell([problem, `The macro step of ${digits(1000 * rung.length, 4)} ms is beyond the stability limit of this state: the coupling makes the signals grow.`].filter(Boolean).join(" "));
@@ -353,6 +354,11 @@ function drawCurve(k) {
   if (over) layout.xaxis.title.text = labelled(of(over));
   return plot(`curve${k}`, traces, layout);
 }
+function showLimit() {
+  const rungs = ladder.filter(Boolean), bad = rungs.find((r) => !r.stable);
+  byId("limit").textContent = `Largest difference of the numbers from those of the shortest step, over their size. ${
+    bad ? `The dashed line: with ${digits(1000 * bad.length, 4)} ms the run is unstable${bad.said ? ` (${bad.said})` : ""}.` : rungs.length === data.steps.length ? "No step that the page offers is unstable here." : ""}`;
+}
 function drawAccuracy() {
   const rungs = ladder.filter(Boolean), good = rungs.filter((r) => r.stable && r.error > 0), bad = rungs.find((r) => !r.stable), colours = data.colours;
   const layout = structuredClone(data.layouts.accuracy), here = data.steps[state.step].length;
@@ -363,8 +369,6 @@ function drawAccuracy() {
   layout.shapes = bad ? [{ type: "line", x0: bad.length, x1: bad.length, y0: 0, y1: 1, yref: "paper", line: { color: colours.bad, dash: "dash" } }] : [];
   const ends = [data.steps[0].length, data.steps.at(-1).length].map(Math.log10);
   layout.xaxis.range = [ends[0] - 0.1, ends[1] + 0.1];
-  byId("limit").textContent = `Largest difference of the numbers from those of the shortest step, over their size. ${
-    bad ? `The dashed line: with ${digits(1000 * bad.length, 4)} ms the run is unstable${bad.said ? ` (${bad.said})` : ""}.` : rungs.length === data.steps.length ? "No step that the page offers is unstable here." : ""}`;
   return plot("accuracy", traces, layout);
 }
 const drawAll = () => draw(...Object.keys(drawings));
