@@ -246,8 +246,10 @@ def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
         try:
             if len(ends) == 3:
                 ranges[place.strip()] = {"from": _number(ends[0]), "to": _number(ends[1]), "points": int(ends[2])}
-            else:
+            elif len(ends) == 1:
                 ranges[place.strip()] = [_number(value.strip()) for value in values.split(",")]
+            else:
+                raise ValueError
         except ValueError:
             raise BadInput(
                 "--over",

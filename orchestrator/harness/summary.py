@@ -76,7 +76,9 @@ class SummaryTable(Summary):
         raise BadInput("summary", repr(name), "a quantity of the run", nearest(name, [row.name for row in self]))
 
     def __repr__(self) -> str:
-        width = max((len(row.name) for row in self), default=0)
+        if not self:
+            return "no figures: they are those of a system, which [analysis] of the scene names"
+        width = max(len(row.name) for row in self)
         return "\n".join(
             f"{row.name:{width}}  {with_error(row.value, row.error)} {row.unit if row.unit != '1' else ''}".rstrip()
             for row in self

@@ -100,16 +100,23 @@ class Points:
 
 
 def plan_settings(
-    data: PlanSettings | Mapping[str, Any] | str | Path, name: str = "plan", scene: Scene | None = None
+    data: PlanSettings | Mapping[str, Any] | str | Path, name: str = "plan", scene: Scene | None = None, sampled: bool = True
 ) -> PlanSettings:
     """A plan from plain data, or from its TOML file, with the rows of its tables, which are looked for beside the file; checked.
 
     scene: by whose parameters numbers with their units are converted, "250 km/h"; None where there are none.
+    sampled: whether the plan's own method counts; one that does not may be left out.
     """
-    if not isinstance(data, str | Path):
+
+    def checked(data: Any, name: str) -> PlanSettings:
+        if not sampled and isinstance(data, Mapping) and "method" not in data:
+            data = {"method": "sobol", "points": 1, **data}
         return validated(PlanSettings, with_vary_in_units(data, scene, name), name)
+
+    if not isinstance(data, str | Path):
+        return checked(data, name)
     path = Path(data)
-    settings = with_rows(validated(PlanSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent)
+    settings = with_rows(checked(read_toml(path), path.name), path.parent)
     return settings.model_copy(update={"table": str(path.parent / settings.table)}) if settings.table else settings
 
 

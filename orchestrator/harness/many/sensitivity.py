@@ -119,7 +119,7 @@ def sensitivity(
     """
     if find_spec("SALib") is None:
         raise BadInput("sensitivity", "no SALib", "an installed SALib", "pip install cosimo[many]")
-    settings = plan_settings(plan, scene=scene)
+    settings = plan_settings(plan, scene=scene, sampled=False)
     if method not in METHODS or samples < FEWEST_BLOCKS:
         raise BadInput("sensitivity", f"method {method!r}, {samples} samples", f"{' or '.join(METHODS)}, {FEWEST_BLOCKS} or more")
     if settings.correlation:

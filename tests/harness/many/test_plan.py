@@ -179,3 +179,10 @@ def test_points_that_need_the_same_machine_code_are_known():
 def test_bad_plans_are_one_message(settings, named):
     with pytest.raises(BadInput, match=named):
         plan_of(SCENE, plan_settings(settings))
+
+
+def test_a_method_that_does_not_count_may_be_left_out():
+    """Of a sensitivity, which takes samples of its own."""
+    assert plan_settings({"vary": {"m.k": UNIFORM}}, sampled=False).vary["m.k"].high == UNIFORM["high"]
+    with pytest.raises(BadInput, match="'grid'"):
+        plan_settings({"vary": {"m.k": UNIFORM}})
