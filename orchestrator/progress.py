@@ -94,18 +94,7 @@ class Progress(BatchObserver):
     def __enter__(self) -> Progress:
         self._begin = perf_counter()
         if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-            from rich.progress import Progress as Bar
-
-            self._bar = Bar(
-                TextColumn("{task.description}"),
-                BarColumn(),
-                TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
-                TimeRemainingColumn(),
-                console=Console(stderr=True),
-                transient=True,
-            )
+            self._bar = terminal_bar("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left")
             self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
             self._bar.start()
         return self
@@ -118,6 +107,15 @@ class Progress(BatchObserver):
         if self._bar is not None and (now := perf_counter()) >= self._next:
             self._next = now + self.REFRESH
             self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))
+
+
+def terminal_bar(numbers: str) -> Any:
+    """A progress bar of rich on standard error, which disappears when it stops; numbers: the text before the time left."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), TextColumn(numbers), TimeRemainingColumn()
+    return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
 def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from time import perf_counter, time
 
 from ....components.core.store import replaced
+from ...progress import terminal_bar
 from .executors import BatchRows
 
 PAGE_EVERY = 2.0  # s
@@ -35,17 +36,7 @@ class Live:
         self._since, self._page_at = perf_counter(), -PAGE_EVERY
         self._stack, self._bar = ExitStack(), None
         if progress and sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-            columns = (
-                TextColumn("{task.description}"),
-                BarColumn(),
-                MofNCompleteColumn(),
-                TextColumn("{task.fields[failed]}"),
-                TimeRemainingColumn(),
-            )
-            self._bar = self._stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
+            self._bar = self._stack.enter_context(terminal_bar("{task.completed:g}/{task.total:g} {task.fields[failed]}"))
             self._task = self._bar.add_task(title, total=total, completed=before, failed="")
 
     def __enter__(self) -> Live:
