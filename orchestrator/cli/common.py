@@ -137,31 +137,16 @@ def print_cells(cells: Cells) -> None:
 
 
 def print_rows(result: CaseResult) -> None:
-    """The rows of a case beside their ranges, as a table."""
-    from ..harness.charts.style import number
-    from ..harness.report.generic import measured_text
+    """The rows of a case beside their ranges, as a table; as they stand on its page."""
+    from ..harness.report.generic import range_row
 
-    def range_text(low: float | None, high: float | None) -> str:
-        """A range of a table, with the digits that its width asks for; an open end is left out."""
-        if low is None or high is None:
-            return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
-        return f"{number(low, low, high)} ... {number(high, low, high)}"
-
+    shown = [(row, range_row(row)) for row in result.findings.rows]
     print_table(
         result.case.title,
         ("quantity", "condition", "unit", "measured", "range", "margin", "provenance", "inside"),
         [
-            (
-                row.reference.quantity,
-                row.reference.condition,
-                row.reference.unit,
-                measured_text(row),
-                range_text(row.reference.low, row.reference.high),
-                row.margin,
-                row.reference.standing,
-                row.answer,
-            )
-            for row in result.findings.rows
+            (r.quantity, row.reference.condition, r.unit, r.measured, r.range, r.margin, r.standing, row.answer)
+            for row, r in shown
         ],
     )
 

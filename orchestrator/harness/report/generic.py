@@ -26,19 +26,14 @@ UNLIKE = 30.0  # largest over smallest signal, from which they do not share an a
 
 def range_table(title: str, rows: Sequence[Row], settings: str = "", grouped: bool = False) -> Ranges:
     """Rows of a case as a table with bars; grouped: below lines with their conditions."""
-    shown = [_range_row(row) for row in rows]
+    shown = [range_row(row) for row in rows]
     if grouped:
         shown = [replace(s, condition=row.reference.condition) for s, row in zip(shown, rows, strict=True)]
     return Ranges(title, shown, settings)
 
 
-def measured_text(row: Row) -> str:
-    """The measured number with its error where that is known, else with the digits that its range asks for."""
-    low, high = row.reference.low, row.reference.high
-    return with_error(row.measured, row.error) if np.isfinite(row.error) else number(row.measured, low, high)
-
-
-def _range_row(row: Row) -> RangeRow:
+def range_row(row: Row) -> RangeRow:
+    """A row of a case in the texts that a reader sees."""
     r = row.reference
     low, high = r.low, r.high
     place = None
@@ -60,7 +55,7 @@ def _range_row(row: Row) -> RangeRow:
     return RangeRow(
         r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
         unit,
-        measured_text(row),
+        with_error(row.measured, row.error) if np.isfinite(row.error) else number(row.measured, low, high),
         text,
         margin,
         None if place is None else float(place),
