@@ -27,6 +27,8 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typed_passes import NopythonTypeInference
 from numba.core.untyped_passes import IRProcessing
 
+from .kernel_library import ADDRESS, KERNELS, PYTHON, kernel_libraries
+
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class AbsentFields(FunctionPass):
@@ -107,35 +109,36 @@ class KernelDispatcher(CPUDispatcher):
     """Compiles for Python where Python calls first, else for kernels; a second time where Python calls after all."""
 
     _cache: Any
-    _for_kernels = False  # whether a kernel asks for the machine code
+    _wanted = PYTHON  # who asks for the code
     _counts = False  # references to arrays
 
     def get_call_template(self, args, kws):
         """A kernel that calls this one is being compiled."""
-        before, self._for_kernels = self._for_kernels, True
+        before, self._wanted = self._wanted, KERNELS
         try:
             return super().get_call_template(args, kws)
         finally:
-            self._for_kernels = before
+            self._wanted = before
 
     @global_compiler_lock
     def compile(self, sig):
         """As Numba's; under its lock from the beginning, for the flags hold for one compilation."""
         args = tuple(normalize_signature(sig)[0])
         known = self.overloads.get(args)
-        if known is not None and not self._for_kernels and not callable_from_python(known):
+        if known is not None and self._wanted == PYTHON and not callable_from_python(known):
             del self.overloads[args]
-        self.targetoptions["no_cpython_wrapper"] = self._cache.for_kernels = self._for_kernels
+        self.targetoptions["no_cpython_wrapper"] = self._wanted != PYTHON
+        self._cache.wanted = self._wanted
         self.targetoptions["_nrt"] = self._counts
         try:
-            with seldom_collected():
+            with seldom_collected(), kernel_libraries(self.targetctx.codegen()):
                 return super().compile(sig)
         except NumbaError:
             if self._counts:
                 raise
             self._counts = True  # what makes arrays cannot be compiled without
             self._compiler._failed_cache.clear()  # type: ignore[attr-defined]  # Numba does not try again what has failed
-            if self._for_kernels:
+            if self._wanted != PYTHON:
                 raise  # what calls it has failed, too, and tries again
         return self.compile(sig)
 
@@ -143,7 +146,7 @@ class KernelDispatcher(CPUDispatcher):
         """Machine code for a signature, which is called by address."""
         args = tuple(normalize_signature(sig)[0])
         if args not in self.overloads:
-            before, self._for_kernels = self._for_kernels, True
+            before, self._wanted = self._wanted, ADDRESS
             try:
                 self.compile(args)
             except NumbaError:
@@ -151,8 +154,12 @@ class KernelDispatcher(CPUDispatcher):
                     raise
                 self.compile(args)
             finally:
-                self._for_kernels = before
-        return self.overloads[args]
+                self._wanted = before
+        compiled = self.overloads[args]
+        if not compiled.library.finalized:
+            compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+            self._cache.save_overload(args, compiled)
+        return compiled
 
     def add_overload(self, cres):
         if callable_from_python(cres):

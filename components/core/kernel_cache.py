@@ -32,6 +32,7 @@ from numba.core.runtime.nrt import rtsys
 from .closure import ImportIndex, closure
 from .compiler import callable_from_python
 from .folders import cache_root
+from .kernel_library import ADDRESS, KERNELS, PYTHON
 from .store import digest_of, read_kept, write_kept
 
 _PROCESS = uuid4().hex[:8]
@@ -217,13 +218,16 @@ def load_array_functions() -> None:
     arraymath.ensure_blas = ensure
 
 
+SERVE = {PYTHON: (PYTHON,), ADDRESS: (ADDRESS, PYTHON, KERNELS), KERNELS: (KERNELS, ADDRESS, PYTHON)}  # who asks -> kinds of code
+
+
 class KernelCache(FunctionCache):
     """The cache of one kernel; nothing is read before it is needed. files: sources that decide on the machine code.
 
-    for_kernels: whether machine code is asked for that only kernels call; code that Python may call, too, serves them as well.
+    wanted: who asks for the code. Machine code that Python may call, or that has an address, serves kernels as well.
     """
 
-    for_kernels = False
+    wanted = PYTHON
 
     def __init__(self, function, files: tuple[str, ...]):
         self._py_func, self._name, self._files = function, repr(function), files
@@ -244,7 +248,7 @@ class KernelCache(FunctionCache):
     def load_overload(self, sig, target_context):
         cache = self._open()
         overload = None
-        for cache.for_kernels in (True, False) if self.for_kernels else (False,):
+        for cache.kind in SERVE[self.wanted]:
             overload = overload or cache.load_overload(sig, target_context)
         if overload is None:  # it will be compiled
             load_array_functions()
@@ -252,7 +256,9 @@ class KernelCache(FunctionCache):
 
     def save_overload(self, sig, data):
         cache = self._open()
-        cache.for_kernels = not callable_from_python(data)
+        cache.kind = PYTHON if callable_from_python(data) else ADDRESS if data.library.finalized else KERNELS
+        if (cache.kind, self.wanted) == (KERNELS, ADDRESS):
+            return  # there will be machine code
         with suppress(OSError):
             cache.save_overload(sig, data)
 
@@ -269,7 +275,7 @@ class KernelCache(FunctionCache):
 class _OpenCache(FunctionCache):
     """Numba's cache with the files above."""
 
-    for_kernels = False
+    kind = PYTHON
 
     def __init__(self, function, root: Path, digest: str):
         self._py_func, self._name = function, repr(function)
@@ -291,7 +297,7 @@ class _OpenCache(FunctionCache):
         self.enable()
 
     def _index_key(self, sig, codegen):
-        return self.for_kernels, *super()._index_key(sig, codegen)
+        return self.kind, *super()._index_key(sig, codegen)
 
     def load_overload(self, sig, target_context):
         """The machine code for a signature, or None.

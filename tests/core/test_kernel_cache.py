@@ -121,6 +121,29 @@ def test_what_only_kernels_call_has_no_code_for_python_before_python_calls_it(pa
     assert called() == [11.0, [True], [1, 0], 10.0, [True], [1, 0]]  # code that Python may call serves kernels, too
 
 
+ADDRESS = """
+from own.inner import inner
+
+code = inner.for_kernels((inner.typeof_pyval(5.0),))
+address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+print(address != 0, inner.stats.cache_hits.total(), inner.stats.cache_misses.total())
+"""
+
+
+def test_what_only_kernels_call_has_machine_code_where_its_address_is_asked_for(package, tmp_path):
+    def files() -> int:
+        return len([*(tmp_path / "cache").rglob("inner*.nbc")])
+
+    environment = {**os.environ, "PYTHONPATH": str(package.parent), "COSIMO_CACHE": str(tmp_path / "cache")}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    run(package, tmp_path / "cache")
+    assert files() == 1
+    for _ in range(2):  # found in LLVM's language, then as machine code
+        done = subprocess.run([sys.executable, "-c", ADDRESS], env=environment, capture_output=True, text=True, check=True)
+        assert done.stdout.split() == ["True", "1", "0"]
+        assert files() == 2
+
+
 PRODUCT = """
 import numpy as np
 from .core.kernels import kernel
