@@ -109,6 +109,7 @@ class KernelDispatcher(CPUDispatcher):
     """Compiles for Python where Python calls first, else for kernels; a second time where Python calls after all."""
 
     _cache: Any
+    targetctx: Any
     _wanted = PYTHON  # who asks for the code
     _counts = False  # references to arrays
 
@@ -155,7 +156,7 @@ class KernelDispatcher(CPUDispatcher):
                 self.compile(args)
             finally:
                 self._wanted = before
-        compiled = self.overloads[args]
+        compiled: Any = self.overloads[args]
         if not compiled.library.finalized:
             compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
             self._cache.save_overload(args, compiled)

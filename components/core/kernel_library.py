@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import llvmlite.binding as llvm
-from numba.core.codegen import Codegen, JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.environment import lookup_environment
 
@@ -30,6 +31,7 @@ class KernelLibrary(JITCodeLibrary):
     """Numba's library of a function, with machine code from the time on that an address is asked for."""
 
     _linked = False
+    _codegen: Any
 
     @property
     def finalized(self) -> bool:
@@ -53,6 +55,7 @@ class KernelLibrary(JITCodeLibrary):
         """What this library calls; linked when the library is needed."""
         if not isinstance(library, KernelLibrary):
             library._ensure_finalized()
+        self._reload_init.update(library._reload_init)  # what is done again where the code comes from the cache
         self._linking_libraries.append(library)
 
     def link(self) -> None:
@@ -61,7 +64,6 @@ class KernelLibrary(JITCodeLibrary):
             return
         self._linked = True
         for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._linking_libraries.clear()
         self._finalize_dynamic_globals()
@@ -127,7 +129,7 @@ class _WithoutMachineCode:
 
 
 @contextmanager
-def kernel_libraries(codegen: Codegen) -> Iterator[None]:
+def kernel_libraries(codegen: Any) -> Iterator[None]:
     """What Numba compiles or loads meanwhile has libraries of this kind; under its lock."""
     before = codegen._library_class
     codegen._library_class = KernelLibrary

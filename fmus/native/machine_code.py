@@ -23,8 +23,10 @@ from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from numba.core.typing.typeof import typeof
 
 from ...components.core.block import ENTRIES, Block, check_result, kinds_of
+from ...components.core.compiler import seldom_collected
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
+from ...components.core.kernel_library import kernel_libraries
 from ...components.core.kernels import OPTIONS
 from .kept_code import KERNELS, digest_of, load, save
 from .wide_pointers import widened
@@ -284,9 +286,11 @@ def _kernels(source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any,
     for name, kernel in copies.items():
         times = len(source.block.entries[name])
         signature = (t.float64,) * times + of_arguments
-        kernel.compile(signature)
+        with seldom_collected(), kernel_libraries(kernel.targetctx.codegen()):
+            kernel.compile(signature)
         overload = kernel.overloads[signature]
         check_result(kernel, overload)
+        overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name)  # optimized with what it calls
         kernels[name] = (overload.library.get_llvm_str(), overload.fndesc.llvm_func_name, list(kinds_of(overload, times)))
     return kernels
 
