@@ -21,6 +21,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.errors import NumbaError
+from numba.core.event import trigger_event
 from numba.core.ir_utils import get_definition, guard
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
@@ -158,7 +159,9 @@ class KernelDispatcher(CPUDispatcher):
                 self._wanted = before
         compiled: Any = self.overloads[args]
         if not compiled.library.finalized:
-            compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+            details = {"dispatcher": self, "args": args, "return_type": compiled.signature.return_type}
+            with trigger_event("numba:compile", data=details):  # who measures what compiling takes shall see it
+                compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
             self._cache.save_overload(args, compiled)
         return compiled
 

@@ -122,11 +122,13 @@ def test_what_only_kernels_call_has_no_code_for_python_before_python_calls_it(pa
 
 
 ADDRESS = """
+from numba.core.event import install_recorder
 from own.inner import inner
 
-code = inner.for_kernels((inner.typeof_pyval(5.0),))
+with install_recorder("numba:compile") as recorder:
+    code = inner.for_kernels((inner.typeof_pyval(5.0),))
 address = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
-print(address != 0, inner.stats.cache_hits.total(), inner.stats.cache_misses.total())
+print(address != 0, inner.stats.cache_hits.total(), inner.stats.cache_misses.total(), len(recorder.buffer))
 """
 
 
@@ -138,9 +140,12 @@ def test_what_only_kernels_call_has_machine_code_where_its_address_is_asked_for(
     environment.pop("NUMBA_CACHE_DIR", None)
     run(package, tmp_path / "cache")
     assert files() == 1
-    for _ in range(2):  # found in LLVM's language, then as machine code
+    for events in (
+        "2",
+        "0",
+    ):  # found in LLVM's language, which the begin and the end of a compilation announce; then as machine code
         done = subprocess.run([sys.executable, "-c", ADDRESS], env=environment, capture_output=True, text=True, check=True)
-        assert done.stdout.split() == ["True", "1", "0"]
+        assert done.stdout.split() == ["True", "1", "0", events]
         assert files() == 2
 
 
