@@ -61,7 +61,7 @@ def port_pairs(
         ((one.unit, name), (other.unit, other.inputs[there]))
         for one, other, of in ((first, second, partner), (second, first, {b: a for a, b in partner.items()}))
         for member, name in one.outputs.items()
-        if (there := of.get(member)) in other.inputs
+        if (there := of.get(member, "")) in other.inputs
     ]
     sides = " and ".join(
         f"{'.'.join(end)} with {', '.join(sorted({*p.outputs, *p.inputs}))}" for end, p in zip(ends, (first, second), strict=True)
@@ -140,8 +140,10 @@ def _port(end: Endpoint, where: str, interface: Interface) -> _Port:
         name, index = port, ""
     if terminal := whole or interface.terminals.get(name):
         terminal = at_hand(terminal, (*interface.inputs, *interface.outputs), index)
-        ways = ({m.name: m.variable for m in terminal.members if m.variable in v} for v in (interface.outputs, interface.inputs))
-        both = _Port(unit, *ways, terminal)
+        give, take = (
+            {m.name: m.variable for m in terminal.members if m.variable in v} for v in (interface.outputs, interface.inputs)
+        )
+        both = _Port(unit, give, take, terminal)
     else:
         both = _Port(unit, within(interface.outputs), within(interface.inputs))
     if not (both.outputs or both.inputs):

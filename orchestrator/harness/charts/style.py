@@ -170,7 +170,7 @@ def rectangle(
 
 def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
     """A small text in a figure, in the figure's own coordinates unless given otherwise."""
-    note = {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False} | more
+    note: dict[str, Any] = {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False} | more
     font = {"size": 11, "color": MUTED} | note.get("font", {})
     return note | {"font": font | {"color": WORDS.get(font["color"], font["color"])}}
 
