@@ -182,7 +182,7 @@ def test_counters_that_are_none_are_left_out(name, opened):
 
 def test_the_documentation_states_the_count():
     count = len(FORGED) + len(CUT) + len(COUNTERS)
-    assert f"{count} forged answers" in (ROOT / "docs" / "scenes.md").read_text()
+    assert f"{count} forged answers" in (ROOT / "docs" / "foreign-files.md").read_text()
 
 
 @pytest.mark.parametrize(

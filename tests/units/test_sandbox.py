@@ -144,7 +144,7 @@ def test_which_ways_out_hold(isolation, target):
 
 
 def test_the_documentation_states_the_count():
-    text = " ".join((ROOT / "docs" / "scenes.md").read_text().split())
+    text = " ".join((ROOT / "docs" / "foreign-files.md").read_text().split())
     of = len(escapes.WAYS)
     assert f"Of {of} ways out, {of - len(OPEN)} hold in the sandbox and {len(HELD_WITHOUT)} in a plain worker process" in text
     for name in OPEN:
