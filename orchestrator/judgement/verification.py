@@ -38,7 +38,7 @@ from .comparison import (
 )
 from .record import Verification
 from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
-from .warnings import suggestion, warnings_of
+from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
 FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
@@ -300,8 +300,8 @@ def _judged(result: Result, verification: Verification) -> Result:
         outcome = "unstable"
         grown = verification.signals[worst].grown
         message = (
-            f"the run is unstable: the deviation of {worst} is {grown:.2g} times that of a run with shorter "
-            f"steps. {suggestion(result.scene, verification, worst)}"
+            f"the {'coupling' if of_macro_step(verification) else 'run'} is unstable: the deviation of {worst} is "
+            f"{grown:.2g} times that of a run with shorter steps. {suggestion(result.scene, verification, worst)}"
         )
     texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)
     info = {

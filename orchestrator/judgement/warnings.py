@@ -62,9 +62,14 @@ def _denser(scene: Scene) -> str:
     return f"Shorten master.step, which is {scene.master.step:g} s"
 
 
+def of_macro_step(verification: Verification) -> bool:
+    """Whether the largest error is that of the macro step, as far as is known."""
+    return not verification.inside or verification.coupling >= MOSTLY
+
+
 def _steps_too_long(verification: Verification) -> str:
     """Which steps make the largest error."""
-    if not verification.inside or verification.coupling >= MOSTLY:
+    if of_macro_step(verification):
         return "the macro step is"
     names = _inner_names(verification)
     return (
