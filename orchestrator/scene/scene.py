@@ -20,7 +20,7 @@ from ..engine.coupling import Coupling, expanded_connection, resolve_coupling
 from ..engine.coupling.ports import JOINED
 from ..loading import loading
 from ..output import ensure_directory
-from ..settings import AnalysisKeys, SceneSettings
+from ..settings import AnalysisKeys, MasterSettings, SceneSettings
 from ..settings.messages import one_message
 from ..settings.study import wanted
 from .drawing import Arrow, Box, Drawing, draw
@@ -216,6 +216,9 @@ def recorded_scene(data: Mapping[str, Any], analysis: Models | None = None) -> S
     """The scene of which run.json says all settings, for its result: the files that it names may be gone, and are not read."""
     settings, name, models = dict(data), str(data.get("name")), analysis or {}
     settings.pop("name", None)
+    if isinstance(given := settings.get("master"), Mapping):  # a default that is given would be refused where it has no effect
+        usual = MasterSettings(step=1.0).model_dump(mode="json", exclude={"step"})
+        settings["master"] = {key: value for key, value in given.items() if key not in usual or value != usual[key]}
     try:
         scene = Scene.model_validate({**settings, "analysis": _analysis(settings.get("analysis", {}), name, models)})
     except ValidationError as error:

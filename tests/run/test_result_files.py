@@ -18,7 +18,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import recording, results
 from cosimo.orchestrator.output import UNFINISHED, locked
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import read_result, read_scene
+from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.orchestrator.tables import StoredTable
 from cosimo.tests.support import Oscillator, two_masses
 
@@ -92,6 +92,16 @@ def test_a_result_that_fills_the_memory_stays_on_disk(tmp_path, monkeypatch):
         assert stored.extremes(name) == whole.extremes(name)
     with pytest.raises(BadInput, match="a recorded signal"):
         stored["nothing"]
+
+
+def test_figures_of_a_scene_without_connections_are_read_again(tmp_path):
+    """run.json has all settings of the master: those that would have no effect were refused when the result was read."""
+    scene = load_scene("double-pendulum").with_changes({"stop_time": 0.5})
+    written = cosimo.run(scene, in_process=True, output=tmp_path / "out")
+    read = read_result(tmp_path / "out")
+    assert read.summary == written.summary
+    assert read.scene.coupling.links == ()
+    assert cosimo.compare(tmp_path / "out", written).figures
 
 
 def test_texts_are_kept_as_well(tmp_path):
