@@ -19,18 +19,23 @@ R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
 
 
-def substeps(scene: Scene) -> dict[str, float]:
-    """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
+def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
+    """Place in the scene -> value, of a parameter of this name in every component that has and uses it."""
     components = {
         name: make(name, unit)
         for name, unit in scene.units.items()
-        if unit.component and "substep" in component_class(unit.component, name).variables
+        if unit.component and parameter in component_class(unit.component, name).variables
     }
     return {
-        f"units.{name}.parameters.substep": float(component.get("substep"))
+        f"units.{name}.parameters.{parameter}": float(component.get(parameter))
         for name, component in components.items()
-        if not component.unused(["substep"])
+        if not component.unused([parameter])
     }
+
+
+def substeps(scene: Scene) -> dict[str, float]:
+    """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
+    return numbers_in_use(scene, "substep")
 
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:

@@ -18,13 +18,11 @@ from typing import Literal
 
 import numpy as np
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
-from ..shorter_steps import shorter, substeps, with_mesh
-from ..units.component import make
+from ..shorter_steps import numbers_in_use, shorter, substeps, with_mesh
 from .comparison import (
     Difference,
     between_rows,
@@ -45,25 +43,11 @@ FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 MESH = 0.5
 
 
-def tolerances(scene: Scene) -> dict[str, float]:
-    """Place in the scene -> tighter value, of every tolerance in use."""
-    components = {
-        name: make(name, unit)
-        for name, unit in scene.units.items()
-        if unit.component and "tolerance" in component_class(unit.component, name).variables
-    }
-    return {
-        f"units.{name}.parameters.tolerance": FINER_TOLERANCE * float(component.get("tolerance"))
-        for name, component in components.items()
-        if not component.unused(["tolerance"])
-    }
-
-
 def finer_inside(result: Result) -> Iterator[tuple[str, Result]]:
     """Place of each tolerance, and the meshes together; the run with the refinement, recorded at the same times."""
     scene = result.scene
     interval = {"record.interval": scene.master.step} if scene.record.interval is None and not scene.master.control else {}
-    changes = {place: {place: value} for place, value in tolerances(scene).items()}
+    changes = {place: {place: FINER_TOLERANCE * value} for place, value in numbers_in_use(scene, "tolerance").items()}
     if scene.study.mesh:
         changes[", ".join(scene.study.mesh)] = with_mesh(scene, MESH)
     for place, finer in changes.items():

@@ -29,7 +29,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     wrong = {name: e for name, e in wrong.items() if not e.shifted}
     if wrong:
         worst = worst_of(wrong)
-        others = _listed([worst, *(name for name in wrong if name != worst)])
+        others = _listed(sorted(wrong, key=worst.__ne__))
         texts.append(
             f"{_steps_too_long(verification)} too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
             f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
@@ -37,7 +37,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         )
     if shifted:
         worst = worst_of(shifted)
-        others = _listed([worst, *(name for name in shifted if name != worst)])
+        others = _listed(sorted(shifted, key=worst.__ne__))
         texts.append(
             f"with half the steps, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
             f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
@@ -45,7 +45,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         )
     if unseen := verification.unseen:
         worst = max(unseen, key=lambda name: unseen[name])
-        others = _listed([worst, *(name for name in unseen if name != worst)])
+        others = _listed(sorted(unseen, key=worst.__ne__))
         texts.append(
             f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
             f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
@@ -107,7 +107,7 @@ def _settings(scene: Scene, verification: Verification, factor: float) -> str:
     steps = (
         [] if verification.inside and verification.coupling <= 1.0 - MOSTLY else [f"{what} {shown(factor * scene.master.step)} s"]
     )
-    if verification.inside and not verification.coupling >= MOSTLY:
+    if not of_macro_step(verification):
         inner = [f"{_inner_name(place)} = {shown(factor * size)}" for place, size in verification.inside.items()]
         steps += inner[:MOST_NAMED] + (["the other substeps in proportion"] if len(inner) > MOST_NAMED else [])
     return " and ".join(filter(None, (", ".join(steps[:-1]), steps[-1])))
