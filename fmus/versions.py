@@ -1,7 +1,12 @@
-"""Versions of packages, in threads, too: an FMU of pythonfmu changes `sys.path` while other threads look for a package in it."""
+"""Versions of packages, in threads, too.
+
+An FMU of pythonfmu changes `sys.path` while other threads look for a package in it, and FMPy changes the working directory, to
+which relative entries refer, while it loads a library.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 from functools import lru_cache
 from importlib.metadata import Distribution, PackageNotFoundError, distributions
@@ -10,9 +15,8 @@ from importlib.metadata import Distribution, PackageNotFoundError, distributions
 @lru_cache(maxsize=64)
 def distribution(name: str) -> Distribution:
     """An installed package; raises `PackageNotFoundError`."""
-    for first in distributions(
-        name=name, path=list(sys.path)
-    ):  # a copy: a list that shrinks under an iterator leaves out entries
+    path = [entry for entry in list(sys.path) if os.path.isabs(entry)]  # a copy: a list that shrinks under an iterator skips
+    for first in distributions(name=name, path=path):
         return first
     raise PackageNotFoundError(name)
 

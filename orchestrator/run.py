@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from ..components.core.errors import BadInput, StepFailed
 from ..components.core.kernel_faults import is_typing_fault, typing_fault
+from . import working_directory
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms.energy import EnergyAccount
 from .engine.algorithms.master import Runaway, Unstable
@@ -122,7 +123,7 @@ class Run:
         self.files = files
         self.pacing = Pacing() if real_time else None
         self.started = perf_counter()
-        self._folder, self._moved = _working_directory() if stop is None else "", False
+        self._folder, self._moved = working_directory.current() if stop is None else "", False
         stack.callback(self._return)
         self.compiling = CompileTime(announce=progress)
         if stop is None:
@@ -372,7 +373,7 @@ class Run:
 
     def _return(self) -> None:
         """To the working directory of the start: units of this process can change it, and results would go elsewhere."""
-        if self._folder and _working_directory() != self._folder:
+        if self._folder and working_directory.current() != self._folder:
             os.chdir(self._folder)
             self._moved = True
 
@@ -414,11 +415,3 @@ class Run:
         texts += energy_warnings(self.account) if self.account else []
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])
-
-
-def _working_directory() -> str:
-    """Of this process; "" where it is gone."""
-    try:
-        return os.getcwd()
-    except OSError:
-        return ""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ctypes
 import logging
-import os
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
+from .. import working_directory
 from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
@@ -87,16 +87,16 @@ class FmuSimulator:
                 "one; this FMU allows no more in a process",
                 'Write isolation = "process".',
             )
-        here, self._folder = os.getcwd(), ""
+        self._folder = ""
         try:
             self._folder = take(description.path)
         except Exception as error:  # FMPy raises bare exceptions, zipfile those of many kinds
             raise BadInput(f"units.{name}", f"{description.path} cannot be unpacked: {error}", "a sound FMU file") from None
         try:
-            self._fmu = self._instantiate()
+            with working_directory.kept():  # FMPy goes to the library's folder, and stays there when loading fails
+                self._fmu = self._instantiate()
             self._usable = self._healthy = True
         except Exception as error:  # FMPy raises bare exceptions
-            os.chdir(here)  # FMPy stays in the library's folder when loading fails
             self.close()
             raise BadInput(
                 f"units.{name}",

@@ -1,0 +1,35 @@
+"""The working directory, which the threads of a process share.
+
+FMPy goes to the folder of a library while it loads the library. Another thread that asked meanwhile would take that folder for
+the user's.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import RLock
+
+_loading = RLock()
+
+
+@contextmanager
+def kept() -> Iterator[None]:
+    """One thread at a time goes elsewhere; where it fails, it is brought back."""
+    with _loading:
+        here = os.getcwd()
+        try:
+            yield
+        except BaseException:
+            os.chdir(here)
+            raise
+
+
+def current() -> str:
+    """The directory in which no library is being loaded; "" where it is gone."""
+    with _loading:
+        try:
+            return os.getcwd()
+        except OSError:
+            return ""
