@@ -52,9 +52,10 @@ def meshes(scene: Scene) -> dict[str, float]:
         given = scene.units.get(unit)
         if given is None or not given.component or not parameter:
             raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
-        value = make(unit, given).get(parameter)
-        variable = component_class(given.component, unit).variables[parameter]
-        if variable.causality is not Causality.PARAMETER or not isinstance(value, float):
+        variable = component_class(given.component, unit).variables.get(parameter)
+        known = variable is not None and variable.causality is Causality.PARAMETER
+        value = make(unit, given).get(parameter) if known else None
+        if not isinstance(value, float):
             raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
         lengths[f"units.{unit}.parameters.{parameter}"] = value
     return lengths

@@ -9,6 +9,7 @@ from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
+from ..judgement.warnings import inner_name
 
 
 @dataclass(frozen=True)
@@ -153,8 +154,9 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         f"{', and internal steps likewise' if verification.get('inside') else ''}."
     )
     parts = [
-        f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}"
+        f"{inner_name(place)}: {100.0 * part['difference']:.2g} % of {part['signal']}"
         for place, part in verification.get("parts", {}).items()
-        for name in [place.removeprefix("units.").replace(".parameters.", ".")]
     ]
-    return f"{text} Refined inside, each by itself: {'; '.join(parts)}." if parts else text
+    text += f" Refined inside, each by itself: {'; '.join(parts)}." if parts else ""
+    missing = ", ".join(inner_name(place) for place in verification.get("not_refined", {}))
+    return f"{text} The errors leave out what {missing} makes, which could not be refined." if missing else text

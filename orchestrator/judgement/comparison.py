@@ -77,7 +77,7 @@ class SignalError:
 
     half: rms error of the run with half the step; NaN from two runs.  parted: whether histories have parted while statistics
     agree, as in a chaotic motion.  shifted: whether the error is that of jumps at other instants, in few rows.  grown: deviation
-    over that of the finest run.
+    over that of the finest run.  coupling: share of the error that half the macro step alone shows; NaN where it is not known.
     """
 
     rms: float
@@ -87,10 +87,12 @@ class SignalError:
     parted: bool = False
     shifted: bool = False
     grown: float = 1.0
+    coupling: float = nan
 
     def to_json(self) -> dict[str, float | bool | None]:
         """The object of run.json; what is not known is null."""
         numbers = {"rms": self.rms, "max": self.largest, "order": self.order}
+        numbers |= {"coupling": self.coupling} if isfinite(self.coupling) else {}
         kinds = {name: True for name, there in (("parted", self.parted), ("shifted", self.shifted)) if there}
         return {k: v if isfinite(v) else None for k, v in numbers.items()} | kinds
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite, nan
 from typing import Any
 
-from .comparison import SignalError
+from .comparison import SURE, Difference, SignalError
 
 
 @dataclass(frozen=True)
@@ -15,14 +15,13 @@ class Verification:
     """What repetition has shown of a run.
 
     done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
-    "whole", "windows".  signals: by name.  figures: errors of the summary's figures, in their units.  windows: begins (s) and
-    length (s).  slower: signals slower than a window.
+    "whole", "windows".  signals: errors by name that steps make.  figures: errors of the summary's figures, in their units.
+    windows: begins (s) and length (s).  slower: signals slower than a window.
     growing: whose difference still grows there, see `windows`.
     excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
     unseen: signals that their rows do not show -> how far they depart from straight lines between two.
-    inside: internal steps that were halved, too, place -> s.  coupling: share of the largest error that half the macro step alone
-    shows; NaN where it is not known.  parts: place of an internal setting -> worst signal and how much
-    it changes.  seconds: CPU time that it took.
+    inside: internal steps that were halved, too, place -> s.  parts: place of a tolerance or mesh -> how the signals change where
+    it alone is refined.  not_refined: place of one that could not be refined -> why.  seconds: CPU time that it took.
     """
 
     done: bool
@@ -36,41 +35,58 @@ class Verification:
     length: float = nan
     slower: tuple[str, ...] = ()
     growing: tuple[str, ...] = ()
-    parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    parts: Mapping[str, Mapping[str, Difference]] = field(default_factory=dict)
+    not_refined: Mapping[str, str] = field(default_factory=dict)
     excerpt: Mapping[str, Any] = field(default_factory=dict)
     unseen: Mapping[str, float] = field(default_factory=dict)
     inside: Mapping[str, float] = field(default_factory=dict)
-    coupling: float = nan
     seconds: float = 0.0
+
+    @property
+    def errors(self) -> dict[str, SignalError]:
+        """Errors of signals that steps, tolerances and meshes make together."""
+        of_parts = {name: [gaps[name] for gaps in self.parts.values()] for name in self.signals}
+        return {
+            name: replace(
+                e,
+                rms=e.rms + SURE * sum(gap.rms for gap in of_parts[name]),
+                largest=e.largest + SURE * sum(gap.largest for gap in of_parts[name]),
+            )
+            for name, e in self.signals.items()
+        }
+
+    def worst_of_part(self, place: str) -> tuple[str, float]:
+        """The signal that changes most where an internal setting is refined, and by how much of its deviation (rms)."""
+        gaps = self.parts[place]
+        worst = max(gaps, key=lambda name: gaps[name].rms)
+        return worst, gaps[worst].rms
 
     def to_json(self) -> dict[str, Any]:
         """The object `verification` of run.json."""
         if not self.done:
             return {"done": False, "why": self.why}
+        windows = {
+            "begins": list(self.windows),
+            "length": self.length,
+            "slower": list(self.slower),
+            "growing": list(self.growing),
+        }
+        where_known = {
+            "windows": windows if self.windows else {},
+            "parts": {place: dict(zip(("signal", "difference"), self.worst_of_part(place), strict=True)) for place in self.parts},
+            "not_refined": dict(self.not_refined),
+            "unseen": dict(self.unseen),
+            "inside": dict(self.inside),
+            "excerpt": dict(self.excerpt),
+        }
         return {
             "done": True,
             "why": self.why,
             "step": self.step,
             "how": self.how,
             "runs": self.runs,
-            "signals": {name: error.to_json() for name, error in self.signals.items()},
+            "signals": {name: error.to_json() for name, error in self.errors.items()},
             "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
-            **(
-                {
-                    "windows": {
-                        "begins": list(self.windows),
-                        "length": self.length,
-                        "slower": list(self.slower),
-                        "growing": list(self.growing),
-                    }
-                }
-                if self.windows
-                else {}
-            ),
-            **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
-            **({"unseen": dict(self.unseen)} if self.unseen else {}),
-            **({"inside": dict(self.inside)} if self.inside else {}),
-            **({"coupling": self.coupling} if isfinite(self.coupling) else {}),
-            **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
+            **{name: value for name, value in where_known.items() if value},
             "seconds": self.seconds,
         }

@@ -8,13 +8,13 @@ after the other.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from math import isfinite, nan
 from pathlib import Path
 from time import process_time
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from ..scene.scene import Scene
 from ..shorter_steps import numbers_in_use, shorter, substeps, with_mesh
 from .comparison import (
     Difference,
+    SignalError,
     between_rows,
     common_rows,
     differences,
@@ -43,17 +44,16 @@ FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 MESH = 0.5
 
 
-def finer_inside(result: Result) -> Iterator[tuple[str, Result]]:
-    """Place of each tolerance, and the meshes together; the run with the refinement, recorded at the same times."""
-    scene = result.scene
+def refinements(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Changes that refine each tolerance, and the meshes together, by their places; recorded at the same times.
+
+    Raises `BadInput` for a mesh of [study] that is none.
+    """
     interval = {"record.interval": scene.master.step} if scene.record.interval is None and not scene.master.control else {}
     changes = {place: {place: FINER_TOLERANCE * value} for place, value in numbers_in_use(scene, "tolerance").items()}
     if scene.study.mesh:
         changes[", ".join(scene.study.mesh)] = with_mesh(scene, MESH)
-    for place, finer in changes.items():
-        again = run_once(scene.with_changes({**finer, **interval}), in_process=True)
-        if again.outcome == "done":
-            yield place, again
+    return {place: {**finer, **interval} for place, finer in changes.items()}
 
 
 Wish = Literal["auto", "whole", "full", "no"]
@@ -83,6 +83,8 @@ def run(
     """
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
+    if verify == "full":
+        refinements(scene)  # a mesh that is none is refused before the run
     wish = WindowsWish(SECONDS) if verify == "auto" and _here(scene, in_process) else None
     result = run_once(
         scene,
@@ -120,9 +122,18 @@ def verified_result(
     begun = process_time()
     try:
         verification = _repeated(result, wish, in_process)
-    except BadInput as error:  # such as an FMU whose step is fixed
-        verification = Verification(False, f"the run cannot be repeated with half its steps: {error}")
+    except BadInput as error:  # such as units that cannot be opened in this process
+        verification = Verification(False, f"the run cannot be repeated: {error}")
     return _judged(result, replace(verification, seconds=process_time() - begun))
+
+
+def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
+    """The run of the scene with changes; None where it is refused or does not come to its end, and why."""
+    try:
+        again = run_once(scene.with_changes(changes), in_process=True)
+    except BadInput as error:  # such as an FMU whose step is fixed
+        return None, str(error)
+    return (again, "") if again.outcome == "done" else (None, f"the run is {again.outcome}: {again.message}")
 
 
 def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
@@ -134,28 +145,27 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         if not _here(scene, in_process):
             return _over_windows(scene)
         return Verification(False, f"to repeat the run would take about {2.0 * each:.2g} s of CPU time: ask with --verify whole")
-    second = run_once(scene.with_changes(shorter(scene, 2)), in_process=True)
-    if second.outcome != "done":
-        return Verification(False, f"the run with half its steps is {second.outcome}: {second.message}")
+    second, why = _again(scene, shorter(scene, 2))
+    if second is None:
+        return Verification(False, f"the run cannot be repeated with half its steps: {why}")
     first_gap = differences(result, second)
     third = None
     if needs_third(first_gap) and (wish != "auto" or 6.0 * each <= SECONDS):
-        third = run_once(scene.with_changes(shorter(scene, 4)), in_process=True)
-    fine = third is not None and third.outcome == "done"
-    shown = [r for r in (result, second, third if fine else None) if r is not None]
-    signals = signal_errors(first_gap, differences(second, third) if third is not None and fine else None)
-    inside, coupling = substeps(scene), nan
+        third, _ = _again(scene, shorter(scene, 4))
+    shown = [r for r in (result, second, third) if r is not None]
+    signals = signal_errors(first_gap, differences(second, third) if third is not None else None)
+    inside = substeps(scene)
     if inside and any(e.rms > WARN for e in signals.values()) and (wish != "auto" or 8.0 * each <= SECONDS):
-        coupling = _of_macro_step(result, first_gap, worst_of(signals))
-    figures, parts = _figures(shown, unsure=needs_third(first_gap)), {}
-    for place, finer in finer_inside(result) if wish == "full" else ():
-        gaps, of_place = differences(result, finer), _figures([result, finer], unsure=False)
-        worst = max(gaps, key=lambda name: gaps[name].rms)
-        parts[place] = worst, gaps[worst].rms
-        signals = {
-            name: replace(e, rms=e.rms + 2.0 * gaps[name].rms, largest=e.largest + 2.0 * gaps[name].largest)
-            for name, e in signals.items()
-        }
+        signals = _with_shares(result, first_gap, signals)
+    figures = _figures(shown, unsure=needs_third(first_gap))
+    parts: dict[str, Mapping[str, Difference]] = {}
+    not_refined = {}
+    for place, finer in refinements(scene).items() if wish == "full" else ():
+        refined, why = _again(scene, finer)
+        if refined is None:
+            not_refined[place] = why
+            continue
+        parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(
         True,
@@ -165,19 +175,26 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         signals=signals,
         figures=figures,
         parts=parts,
+        not_refined=not_refined,
         excerpt=excerpt(result, second, worst_of(signals)),
         unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN},
         inside=inside,
-        coupling=coupling,
     )
 
 
-def _of_macro_step(result: Result, gaps: Mapping[str, Difference], name: str) -> float:
-    """Share of a signal's difference that half the macro step alone makes; NaN where such a run does not come to its end."""
-    second = run_once(result.scene.with_changes(shorter(result.scene, 2, inside=False)), in_process=True)
-    if second.outcome != "done" or not gaps[name].rms:
-        return nan
-    return min(differences(result, second)[name].rms / gaps[name].rms, 1.0)
+def _with_shares(result: Result, gaps: Mapping[str, Difference], signals: Mapping[str, SignalError]) -> dict[str, SignalError]:
+    """The errors with the share that half the macro step alone shows, where a run with it comes to its end.
+
+    gaps: to the run with half of all steps.
+    """
+    again, _ = _again(result.scene, shorter(result.scene, 2, inside=False))
+    if again is None:
+        return dict(signals)
+    alone = differences(result, again)
+    return {
+        name: replace(e, coupling=min(alone[name].rms / gaps[name].rms, 1.0)) if e.rms > WARN and gaps[name].rms else e
+        for name, e in signals.items()
+    }
 
 
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
@@ -284,7 +301,7 @@ def _judged(result: Result, verification: Verification) -> Result:
         outcome = "unstable"
         grown = verification.signals[worst].grown
         message = (
-            f"the {'coupling' if of_macro_step(verification) else 'run'} is unstable: the deviation of {worst} is "
+            f"the {'coupling' if of_macro_step(verification, worst) else 'run'} is unstable: the deviation of {worst} is "
             f"{grown:.2g} times that of a run with shorter steps. {suggestion(result.scene, verification, worst)}"
         )
     texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, isfinite, isnan, log10
 
 from ..scene.scene import Scene
-from .comparison import worst_of
+from .comparison import SURE, SignalError, worst_of
 from .record import Verification
 from .thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 
@@ -27,12 +27,15 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
     shifted = {name: e for name, e in wrong.items() if e.shifted}
     wrong = {name: e for name, e in wrong.items() if not e.shifted}
-    if wrong:
-        worst = worst_of(wrong)
-        others = _listed(sorted(wrong, key=worst.__ne__))
+    of_steps: dict[str, dict[str, SignalError]] = {}
+    for name, e in wrong.items():
+        of_steps.setdefault(_steps_too_long(verification, name), {})[name] = e
+    for steps, of_them in of_steps.items():
+        worst = worst_of(of_them)
+        others = _listed(sorted(of_them, key=worst.__ne__))
         texts.append(
-            f"{_steps_too_long(verification)} too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
-            f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
+            f"{steps} too long for {others}: the error of {worst} is {_percent(of_them[worst].rms)} of its "
+            f"deviation (rms), {_percent(of_them[worst].largest)} at its largest. "
             f"{suggestion(scene, verification, worst)}"
         )
     if shifted:
@@ -43,6 +46,15 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
             f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
             f"{suggestion(scene, verification, worst)}"
         )
+    for place in verification.parts:
+        worst, change = verification.worst_of_part(place)
+        if SURE * change > WARN:
+            texts.append(
+                f"{inner_name(place)} is too coarse for {worst}: refined by itself, it changes this signal by "
+                f"{_percent(change)} of its deviation (rms). Lower it"
+            )
+    for place, why in verification.not_refined.items():
+        texts.append(f"the errors leave out what {inner_name(place)} makes, which could not be refined: {why}")
     if unseen := verification.unseen:
         worst = max(unseen, key=lambda name: unseen[name])
         others = _listed(sorted(unseen, key=worst.__ne__))
@@ -62,27 +74,33 @@ def _denser(scene: Scene) -> str:
     return f"Shorten master.step, which is {scene.master.step:g} s"
 
 
-def of_macro_step(verification: Verification) -> bool:
-    """Whether the largest error is that of the macro step, as far as is known."""
-    return not verification.inside or verification.coupling >= MOSTLY
+def of_macro_step(verification: Verification, name: str) -> bool:
+    """Whether the error of a signal is that of the macro step, as far as is known."""
+    return not verification.inside or verification.signals[name].coupling >= MOSTLY
 
 
-def _steps_too_long(verification: Verification) -> str:
-    """Which steps make the largest error."""
-    if of_macro_step(verification):
+def _of_internal_steps(verification: Verification, name: str) -> bool:
+    """Whether the error of a signal is that of the internal steps, as far as is known."""
+    return bool(verification.inside) and verification.signals[name].coupling <= 1.0 - MOSTLY
+
+
+def _steps_too_long(verification: Verification, name: str) -> str:
+    """Which steps make the error of a signal."""
+    if of_macro_step(verification, name):
         return "the macro step is"
     names = _inner_names(verification)
     return (
-        f"the internal steps ({names}) are" if verification.coupling <= 1.0 - MOSTLY else f"the steps (macro step, {names}) are"
+        f"the internal steps ({names}) are" if _of_internal_steps(verification, name) else f"the steps (macro step, {names}) are"
     )
 
 
 def _inner_names(verification: Verification) -> str:
-    names = [_inner_name(place) for place in verification.inside]
+    names = [inner_name(place) for place in verification.inside]
     return ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")
 
 
-def _inner_name(place: str) -> str:
+def inner_name(place: str) -> str:
+    """ "unit.parameter" of the place of an internal setting."""
     return place.removeprefix("units.").replace(".parameters.", ".")
 
 
@@ -90,25 +108,25 @@ def suggestion(scene: Scene, verification: Verification, name: str) -> str:
     """Steps that would bring the error of a signal below what is aimed at."""
     error = verification.signals[name]
     if error.half <= AIM:
-        return f"With {_settings(scene, verification, TRIED)} it is {_percent(error.half)}"
+        return f"With {_settings(scene, verification, name, TRIED)} it is {_percent(error.half)}"
     if verification.runs > 2 and not error.order > LOWEST_ORDER:
         trend = "falls slowly" if error.half < error.rms else "does not fall"
-        return f"The error {trend} with the steps: with {_settings(scene, verification, TRIED)} it is {_percent(error.half)}"
+        return (
+            f"The error {trend} with the steps: with {_settings(scene, verification, name, TRIED)} it is {_percent(error.half)}"
+        )
     order = min(error.order, 2.0) if isfinite(error.order) else 1.0
     known, at = (error.half, TRIED) if isfinite(error.half) else (error.rms, 1.0)
     seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if the error falls with the step"
-    return f"Take {_settings(scene, verification, at * (AIM / known) ** (1.0 / order))} for {_percent(AIM)}, {seen}"
+    return f"Take {_settings(scene, verification, name, at * (AIM / known) ** (1.0 / order))} for {_percent(AIM)}, {seen}"
 
 
-def _settings(scene: Scene, verification: Verification, factor: float) -> str:
-    """The steps that matter, a factor shorter; those that were tried as they are, others with one digit."""
+def _settings(scene: Scene, verification: Verification, name: str, factor: float) -> str:
+    """The steps that matter for a signal, a factor shorter; those that were tried as they are, others with one digit."""
     shown = (lambda size: f"{size:.3g}") if factor == TRIED else _rounded_down
     what = "a tolerance of master.control that gives steps of" if scene.master.control else "master.step ="
-    steps = (
-        [] if verification.inside and verification.coupling <= 1.0 - MOSTLY else [f"{what} {shown(factor * scene.master.step)} s"]
-    )
-    if not of_macro_step(verification):
-        inner = [f"{_inner_name(place)} = {shown(factor * size)}" for place, size in verification.inside.items()]
+    steps = [] if _of_internal_steps(verification, name) else [f"{what} {shown(factor * scene.master.step)} s"]
+    if not of_macro_step(verification, name):
+        inner = [f"{inner_name(place)} = {shown(factor * size)}" for place, size in verification.inside.items()]
         steps += inner[:MOST_NAMED] + (["the other substeps in proportion"] if len(inner) > MOST_NAMED else [])
     return " and ".join(filter(None, (", ".join(steps[:-1]), steps[-1])))
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
+from cosimo.orchestrator.harness.summary import verification_text
 from cosimo.orchestrator.judgement import verification, windows
 from cosimo.orchestrator.judgement.comparison import (
     Difference,
@@ -287,6 +288,77 @@ def test_full_refines_tolerances_and_meshes_one_by_one():
     assert full["parts"]
     assert not any(place.endswith(".substep") for place in full["parts"])
     assert full["signals"]["pantograph.contact_force"]["rms"] > plain["signals"]["pantograph.contact_force"]["rms"]
+
+
+class Refined(OfTime):
+    """2 rad/s: `exact`, `value` with an error of its internal steps, `rough` with one of its mesh."""
+
+    substep = parameter(1e-2, "s", "internal step")
+    tolerance = parameter(1e-6, "1", "tolerance of nothing", low=5e-7)
+    element = parameter(0.1, "m", "length of elements", low=0.06)
+    value = output("1", "too large with the internal step")
+    exact = output("1", "exact")
+    rough = output("1", "too large with the mesh")
+
+    def _outputs(self, t):
+        p, sine = self.parameters, np.sin(2.0 * t)
+        self.y[:] = sine * (1.0 + 20.0 * p["substep"]), sine, sine * (1.0 + p["element"])
+
+
+class Late(OfTime):
+    """What comes in, a macro step later."""
+
+    given = input_(0.0, "1", "what comes in")
+    value = output("1", "what came in")
+
+    def _outputs(self, t):
+        self.y[0] = self.u[0, 0]
+
+
+def refined_scene(**parameters):
+    return read_scene(
+        {
+            "stop_time": 5.0,
+            "connections": ["inner.exact -> late.given"],
+            "units": {"inner": {"component": f"{HERE}:Refined", "parameters": parameters}, "late": {"component": f"{HERE}:Late"}},
+            "master": {"step": 0.05, "extrapolation": 0, "algorithm": "jacobi"},
+            "study": {"mesh": ["inner.element"]},
+        }
+    )
+
+
+def test_each_warning_names_the_steps_that_make_its_own_error():
+    warnings = cosimo.run(refined_scene(), verify="whole").info["warnings"]
+    assert sorted(text.partition(":")[0] for text in warnings) == [
+        "the internal steps (inner.substep) are too long for inner.value",
+        "the macro step is too long for late.value",
+    ]
+    assert all(("master.step" in text) != ("inner.substep" in text) for text in warnings)
+
+
+def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
+    """Tolerance and mesh at their lower limits, below which the scene refuses them; then the mesh alone can be refined."""
+    plain = cosimo.run(refined_scene(), verify="whole").info["verification"]
+    both = cosimo.run(refined_scene(), verify="full")
+    found = both.info["verification"]
+    assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
+    assert list(found["not_refined"]) == ["units.inner.parameters.tolerance", "inner.element"]
+    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["units.inner.parameters.tolerance"]
+    assert "leave out what inner.tolerance, inner.element makes" in verification_text(found)
+    assert sum("could not be refined" in text for text in both.info["warnings"]) == 2
+    half = cosimo.run(refined_scene(element=0.15), verify="full")
+    found = half.info["verification"]
+    assert list(found["not_refined"]) == ["units.inner.parameters.tolerance"]
+    assert found["parts"] == {"inner.element": {"signal": "inner.rough", "difference": pytest.approx(0.075 / 1.075, rel=1e-6)}}
+    assert any(text.startswith("inner.element is too coarse for inner.rough") for text in half.info["warnings"])
+    assert not any("too long for inner.rough" in text for text in half.info["warnings"])
+
+
+@pytest.mark.parametrize("name", ["inner.exact", "inner.no_such", "nowhere.element", "inner.element.x"])
+def test_a_mesh_that_is_none_is_refused_before_the_run(name, monkeypatch):
+    monkeypatch.setattr(verification, "run_once", lambda *_, **__: pytest.fail("it ran"))
+    with pytest.raises(BadInput, match=r"study\.mesh"):
+        cosimo.run(refined_scene().with_changes({"study.mesh": [name]}), verify="full")
 
 
 def test_components_that_run_as_fmus_are_repeated_in_process():
