@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.units.channel import STOPPING
+from cosimo.tests.plain_python import keep_compliance_tables
 from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
 from hypothesis import HealthCheck, settings
@@ -16,6 +17,9 @@ from hypothesis import HealthCheck, settings
 # The tests hold on a machine that is busy: none fails because an example took long.
 settings.register_profile("busy machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy machine")
+
+if not COMPILED:
+    keep_compliance_tables()
 
 # A worker has each file as a whole: started last, these would be waited for. The dearest first, see docs/development/tests.md.
 LONG = (

@@ -1,8 +1,8 @@
 """Machine code of components on disk, so that another process, and other parameter values, compile nothing.
 
 It is found by a digest of all that it follows from: the layout of the block, the kernels that they reach with what
-these enclose, the import closures of their sources, and the versions of what compiles. The code of the kernels alone does not
-depend on the layout: the master of another scene, or a component with another mesh, is only linked.
+these enclose, the import closures of their sources, and the versions of what compiles. The kernels alone do not depend on the
+layout, and are kept by themselves (`kernel_cache`): the master of another scene, or a component with another mesh, is only linked.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from ...components.core.kernel_cache import private_folder, sources_digest
 from ..versions import version
 
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
-ENTRIES, KERNELS = ".ll", ".json"  # how files end: entries of one layout with all that they call; kernels for any layout
 
 
 class _Unknown(Exception):
@@ -65,19 +64,19 @@ def digest_of(
     return store.digest_of(*parts)
 
 
-def _file(digest: str, kind: str) -> Path | None:
+def _file(digest: str) -> Path | None:
     folder = private_folder("native")
-    return None if folder is None else folder / f"{digest}{kind}"
+    return None if folder is None else folder / f"{digest}.ll"
 
 
-def load(digest: str, kind: str = ENTRIES) -> str | None:
+def load(digest: str) -> str | None:
     """The code of a digest; None where it is missing or damaged."""
-    file = _file(digest, kind)
+    file = _file(digest)
     content = None if file is None else store.read_kept(file)
     return None if content is None else zlib.decompress(content).decode()
 
 
-def save(digest: str, text: str, kind: str = ENTRIES) -> None:
+def save(digest: str, text: str) -> None:
     """Keep code by its digest; not done where nothing can be written."""
-    if (file := _file(digest, kind)) is not None:
+    if (file := _file(digest)) is not None:
         store.write_kept(file, zlib.compress(text.encode(), 1))

@@ -1,14 +1,13 @@
 """Object files of a component's entries and of all kernels that they call, without Python and without Numba's runtime.
 
-Numba compiles, LLVM emits for the target. A kernel of a component carries flags for use from Python; here each is compiled once
-more with flags of its own: no reference counts, no wrappers. What allocates is then refused by Numba, with its line. The calling
+Numba compiles, LLVM emits for the target. The kernels are those of the process, in LLVM's language: what has run is not compiled
+again. What allocates counts references, which needs functions of Numba's runtime, and is refused with its line. The calling
 convention between Numba's functions, `i32 f(result *, exception **, arguments ...)`, stays inside the object; each entry
 gets a C function around it. An object may ask for nothing but the functions of `ALLOWED`, which libc and libm have.
 """
 
 from __future__ import annotations
 
-import json
 import re
 import types
 from collections.abc import Iterable, Mapping
@@ -19,16 +18,15 @@ from typing import Any
 import llvmlite.binding as llvm
 from numba import njit
 from numba import types as t
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from numba.core.typing.typeof import typeof
 
 from ...components.core.block import ENTRIES, Block, check_result, kinds_of
-from ...components.core.compiler import seldom_collected
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
-from ...components.core.kernel_library import kernel_libraries
 from ...components.core.kernels import OPTIONS
-from .kept_code import KERNELS, digest_of, load, save
+from .kept_code import digest_of, load, save
 from .wide_pointers import widened
 
 NATIVE = "kernels that allocate nothing and call only functions of libm"
@@ -161,32 +159,45 @@ TARGETS = {
 }
 
 
-class _Compiler:
-    """Copies of kernels, compiled with the flags given here; callees likewise."""
+class _Uncounted:
+    """Copies of kernels that count no references, whatever they do; callees likewise."""
 
-    def __init__(self, counted: bool):
-        options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True} | ({} if counted else {"_nrt": False})
-        self._compiled = {inline: njit(**options, forceinline=inline) for inline in (False, True)}
-        self.kernels: dict[int, tuple[Any, Any]] = {}
+    def __init__(self):
+        self._compiled = {
+            inline: njit(**OPTIONS, no_cpython_wrapper=True, _nrt=False, forceinline=inline) for inline in (False, True)
+        }
+        self._copies: dict[int, Any] = {}
 
     def clone(self, kernel: Any) -> Any:
-        """A kernel, or a plain function that one calls, under these flags."""
-        function = getattr(kernel, "py_func", kernel)
-        if id(function) in self.kernels:
-            return self.kernels[id(function)][0]
-        package = "" if kernel is not function else function.__module__.partition(".")[0]
+        """A kernel without counts."""
+        function = kernel.py_func
+        if id(function) in self._copies:
+            return self._copies[id(function)]
         cells = function.__closure__ and tuple(types.CellType(self._kernel(c.cell_contents)) for c in function.__closure__)
         new = types.FunctionType(function.__code__, dict(function.__globals__), function.__name__, function.__defaults__, cells)
         new.__qualname__, new.__module__ = function.__qualname__, function.__module__
-        copy = self._compiled[getattr(kernel, "targetoptions", {}).get("forceinline", False)](new)
-        self.kernels[id(function)] = (copy, function)  # before its callees: it may call itself
-        for name in set(_names(function.__code__)):
-            if is_kernel(new.__globals__.get(name), package):
-                new.__globals__[name] = self.clone(new.__globals__[name])
+        copy = self._copies[id(function)] = self._compiled[kernel.targetoptions.get("forceinline", False)](new)
+        for name in set(_names(function.__code__)):  # behind the above: it may call itself
+            if name in new.__globals__:
+                new.__globals__[name] = self._kernel(new.__globals__[name])
         return copy
 
     def _kernel(self, value: Any) -> Any:
-        return self.clone(value) if is_kernel(value, "") else value
+        return self.clone(value) if hasattr(value, "py_func") else value
+
+
+def reached_kernels(kernels: Iterable[Any]) -> list[types.FunctionType]:
+    """The functions of kernels and of all that they call."""
+    functions: dict[int, types.FunctionType] = {}
+    waiting = list(kernels)
+    while waiting:
+        kernel = waiting.pop()
+        function = getattr(kernel, "py_func", kernel)
+        if id(function) not in functions:
+            functions[id(function)] = function
+            waiting += [c.cell_contents for c in function.__closure__ or () if hasattr(c.cell_contents, "py_func")]
+            waiting += called_kernels(function).values()
+    return list(functions.values())
 
 
 def called_kernels(function: Any) -> dict[str, Any]:
@@ -235,35 +246,37 @@ def compile_entries(source: Source) -> str:
     """Entries in LLVM's language; `BadInput` names the line that prevents it."""
     refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
     try:
-        return _compile(source, counted=False)
+        return _compile(source)
     except refused as error:
-        first = error
-    try:
-        # code that is never reached may mention allocation; what remains of it is seen among the symbols
-        return _compile(source, counted=True)
-    except refused as second:
-        raise refusal(source.name, second) from first
-    except BadInput as second:
-        place = _place(_plain(first))
-        raise BadInput(second.where, second.actual + place, second.expected, second.remedy) from first
+        raise refusal(source.name, error) from error
+    except BadInput as error:
+        try:
+            _refuse_counts(source)
+        except refused as first:
+            raise BadInput(error.where, error.actual + _place(_plain(first)), error.expected, error.remedy) from first
+        raise
 
 
-def _compile(source: Source, counted: bool) -> str:
-    block, compiler = source.block, _Compiler(counted)
-    copies = {name: compiler.clone(kernel) for name, kernel in source.kernels.items()}
-    reached = [function for _, function in compiler.kernels.values()]
-    of_arguments = tuple(map(typeof, source.arguments))
-    compiled = (*source.kernels, *map(str, of_arguments), *source.kernels.values())
-    layout = "\n".join(map(repr, block.in_order()))
-    digest = digest_of((source.prefix, layout, *compiled), called_kernels, reached, source.owner)
+def _refuse_counts(source: Source) -> None:
+    """Raises Numba's error that names the line where a kernel makes an array."""
+    copies = _Uncounted()
+    for name, kernel in source.kernels.items():
+        copies.clone(kernel).compile(_signature(source, name))
+
+
+def _signature(source: Source, name: str) -> tuple[Any, ...]:
+    return (t.float64,) * len(source.block.entries[name]) + tuple(map(typeof, source.arguments))
+
+
+def _compile(source: Source) -> str:
+    block, reached = source.block, reached_kernels(source.kernels.values())
+    compiled = (source.prefix, "\n".join(map(repr, block.in_order())), *source.kernels, *map(str, map(typeof, source.arguments)))
+    digest = digest_of((*compiled, *source.kernels.values()), called_kernels, reached, source.owner)
     text = load(digest) if digest else None
     if text is None:
-        texts = {}
-        of_kernels = digest_of(compiled, called_kernels, reached, source.owner)  # for blocks of any layout
-        kept = load(of_kernels, KERNELS) if of_kernels else None
-        kernels = json.loads(kept) if kept else _kernels(source, copies, of_arguments)
-        for name, (code, symbol, kinds) in kernels.items():
-            texts[name] = (
+        texts = []
+        for name, (code, symbol, kinds) in _kernels(source).items():
+            texts.append(
                 code
                 + f"""
 define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %address) {{
@@ -275,29 +288,27 @@ define i32 @{source.prefix}_{name}({", ".join(block.entries[name])}, i64 %addres
         text = _linked(source, texts, [k.__name__ for k in reached])
         if digest:  # what is refused is not kept: the next refusal has to find its line again
             save(digest, text)
-        if of_kernels and not kept:
-            save(of_kernels, json.dumps(kernels), KERNELS)
     return text
 
 
-def _kernels(source: Source, copies: Mapping[str, Any], of_arguments: tuple[Any, ...]) -> dict[str, tuple[str, str, list[str]]]:
-    """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times."""
+def _kernels(source: Source) -> dict[str, tuple[str, str, tuple[str, ...]]]:
+    """Of each kernel its code in LLVM's language, its symbol, and the types of its arguments behind its times.
+
+    The code is that of the process, optimized with what it calls.
+    """
     kernels = {}
-    for name, kernel in copies.items():
-        times = len(source.block.entries[name])
-        signature = (t.float64,) * times + of_arguments
-        with seldom_collected(), kernel_libraries(kernel.targetctx.codegen()):
-            kernel.compile(signature)
-        overload = kernel.overloads[signature]
-        check_result(kernel, overload)
-        overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name)  # optimized with what it calls
-        kernels[name] = (overload.library.get_llvm_str(), overload.fndesc.llvm_func_name, list(kinds_of(overload, times)))
+    for name, kernel in source.kernels.items():
+        with global_compiler_lock:
+            overload = kernel.for_kernels(_signature(source, name))
+            check_result(kernel, overload)
+            code = str(overload.library._get_module_for_linking())
+        kernels[name] = code, overload.fndesc.llvm_func_name, kinds_of(overload, len(source.block.entries[name]))
     return kernels
 
 
-def _linked(source: Source, texts: Mapping[str, str], kernels: list[str]) -> str:
+def _linked(source: Source, texts: Iterable[str], kernels: list[str]) -> str:
     """One module of all entries, optimized for the baseline of x86-64; refuses symbols that are not `ALLOWED`."""
-    modules = [llvm.parse_assembly(text) for text in texts.values()]
+    modules = [llvm.parse_assembly(text) for text in texts]
     module, *others = modules
     for other in others:
         module.link_in(other)
@@ -305,7 +316,7 @@ def _linked(source: Source, texts: Mapping[str, str], kernels: list[str]) -> str
         if not item.is_declaration and not item.name.startswith(source.prefix + "_"):
             item.linkage = "internal"
     before = str(module)
-    _optimize(module, TARGETS["linux64"])
+    _optimize(module, TARGETS["linux64"], _machine(TARGETS["linux64"]))
     declared = [f.name for f in [*module.functions, *module.global_variables] if f.is_declaration]
     foreign = sorted(n for n in declared if not n.startswith("llvm.") and n not in ALLOWED)
     if foreign:
@@ -333,14 +344,12 @@ def _machine(target: Target, features: str = "") -> Any:
     )
 
 
-def _optimize(module: Any, target: Target, features: str = "") -> Any:
-    machine = _machine(target, features)
+def _optimize(module: Any, target: Target, machine: Any) -> None:
     module.triple, module.data_layout = target.triple, str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization = options.slp_vectorization = False  # Numba has done it
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
-    return machine
 
 
 @lru_cache(maxsize=16)
@@ -361,7 +370,11 @@ def object_code(text: str, target: str) -> tuple[bytes, ...]:
 
 def _object(text: str, target: Target, features: str = "", suffix: str = "") -> bytes:
     module = llvm.parse_assembly(widened(text) if target.short_pointers else text)
-    machine = _optimize(module, target, features)
+    machine = _machine(target, features)
+    # Entries come optimized for x86-64; a second time takes seconds, and changes neither the numbers nor the speed.
+    if target.triple != TARGETS["linux64"].triple:
+        _optimize(module, target, machine)
+    module.triple, module.data_layout = target.triple, str(machine.target_data)
     for function in module.functions:
         if not function.is_declaration and function.linkage.name == "external":
             function.visibility = "hidden"

@@ -46,7 +46,8 @@ def assembly(text, target):
     import llvmlite.binding as llvm
 
     module = llvm.parse_assembly(text)
-    machine = _optimize(module, TARGETS[target])
+    machine = _machine(TARGETS[target])
+    _optimize(module, TARGETS[target], machine)
     return machine.emit_assembly(module)
 
 

@@ -1,4 +1,4 @@
-"""The paper of the dimensionless bearing: its measures against integrations and counts of another kind, and the whole case."""
+"""The paper of the dimensionless bearing: its measures against integrations and counts of another kind."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
 from cosimo.orchestrator.harness.analysis.recurrence import quantify
-from cosimo.orchestrator.harness.validation.case import CaseResult, Options
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, transition
 
 
@@ -86,9 +84,3 @@ def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
     assert alone.largest == pytest.approx(-5.0, abs=0.5)
     with pytest.raises(BadInput, match="1 to 4"):
         lyapunov_spectrum(model(), transition.STATES, transition.SCALES, interval=1e-3, intervals=1, count=5)
-
-
-@pytest.mark.full
-def test_the_case_gives_its_verdicts():
-    case = cases()["paper-ball-bearing"]
-    assert CaseResult(case, case.findings(Options(in_process=True))).outcome == "passed"

@@ -1,4 +1,4 @@
-"""The paper of the thermal resistance: its measures against closed forms and another equilibrium, and the whole case."""
+"""The paper of the thermal resistance: its measures against closed forms and another equilibrium."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.validation.case import CaseResult, Options
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import paper_thermal_resistance as paper
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -75,9 +73,3 @@ def test_conductances_of_the_balls_sum_to_the_bearing_and_follow_the_cube_root()
     assert each / each.max() == pytest.approx(np.cbrt(model.ball_loads / model.ball_loads.max()), abs=1e-12)
     areas = paper.areas(model, model.ball_loads)
     assert areas / areas.max() == pytest.approx((each / each.max()) ** 2, abs=1e-9)
-
-
-@pytest.mark.full
-def test_the_case_gives_its_verdicts():
-    case = cases()["paper-thermal-resistance"]
-    assert CaseResult(case, case.findings(Options(in_process=True))).outcome == "passed"

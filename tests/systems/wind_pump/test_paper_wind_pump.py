@@ -1,4 +1,4 @@
-"""The paper of the wind pump: its equations against integrals and differences of another kind, and the whole case."""
+"""The paper of the wind pump: its equations against integrals and differences of another kind."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.wind_pump.curves import CURVES, torque_coefficient
-from cosimo.orchestrator.harness.validation.case import CaseResult, Options
-from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.plant import K1, K2, Plant, farm, heier
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.stresses import constant_damage, torsion
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.water import BEST, energy
@@ -77,12 +75,3 @@ def test_torsion_of_a_shaft():
     torque = quad(lambda r: r * 2.0 * math.pi * r**2, 0.0, radius)[0]  # of a stress that is the radius in numbers
     assert torsion(torque, 20.0) == pytest.approx(radius * 1e-6, rel=1e-9)
     assert constant_damage(20.0) / constant_damage(40.0) == pytest.approx(2.0**15)
-
-
-@pytest.mark.full
-def test_every_claim_has_the_verdict_of_its_review():
-    case = cases()["paper-wind-pump"]
-    result = CaseResult(case, case.findings(Options(in_process=True)))
-    assert result.outcome == "passed", result.verdict
-    outside = {r.reference.measure for r in result.findings.rows if not r.inside}
-    assert outside == {"gust.lever"}  # the lever of the scene is too thin for gusts of 12 m/s
