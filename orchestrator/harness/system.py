@@ -12,7 +12,8 @@ from ..settings import AnalysisKeys
 
 if TYPE_CHECKING:
     from ..results import Result
-    from .charts.blocks import Block, Motion
+    from .charts.blocks import Block
+    from .charts.motion import Kinematics
     from .summary import Summary
     from .validation.case import Case
 
@@ -42,8 +43,8 @@ class System:
         return import_module(".figures", self.package).blocks
 
     @property
-    def motions(self) -> Callable[[Result], list[Motion]]:
-        """The machine of a run in motion: `motions(result)`, none where the folder has no module `motion`."""
+    def motions(self) -> Callable[[Result], list[Kinematics]]:
+        """How the machines of a run move: `motions(result)`, none where the folder has no module `motion`."""
         name = f"{self.package}.motion"
         return import_module(name).motions if find_spec(name) else lambda result: []
 

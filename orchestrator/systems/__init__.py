@@ -206,5 +206,6 @@ def explore_page(scene: Scene, path: str | Path, **options: Any) -> Path:
     """
     from ..harness.explore import explore_page as write
 
-    system = scene.analysis.system
-    return write(scene, Path(path), SYSTEMS[system].explore if system in SYSTEMS else None, **options)
+    system = SYSTEMS.get(scene.analysis.system)
+    known = {"moves": system.motions} if system else {}
+    return write(scene, Path(path), system.explore if system else None, **known, **options)

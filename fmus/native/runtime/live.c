@@ -22,8 +22,24 @@ EXPORT void live_macro_step(double length, double numerator, double denominator)
     scene_denominator = (int64_t)denominator;
 }
 
+static struct { size_t n; const uint32_t *references; uint32_t every, step; double *row; } pictures;
+/* For the next run: write n further outputs into rows, at its begin and after every so many steps; none for n = 0. */
+EXPORT void live_pictures(size_t n, const uint32_t *references, uint32_t every, double *rows) {
+    pictures.n = n;
+    pictures.references = references;
+    pictures.every = every;
+    pictures.step = 0;
+    pictures.row = rows;
+}
+
 static void sample(const Instance *m, const uint32_t *references, size_t n, double *row) {
     for (size_t i = 0; i < n; i++) row[i] = m->block[model_variables[references[i]].cell];
+}
+
+static void take_picture(const Instance *m) {
+    if (!pictures.n || pictures.step % pictures.every) return;
+    sample(m, pictures.references, pictures.n, pictures.row);
+    pictures.row += pictures.n;
 }
 
 /* Take so many macro steps from time t and write n outputs into rows: once before the steps, and after each. Returns how many
@@ -31,6 +47,11 @@ static void sample(const Instance *m, const uint32_t *references, size_t n, doub
 EXPORT uint32_t live_run(Instance *m, double t, uint32_t steps, const uint32_t *references, size_t n, double *rows) {
     uint32_t k = 0;
     sample(m, references, n, rows);
-    while (k < steps && !do_step(m, t + k * scene_length, scene_length)) sample(m, references, n, rows + ++k * n);
+    if (!pictures.step) take_picture(m);
+    while (k < steps && !do_step(m, t + k * scene_length, scene_length)) {
+        sample(m, references, n, rows + ++k * n);
+        ++pictures.step;
+        take_picture(m);
+    }
     return k;
 }

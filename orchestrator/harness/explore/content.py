@@ -25,6 +25,7 @@ from .screening import screened
 
 if TYPE_CHECKING:
     from ...results import Result
+    from ..charts.motion import Kinematics
 
 FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # macro steps that a page offers, over the scene's
 FEWEST = 20  # macro steps of a run
@@ -56,15 +57,17 @@ def content_of(
     scene: Scene,
     knowledge: Any,
     *,
+    moves: Callable[[Result], Iterable[Kinematics]] = lambda result: (),
     parameters: Mapping[str, tuple[float, float] | None] | None = None,
     effects: Sequence[str] | None = None,
     jobs: int | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Content:
-    """Compile a scene for a page. parameters: "unit.parameter" -> range of its slider, None for the usual one.
+    """Compile a scene for a page. moves: the pictures of machines in motion that its system makes of a run.
 
-    effects: "unit.effect" that can be switched. Both by default those of the scene's table [explore], and without them those
-    that move the figures most, and those without which the scene runs.
+    parameters: "unit.parameter" -> range of its slider, None for the usual one.  effects: "unit.effect" that can be switched.
+    Both by default those of the scene's table [explore], and without them those that move the figures most, and those without
+    which the scene runs.
     say: is told what is being done.  Raises `BadInput`.
     """
     refuse_what_needs_python(scene)
@@ -74,7 +77,11 @@ def content_of(
     result = run(scene, in_process=True)
     if effects is None:
         effects = table.effects
-    built = list(variants(scene, switches(scene, effects, say), table.algorithms, say))
+    machines = list(moves(result)) if result.time.size > 1 else []
+    arrays = {name: result.snapshots[name].values.shape[1] for m in machines for name in m.snapshots.values()}
+    elements = [f"{name}[{k}]" for name, size in arrays.items() for k in range(1, size + 1)]
+    recorded = scene.with_changes({"record.signals": [*scene.record.signals, *elements]}) if scene.record.signals else scene
+    built = list(variants(recorded, switches(scene, effects, say), table.algorithms, say))
     base = built[0].library
     numbers = {v.scalar.name: v for v in _numbers(base, "PARAMETER")}
     if parameters is None and table.parameters is not None:
@@ -114,8 +121,12 @@ def content_of(
         "parameters": sorted(rows, key=lambda row: first.index(row["name"]) if row["name"] in first else len(first)),
         "first": first,
         "signals": [
-            {"name": v.scalar.name, "unit": v.scalar.unit or "1", "text": v.scalar.text} for v in _numbers(base, "OUTPUT")
+            {"name": v.scalar.name, "unit": v.scalar.unit or "1", "text": v.scalar.text}
+            for v in _numbers(base, "OUTPUT")
+            if v.scalar.name not in elements
         ],
+        "snapshots": elements,
+        "machines": [m for machine in machines if (m := machine.formulas(result, numbers))],
         "figures": [f.to_json() for f in figures],
         "table": reference,
         "presets": presets,

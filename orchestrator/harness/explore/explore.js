@@ -176,7 +176,7 @@ const answers = {
     noteTime({ spent: run.spent, rows: run.count });
     tell([problem, run.whole ? windowOf(run) : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
     showNumbers();
-    draw("curve1", "curve2");
+    draw("curve1", "curve2", ...Object.keys(shows));
     byId("results").dataset.answered = (performance.now() - asked).toFixed(1);
     answered();
   },
@@ -292,6 +292,19 @@ function drawScan() {
   return plot("scan", [{ type: "scatter", showlegend: false, ...trace }], layout);
 }
 
+// ---- machines in motion ----
+const shows = Object.fromEntries(data.machines.map((_, k) => [`motion${k}`, moving(byId(`motion${k}`))]));
+function drawMotion(k) {
+  const machine = data.machines[k], box = byId(`motion${k}`), motion = shown && motionOf(machine, shown, (name) => state.values[name] ?? parameters[name].value);
+  box.hidden = Boolean(shown) && !motion; // of an effect that is off
+  again.add(box.id);
+  if (!motion) return;
+  shows[box.id](motion);
+  const caption = machine.caption.replace(/\{(\d)\}/g, (_, n) => digits(motion.numbers[n], 4));
+  const part = machine.longest && machine.longest < data.stop ? ` The first ${digits(machine.longest, 4)} s of ${digits(data.stop, 4)} s.` : "";
+  box.querySelector(".caption").textContent = caption + part;
+}
+
 // ---- curves ----
 const MOST_POINTS = 1500;
 function thinned(run, y, width) { // the least and the largest of each piece; a piece is 1.5 px wide
@@ -306,7 +319,8 @@ function thinned(run, y, width) { // the least and the largest of each piece; a 
   return { x: xs, y: ys };
 }
 let plotting = false;
-const again = new Set(), drawings = { curve1: () => drawCurve(1), curve2: () => drawCurve(2), accuracy: () => drawAccuracy(), scan: () => drawScan() };
+const again = new Set(), drawings = { curve1: () => drawCurve(1), curve2: () => drawCurve(2), accuracy: () => drawAccuracy(), scan: () => drawScan(),
+  ...Object.fromEntries(data.machines.map((_, k) => [`motion${k}`, () => drawMotion(k)])) };
 const inSight = new Set(), behind = new Set(); // plots that can be seen; those that are drawn anew when they come into sight
 const sight = new IntersectionObserver((entries) => {
   for (const { target: { id }, isIntersecting } of entries) {

@@ -16,12 +16,15 @@ from ..charts.style import BLUE, DARK, MUTED, RAW, VERMILION, axis, layout
 from ..report.page import as_json, asset, compressed, compressed_plotly
 from .content import content_of
 
+SCRIPTS = ("words", "state", "kinematics", "explore")
+
 
 def explore_page(
     scene: Scene,
     path: Path,
     knowledge: Any = None,
     *,
+    moves: Callable[[Any], Any] = lambda result: (),
     parameters: Mapping[str, tuple[float, float] | None] | None = None,
     effects: Sequence[str] | None = None,
     jobs: int | None = None,
@@ -32,7 +35,7 @@ def explore_page(
 
     library: where the page finds Plotly; without it Plotly is in the page.
     """
-    content = content_of(scene, knowledge, parameters=parameters, effects=effects, jobs=jobs, say=say)
+    content = content_of(scene, knowledge, moves=moves, parameters=parameters, effects=effects, jobs=jobs, say=say)
     colours = {"line": BLUE, "raw": RAW, "pinned": MUTED, "bad": VERMILION}
     plain: dict[str, Any] = {
         "height": 300,
@@ -56,7 +59,9 @@ def explore_page(
         dark=DARK,
         modules=[compressed(module) for module in content.modules],
         worker=_asset("analysis.js") + _asset("worker.js"),
-        script=asset("shared.js") + "".join(_asset(f"{name}.js") for name in ("words", "state", "explore")),
+        script=asset("shared.js")
+        + asset("motion.js")
+        + "".join(_asset(f"{name}.js") for name in ("words", "state", "kinematics", "explore")),
         library=library,
         plotly="" if library else compressed_plotly(),
     )

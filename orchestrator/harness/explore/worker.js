@@ -34,12 +34,26 @@ function instanceOf(variant) { // the module of a variant, started once
     const changes = Object.fromEntries(Object.entries(data.variants[variant].extrapolations).map(([degree, cells]) => [degree, {
       count: cells.length, cells: put(Uint32Array.from(cells, ([cell]) => cell)), values: put(Uint32Array.from(cells.flatMap(([, low, high]) => [low, high]))),
     }]));
+    const elements = data.snapshots.filter((name) => name in outputs);
     return {
-      changes,
+      changes, elements, seen: put(Uint32Array.from(elements, (name) => outputs[name])),
       x, said, put, names, token: bytes(token), unit: bytes("page"),
       outputs: put(Uint32Array.from(names, (name) => outputs[name])), parameters: data.variants[variant].parameters,
     };
   })());
+}
+
+// Of arrays that pictures show, in a run of so many steps: rows at every so many of them.
+const FEWEST = 120, MOST = 600, A_SECOND = 30; // pictures of a run
+function picturesOf({ x, elements, seen }, count, wanted) {
+  const n = wanted ? elements.length : 0, number = Math.max(FEWEST, Math.min(MOST, A_SECOND * data.stop));
+  const every = Math.max(1, Math.floor(count / number)), rows = n ? x.malloc(8 * n * (Math.floor(count / every) + 1)) : 0;
+  x.live_pictures(rows ? n : 0, seen, every, rows);
+  const columns = (kept) => { // of a run that kept so many rows of its steps
+    const taken = rows ? Math.floor((kept - 1) / every) + 1 : 0, table = new Float64Array(x.memory.buffer, rows, n * taken);
+    return Object.fromEntries(elements.slice(0, rows ? n : 0).map((name, c) => [name, Float64Array.from({ length: taken }, (_, k) => table[k * n + c])]));
+  };
+  return { every, rows, columns };
 }
 
 // A run of whole steps. `newer` says whether to give up; returns null then.
@@ -54,7 +68,7 @@ async function run({ variant, values, extrapolation }, length, exact, newer, pro
   const names = Object.keys(values).filter((name) => name in of.parameters);
   const references = put(Uint32Array.from(names, (name) => of.parameters[name]));
   const numbers = put(Float64Array.from(names, (name) => values[name]));
-  const rows = x.malloc(8 * n * (count + 1));
+  const rows = x.malloc(8 * n * (count + 1)), pictures = picturesOf(of, count, progress);
   let failed = !unit || !rows || x.fmi3SetFloat64(unit, references, names.length, numbers, names.length) > 1;
   failed ||= x.fmi3EnterInitializationMode(unit, 0, 0, 0, 0, 0) > 1 || x.fmi3ExitInitializationMode(unit) > 1;
   let done = 0, piece = 50, spent = performance.now() - began, gone = false;
@@ -76,11 +90,12 @@ async function run({ variant, values, extrapolation }, length, exact, newer, pro
     const column = (columns[name] = new Float64Array(kept));
     for (let k = 0, at = c; k < kept; k++, at += n) column[k] = table[at];
   });
-  [references, numbers, rows].forEach((at) => x.free(at));
+  const taken = { every: pictures.every, columns: kept ? pictures.columns(kept) : {} };
+  [references, numbers, rows, pictures.rows].forEach((at) => x.free(at));
   if (unit) x.fmi3FreeInstance(unit);
   if (gone || !rows) return null;
   const whole = !failed && kept === count + 1;
-  return { step: length, count: kept, columns, whole, spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
+  return { step: length, count: kept, columns, pictures: taken, whole, spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
 }
 
 function everySecond(finer, length) { // the rows of a run with half the step at the instants of the whole ones

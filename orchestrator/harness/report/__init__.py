@@ -143,7 +143,7 @@ def _of_system(result: Result, systems: Systems) -> list[Block]:
     if system not in systems or (result.outcome != "done" and result.time.size < 2):
         return []
     try:
-        return [*systems[system].motions(result), *systems[system].figures(result)]
+        return [*(machine.motion(result) for machine in systems[system].motions(result)), *systems[system].figures(result)]
     except BadInput as error:
         return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...harness.analysis.records import RecordedUnit
-from ...harness.charts.blocks import Motion, Moving
-from ...harness.charts.motion import instants, polyline, trace
-from ...harness.charts.style import number
-from .records import Vehicle, vehicles
+from ...harness.charts.blocks import Moving
+from ...harness.charts.formulas import largest, not_below, smallest
+from ...harness.charts.motion import Kinematics, Picture, Values, polyline, trace
+from .records import POSITION, QUATERNION, THRUSTS, Vehicle, axes_of, vehicles
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -19,44 +19,57 @@ if TYPE_CHECKING:
 DEPTH = 0.4  # share of a length to the north that a picture shows, to the right and up
 SHARE = 0.2  # of the track, that a hull has at least
 FLAT = 0.4  # height of a hull over its width, where all thrusters lie in one plane
+SMALLEST = 1e-12  # N, so that no thrust at all is divided by some
 # corners of a box in one line along all edges
 EDGES = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 5, 1, 3, 7, 6, 2)
 
 
-def motions(result: Result) -> list[Motion]:
+def motions(result: Result) -> list[Kinematics]:
     """A picture of each vehicle whose attitude was recorded."""
-    rows = instants(result.time)
-    return [_motion(v, RecordedUnit(result, v.unit), rows) for v in vehicles(result) if v.axes is not None]
+    return [_kinematics(v, RecordedUnit(result, v.unit)) for v in vehicles(result) if v.axes is not None]
 
 
-def _motion(vehicle: Vehicle, unit: RecordedUnit, rows: np.ndarray) -> Motion:
-    assert vehicle.axes is not None
-    position, axes = vehicle.position[:, rows], vehicle.axes[:, :, rows]
+def _kinematics(vehicle: Vehicle, unit: RecordedUnit) -> Kinematics:
     places, directions = _thrusters(unit)
+    numbers = [k for k in vehicle.thrusts if k <= places.shape[1]]
+    # where faults change a thrust on its way, the run alone has what arrives
+    thrusts = {str(k): vehicle.thrusts[k] if unit.result.scene.faults else unit.column(THRUSTS[k - 1]) for k in numbers}
     half = np.abs(places).max(axis=1, initial=0.0)
     half = np.maximum(half, FLAT * half.max()) if half.max() else np.array([0.5, 0.4, 0.3])
-    extent = float(np.ptp(np.array(_seen(position)), axis=1).max())
-    size = max(1.0, SHARE * extent / (2.0 * half[0]))
 
-    def at(own: np.ndarray) -> np.ndarray:
-        """World places (3, k) of a point of the hull, (3,) m."""
-        return position + size * np.einsum("ijk,j->ik", axes, own)
+    def draw(values: Values) -> Picture:
+        position, axes = [values[n] for n in POSITION], axes_of(*(values[n] for n in QUATERNION))
+        extent = [largest(x) - smallest(x) for x in _seen(position)]
+        size = not_below(SHARE * not_below(*extent) / (2.0 * half[0]), 1.0)
 
-    corners = [at(np.array(signs) * half) for signs in product((-1.0, 1.0), repeat=3)]
-    lines = [
-        trace(*_seen(position)),
-        Moving(polyline(*(_seen(corners[k]) for k in EDGES)), "part"),
-        Moving(polyline(_seen(at(np.zeros(3))), _seen(at(np.array([1.3 * half[0], 0.0, 0.0])))), "second"),
-    ]
-    most = max((float(np.abs(f).max()) for f in vehicle.thrusts.values()), default=0.0)
-    for k, thrust in vehicle.thrusts.items():
-        if most and k <= places.shape[1]:
+        def at(own: np.ndarray) -> list[Any]:
+            """World places, 3 times (k,), of a point of the hull, (3,) m."""
+            return [
+                p + size * (row[0] * own[0] + row[1] * own[1] + row[2] * own[2]) for p, row in zip(position, axes, strict=True)
+            ]
+
+        corners = [at(np.array(signs) * half) for signs in product((-1.0, 1.0), repeat=3)]
+        lines = [
+            trace(*_seen(position)),
+            Moving(polyline(*(_seen(corners[k]) for k in EDGES)), "part"),
+            Moving(polyline(_seen(at(np.zeros(3))), _seen(at(np.array([1.3 * half[0], 0.0, 0.0])))), "second"),
+        ]
+        most: Any = SMALLEST
+        for k in thrusts:
+            most = not_below(largest(np.abs(values[k])), most)
+        for k in numbers:
             place, reach = places[:, k - 1], 1.2 * half[0] * directions[:, k - 1]
             begin, whole = at(place), at(place + reach)
-            lines.append(Moving(polyline(_seen(begin), _seen(begin + thrust[rows] / most * (whole - begin))), "load"))
-    text = f"East to the right, north into the picture. Blue: bow and track. Orange: thrusts, the largest {number(most)} N."
-    text += f" The hull is drawn {size:.2g} times its size." if size > 1.0 else ""
-    return Motion(f"{vehicle.unit} in motion", vehicle.time[rows], lines, caption=text)
+            end = [b + values[str(k)] / most * (w - b) for b, w in zip(begin, whole, strict=True)]
+            lines.append(Moving(polyline(_seen(begin), _seen(end)), "load"))
+        return Picture(lines, (most, size))
+
+    signals = {n: f"{vehicle.unit}.{n}" for n in (*POSITION, *QUATERNION)}
+    caption = (
+        "East to the right, north into the picture. Blue: bow and track. Orange: thrusts, the largest {0} N. "
+        "The hull is drawn {1} times its size."
+    )
+    return Kinematics(f"{vehicle.unit} in motion", draw, signals | thrusts, caption=caption)
 
 
 def _thrusters(unit: RecordedUnit) -> tuple[np.ndarray, np.ndarray]:
@@ -70,6 +83,6 @@ def _thrusters(unit: RecordedUnit) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def _seen(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Place in the picture of north, east, down, (3, k)."""
+def _seen(v: Any) -> tuple[Any, Any]:
+    """Place in the picture of north, east, down, 3 times (k,)."""
     return v[1] + DEPTH * v[0], -v[2] + DEPTH * v[0]

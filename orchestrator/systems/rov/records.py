@@ -83,7 +83,7 @@ def _vehicle(unit: RecordedUnit) -> Vehicle:
     errors, scale = (controller.recorded(ERRORS), controller.optional("scale")) if controller else ({}, None)
     water = unit.recorded({axis: f"current.velocity_{axis}" for axis in WATER})
     position, quaternion = np.array(list(unit.recorded(POSITION).values())), unit.recorded(QUATERNION)
-    axes = _axes(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
+    axes = axes_of(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
     constants = {} if axes is None else _constants(unit, position, axes, signals)
     return Vehicle(unit.name, unit.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
 
@@ -102,7 +102,7 @@ def _arrived(unit: RecordedUnit, input_: str) -> np.ndarray:
     return arrived
 
 
-def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def axes_of(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Rotation matrices of unit quaternions, (3, 3, n)."""
     return np.array(
         [

@@ -6,25 +6,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.charts.blocks import Motion, Moving
-from ...harness.charts.motion import instants, polyline
-from .records import HAND, WristRecord, wrists
+from ...harness.charts.blocks import Moving
+from ...harness.charts.motion import Kinematics, Picture, Values, polyline
+from .records import HAND, wrists
 
 if TYPE_CHECKING:
     from ...results import Result
 
 FOREARM, ROW, PALM = 0.12, 0.02, 0.1  # m, of the picture
 APART = 0.3  # m, between the two views
+SHOWN = (*HAND[:2], "proximal_flexion", "distal_flexion")
+CAPTION = (
+    "Left, from the side: flexion to the right, both rows in blue. Right, from the back of the hand: radial deviation to the right. "
+    "Lengths are those of the picture."
+)
 
 
-def motions(result: Result) -> list[Motion]:
+def motions(result: Result) -> list[Kinematics]:
     """A picture of each wrist whose flexion and deviation were recorded."""
-    rows = instants(result.time)
-    return [_motion(record, rows) for record in wrists(result) if {*HAND[:2]} <= record.signals.keys()]
+    return [
+        Kinematics(f"{w.unit} in motion", _hand, {n: w.columns[n] for n in SHOWN if n in w.columns}, caption=CAPTION)
+        for w in wrists(result)
+    ]
 
 
-def _motion(record: WristRecord, rows: np.ndarray) -> Motion:
-    angle = {name: values[rows] for name, values in record.signals.items()}
+def _hand(angle: Values) -> Picture:
     proximal = angle.get("proximal_flexion", 0.5 * angle["flexion"])
     distal = proximal + angle.get("distal_flexion", angle["flexion"] - proximal)
     side = [(0.0, -FOREARM), (0.0, 0.0)]
@@ -35,13 +41,13 @@ def _motion(record: WristRecord, rows: np.ndarray) -> Motion:
     palm = (APART + PALM * np.sin(deviation), 2.0 * ROW + PALM * np.cos(deviation))
     width = 0.35 * PALM
     edge = [(palm[0] + s * width * np.cos(deviation), palm[1] - s * width * np.sin(deviation)) for s in (-1.0, 1.0)]
-    lines = [
-        Moving(polyline(side[0], side[1]), "ground"),
-        Moving(polyline(*side[1:4]), "second", joints=True),
-        Moving(polyline(side[3], side[4]), "part"),
-        Moving(polyline((APART, -FOREARM), joint), "ground"),
-        Moving(polyline(joint, palm), "part", joints=True),
-        Moving(polyline(*edge), "part"),
-    ]
-    text = "Left, from the side: flexion to the right, both rows in blue. Right, from the back of the hand: radial deviation to the right."
-    return Motion(f"{record.unit} in motion", record.time[rows], lines, caption=text + " Lengths are those of the picture.")
+    return Picture(
+        [
+            Moving(polyline(side[0], side[1]), "ground"),
+            Moving(polyline(*side[1:4]), "second", joints=True),
+            Moving(polyline(side[3], side[4]), "part"),
+            Moving(polyline((APART, -FOREARM), joint), "ground"),
+            Moving(polyline(joint, palm), "part", joints=True),
+            Moving(polyline(*edge), "part"),
+        ]
+    )

@@ -39,12 +39,13 @@ STANDS = np.radians(0.5)  # of a row, below which it neither flexes nor extends
 class WristRecord:
     """The recorded part of a wrist. unit: its name, of wrists from subsystems that of the subsystem where it tells them apart.
 
-    signals: those of `WRIST` that were recorded, (n,) rad.
+    signals: those of `WRIST` that were recorded, (n,) rad.  columns: where they stand in the run.
     """
 
     unit: str
     time: np.ndarray
     signals: Mapping[str, np.ndarray]
+    columns: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,8 @@ def wrists(result: Result) -> list[WristRecord]:
     records = []
     for unit in recorded_units(result, "flexion", "deviation"):
         if unit.has("proximal_angle") or unit.has("roll"):
-            records.append(WristRecord(unit.name, unit.time, unit.recorded(WRIST)))
+            signals = unit.recorded(WRIST)
+            records.append(WristRecord(unit.name, unit.time, signals, {name: unit.column(name) for name in signals}))
     outer = [r.unit.rpartition(".")[0] for r in records]
     return [replace(r, unit=name) for r, name in zip(records, outer, strict=True)] if distinct(outer) else records
 

@@ -6,15 +6,20 @@ import json
 import random
 from math import isfinite
 
+import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import explore_page, load_scene
+from cosimo.orchestrator.systems import SYSTEMS, explore_page, load_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
 from cosimo.tests.harness.explore.test_explore_page import at, opened  # noqa: F401
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
 pytestmark = needs_node
 STATES = 7  # of each scene
+DRAWN = """(k) => {
+    const { time, lines } = motionOf(data.machines[k], shown, (name) => state.values[name] ?? parameters[name].value);
+    return { time: [...time], lines: lines.map((line) => [...line.points]) };
+}"""
 # scene -> (what is varied, changes that make the motion one that does not follow the last digits, figures of the summary at least)
 SCENES = {
     "mass-on-spring": (("spring.stiffness", "spring.damping", "mass.mass"), {}, 0),
@@ -59,3 +64,18 @@ def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
                 assert number == pytest.approx(expected[quantity], rel=1e-6, abs=1e-9), (fragment, quantity)
                 compared += quantity in {row.name for row in result.summary}
         assert compared >= least
+    assert_machines_move_alike(page, result)
+
+
+def assert_machines_move_alike(page, result):
+    """What the page draws of its last state, against what a report draws of the same run."""
+    system = SYSTEMS.get(result.scene.analysis.system)
+    machines = system.motions(result) if system else []
+    assert page.evaluate("data.machines.length") == len(machines)
+    for k, machine in enumerate(machines):
+        expected = machine.motion(result)
+        drawn = page.evaluate(DRAWN, k)
+        assert drawn["time"] == pytest.approx(expected.time, abs=1e-9)
+        for points, line in zip(drawn["lines"], expected.lines, strict=True):
+            points, size = np.array(points).reshape(-1, *line.points.shape[1:]), np.ptp(line.points) or 1.0
+            np.testing.assert_allclose(points, np.broadcast_to(line.points, points.shape), atol=1e-5 * size)
