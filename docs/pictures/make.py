@@ -25,6 +25,7 @@ IN_USE = {
     "explore-minimum": ("en50318-2002", (("#figure", "actual minimum"), ("#scanned", "uplift force of the drive")), "#moves"),
     "explore-slackening": ("en50318-2002", (("#pin", ""), ("[id='e-catenary.dropper_slackening']", "")), "#answers"),
     "explore-step": ("en50318-2002", (), "#costs"),
+    "explore-motion": ("rov-station-keeping", (), "#motion0"),
     "explore-chaos": ("ball-bearing-clearance", (), "#moves"),
 }
 

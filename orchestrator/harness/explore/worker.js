@@ -1,5 +1,5 @@
 // Computes runs: the latest wish wins, between pieces of a run the worker looks whether there is a newer one.
-const PIECE = 20; // ms, between two looks for a newer wish, each of which costs a turn of the event loop
+const PIECE = 20, BEHIND = 5; // ms of a run that a wish waits for, and of one behind it, between two looks for a newer wish
 const GROWN = 3; // times the deviation of a signal with the shortest step: the coupling adds energy that is not there
 let data, modules, wish = null, busy = false;
 const instances = [];
@@ -71,13 +71,14 @@ async function run({ variant, values, extrapolation }, length, exact, newer, pro
   const rows = x.malloc(8 * n * (count + 1)), pictures = picturesOf(of, count, progress);
   let failed = !unit || !rows || x.fmi3SetFloat64(unit, references, names.length, numbers, names.length) > 1;
   failed ||= x.fmi3EnterInitializationMode(unit, 0, 0, 0, 0, 0) > 1 || x.fmi3ExitInitializationMode(unit) > 1;
+  const most = progress ? PIECE : BEHIND;
   let done = 0, piece = 50, spent = performance.now() - began, gone = false;
   while (!failed && done < count) {
     const from = performance.now(), wanted = Math.min(piece, count - done);
     const taken = x.live_run(unit, done * length, wanted, of.outputs, n, rows + 8 * n * done);
     const took = performance.now() - from;
     done += taken; spent += took; failed = taken < wanted;
-    piece = Math.max(1, Math.min(4 * piece, Math.round((piece * PIECE) / Math.max(took, 0.1))));
+    piece = Math.max(1, Math.min(4 * piece, Math.round((piece * most) / Math.max(took, 0.1))));
     if (done < count && !failed) {
       await breathe();
       if ((gone = newer())) break;
