@@ -207,5 +207,6 @@ def explore_page(scene: Scene, path: str | Path, **options: Any) -> Path:
     from ..harness.explore import explore_page as write
 
     system = SYSTEMS.get(scene.analysis.system)
-    known = {"moves": system.motions} if system else {}
-    return write(scene, Path(path), system.explore if system else None, **known, **options)
+    if system is None:
+        return write(scene, Path(path), **options)
+    return write(scene, Path(path), system.explore, moves=system.motions, **options)

@@ -23,6 +23,7 @@ FLOORS = (
         "orchestrator.verified_file",
         "orchestrator.cache",
         "orchestrator.loading",
+        "orchestrator.working_directory",
         "orchestrator.settings",
     ),
     ("orchestrator.units",),

@@ -61,7 +61,7 @@ class Kinematics:
     def motion(self, result: Result) -> Motion:
         """The machine in a run."""
         time = next((result.snapshots[name].time for name in self.snapshots.values()), result.time)
-        whole = {name: result.columns[s] if isinstance(s, str) else s for name, s in self.signals.items()}
+        whole: dict[str, Any] = {name: result.columns[s] if isinstance(s, str) else s for name, s in self.signals.items()}
         whole |= {"time": result.time} | {name: _parameter(result, of) for name, of in self.parameters.items()}
         begin = float(self.begin(whole)) if self.begin else -np.inf
         rows = instants(time, self.longest, begin, self.fewest)

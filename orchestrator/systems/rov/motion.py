@@ -55,8 +55,8 @@ def _kinematics(vehicle: Vehicle, unit: RecordedUnit) -> Kinematics:
             Moving(polyline(_seen(at(np.zeros(3))), _seen(at(np.array([1.3 * half[0], 0.0, 0.0])))), "second"),
         ]
         most: Any = SMALLEST
-        for k in thrusts:
-            most = not_below(largest(np.abs(values[k])), most)
+        for name in thrusts:
+            most = not_below(largest(np.abs(values[name])), most)
         for k in numbers:
             place, reach = places[:, k - 1], 1.2 * half[0] * directions[:, k - 1]
             begin, whole = at(place), at(place + reach)
