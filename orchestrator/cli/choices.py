@@ -1,14 +1,17 @@
-"""Settings and effects that a run takes from what studies have measured, and the check of such a run by a finer one."""
+"""Settings and effects that a run takes from what studies have measured, and the check of such a run by its repetition."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from math import inf
 
 from ..harness.studies import chosen, fronts
 from ..harness.studies.accuracy import accuracy
 from ..harness.studies.quantities import percent
+from ..judgement.record import STEPS
+from ..judgement.warnings import inner_name
 from ..results import Result
 from ..scene.scene import Scene
 from .common import print_table, status_spinner
@@ -49,15 +52,23 @@ def with_effects_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReaso
     return choice.applied(scene), lambda result: replace(result, info=choice.with_reasons(result.info, tolerance))
 
 
-def is_verified(scene: Scene, tolerance: float) -> bool:
-    """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
-    differences = fronts.verify(scene)
+def is_verified(result: Result, tolerance: float) -> bool:
+    """Print the errors of the quantities of interest by what makes them, and whether each stays within the tolerance."""
+    verification = result.info["verification"]
+    if not verification["done"]:
+        print(f"NOT verified: {verification['why']}")
+        return False
+    causes = {inner_name(place): errors for place, errors in verification["quantities"].items()}
+    numbers = {cause: {n: inf if e is None else e for n, e in errors.items()} for cause, errors in causes.items()}
     print_table(
-        "against half the macro step and half the internal steps",
-        ("quantity", "difference"),
-        [(name, percent(value)) for name, value in differences.items()],
+        f"errors of the quantities of {result.scene.name}, each cause by itself",
+        ("quantity", *numbers),
+        [(name, *(percent(errors[name]) for errors in numbers.values())) for name in numbers[STEPS]],
     )
-    worst = max(differences.values())
+    if missing := ", ".join(map(inner_name, verification.get("not_refined", {}))):
+        print(f"NOT verified: {missing} could not be refined")
+        return False
+    worst = max(error for errors in numbers.values() for error in errors.values())
     within = worst <= tolerance
     print(
         f"verified: {percent(worst)} is within {percent(tolerance)}"

@@ -156,21 +156,6 @@ def run(
     changes |= changes_of(loaded, values, presets)
     changes |= _isolated(loaded) if isolate else {}
     loaded = changed(loaded, changes)
-    reasons = []  # functions that put those of a choice into run.json
-    if effects_within is not None:
-        from .choices import with_effects_within
-
-        loaded, reason = with_effects_within(loaded, effects_within)
-        reasons.append(reason)
-    accuracy_within = None
-    if accuracy is not None:
-        from .choices import with_setting_within
-
-        refuse({"--step": step, "--algorithm": algorithm}, "none with --accuracy, which chooses it", "Remove one of them.")
-        accuracy_within = share("--accuracy", accuracy)
-        loaded, reason = with_setting_within(loaded, accuracy_within)
-        reasons.append(reason)
-    loaded = with_limits(loaded)
     mode = verify_mode(verify, no_verify, ("whole", "full"))
     if in_process and native:
         raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
@@ -188,10 +173,32 @@ def run(
             "--no-verify": no_verify,
         }
         refuse(without_effect, "none with --dry-run; it would have no effect", "Remove one of them.")
-        run_parts.dry_run(loaded, in_process, output)
-        return
     if checkpoint_every is not None and output is None:
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
+    accuracy_within = None if accuracy is None else share("--accuracy", accuracy)
+    if accuracy_within is not None:
+        refuse({"--step": step, "--algorithm": algorithm}, "none with --accuracy, which chooses it", "Remove one of them.")
+    with_limits(loaded)  # what cannot be is refused before anything is measured
+    reasons = []  # functions that put those of a choice into run.json
+    if effects_within is not None:
+        from .choices import with_effects_within
+
+        loaded, reason = with_effects_within(loaded, effects_within)
+        reasons.append(reason)
+    of_quantities = None
+    if accuracy_within is not None:
+        from .choices import with_setting_within
+
+        loaded, reason = with_setting_within(loaded, accuracy_within)
+        reasons.append(reason)
+        if mode == "full":
+            from ..harness.studies.quantities import distances, recording
+
+            loaded, of_quantities = recording(loaded), distances
+    loaded = with_limits(loaded)
+    if dry_run:
+        run_parts.dry_run(loaded, in_process, output)
+        return
     with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
         # at the pace of the clock nothing is written or drawn between the steps
         result = run_scene(
@@ -205,6 +212,7 @@ def run(
             resume=resume,
             output=None if real_time else output,
             real_time=real_time,
+            distances=of_quantities,
         )
         for reason in reasons:
             result = reason(result)
@@ -220,10 +228,10 @@ def run(
         raise fail(result.message, STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
     if failed_limits:
         raise SystemExit(FAILED_CHECK)
-    if mode == "full" and accuracy_within is not None:
+    if of_quantities is not None and accuracy_within is not None:
         from .choices import is_verified
 
-        if not is_verified(loaded, accuracy_within):
+        if not is_verified(result, accuracy_within):
             raise SystemExit(FAILED_CHECK)
 
 

@@ -9,6 +9,8 @@ from typing import Any
 
 from .comparison import SURE, Difference, SignalError
 
+STEPS = "steps"  # macro step and internal steps, as what makes an error
+
 
 @dataclass(frozen=True)
 class Verification:
@@ -16,6 +18,7 @@ class Verification:
 
     done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
     "whole", "windows".  signals: errors by name that steps make.  figures: errors of the summary's figures, in their units.
+    quantities: `STEPS`, or place of a tolerance or mesh -> errors that these make of further quantities, as shares.
     windows: begins (s) and length (s).  slower: signals slower than a window.
     growing: whose difference still grows there, see `windows`.
     excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
@@ -31,6 +34,7 @@ class Verification:
     runs: int = 0
     signals: Mapping[str, SignalError] = field(default_factory=dict)
     figures: Mapping[str, float] = field(default_factory=dict)
+    quantities: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     windows: tuple[float, ...] = ()
     length: float = nan
     slower: tuple[str, ...] = ()
@@ -73,6 +77,7 @@ class Verification:
         }
         where_known = {
             "windows": windows if self.windows else {},
+            "quantities": {cause: _finite(errors) for cause, errors in self.quantities.items()},
             "parts": {place: dict(zip(("signal", "difference"), self.worst_of_part(place), strict=True)) for place in self.parts},
             "not_refined": dict(self.not_refined),
             "unseen": dict(self.unseen),
@@ -86,7 +91,12 @@ class Verification:
             "how": self.how,
             "runs": self.runs,
             "signals": {name: error.to_json() for name, error in self.errors.items()},
-            "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
+            "figures": _finite(self.figures),
             **{name: value for name, value in where_known.items() if value},
             "seconds": self.seconds,
         }
+
+
+def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
+    """What is not known is null."""
+    return {name: number if isfinite(number) else None for name, number in numbers.items()}

@@ -8,7 +8,7 @@ after the other.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from math import isfinite, nan
@@ -24,6 +24,7 @@ from ..run import run as run_once
 from ..scene.scene import Scene
 from ..shorter_steps import numbers_in_use, shorter, substeps, with_mesh
 from .comparison import (
+    SURE,
     Difference,
     SignalError,
     between_rows,
@@ -35,8 +36,8 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
-from .record import Verification
-from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
+from .record import STEPS, Verification
+from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
@@ -44,21 +45,26 @@ FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 MESH = 0.5
 
 
-def refinements(scene: Scene) -> dict[str, dict[str, Any]]:
-    """Changes that refine each tolerance, and the meshes together, by their places; recorded at the same times.
+def refinements(scene: Scene) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+    """By the place of each tolerance, and of the meshes together: changes that refine it, and of these the shorter steps it needs.
 
-    Raises `BadInput` for a mesh of [study] that is none.
+    Rows are recorded at the same times. Raises `BadInput` for a mesh of [study] that is none.
     """
     interval = {"record.interval": scene.master.step} if scene.record.interval is None and not scene.master.control else {}
-    changes = {place: {place: FINER_TOLERANCE * value} for place, value in numbers_in_use(scene, "tolerance").items()}
+    tolerances = numbers_in_use(scene, "tolerance").items()
+    changes: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+        place: ({place: FINER_TOLERANCE * value, **interval}, {}) for place, value in tolerances
+    }
     if scene.study.mesh:
-        changes[", ".join(scene.study.mesh)] = with_mesh(scene, MESH)
-    return {place: {**finer, **interval} for place, finer in changes.items()}
+        finer = with_mesh(scene, MESH) | interval
+        changes[", ".join(scene.study.mesh)] = finer, {place: finer[place] for place in substeps(scene)}
+    return changes
 
 
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
 NOT_ASKED = "not asked for"
+Distances = Callable[[Result, Result], Mapping[str, float]]  # shares by which a run and a finer one differ in quantities, by name
 
 
 def run(
@@ -73,11 +79,13 @@ def run(
     resume: str | Path | None = None,
     output: str | Path | None = None,
     real_time: bool = False,
+    distances: Distances | None = None,
 ) -> Result:
     """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
 
     verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
     whatever it takes; "full" also refines tolerances and meshes of the units; "no" leaves the errors unknown.
+    distances: of further quantities, whose errors are then in `info["verification"]["quantities"]`.
     The other arguments are those of `orchestrator.run.run`: packaging, progress, checkpoints, where the result is stored.
     Raises `BadInput` for what cannot start. `result.info["verification"]` says what was found.
     """
@@ -98,7 +106,7 @@ def run(
         real_time=real_time,
         windows=wish,
     )
-    verified = verified_result(result, verify, in_process=in_process, windows=wish)
+    verified = verified_result(result, verify, in_process=in_process, windows=wish, distances=distances)
     if output is not None and verified is not result:
         verified.save(output)
     return verified
@@ -110,7 +118,12 @@ def _here(scene: Scene, in_process: bool) -> bool:
 
 
 def verified_result(
-    result: Result, wish: Wish = "auto", *, in_process: bool = False, windows: WindowsWish | None = None
+    result: Result,
+    wish: Wish = "auto",
+    *,
+    in_process: bool = False,
+    windows: WindowsWish | None = None,
+    distances: Distances | None = None,
 ) -> Result:
     """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable."""
     if result.outcome != "done":
@@ -121,7 +134,7 @@ def verified_result(
         return _judged(result, _of_windows(result.scene, windows))
     begun = process_time()
     try:
-        verification = _repeated(result, wish, in_process)
+        verification = _repeated(result, wish, in_process, distances or (lambda *_: {}))
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
     return _judged(result, replace(verification, seconds=process_time() - begun))
@@ -136,7 +149,7 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str
     return (again, "") if again.outcome == "done" else (None, f"the run is {again.outcome}: {again.message}")
 
 
-def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
+def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances) -> Verification:
     scene = result.scene
     if not result.held or result.rows < 2:
         return Verification(False, "too many rows to compare in memory" if result.rows > 1 else "no two rows to compare")
@@ -149,23 +162,31 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
     if second is None:
         return Verification(False, f"the run cannot be repeated with half its steps: {why}")
     first_gap = differences(result, second)
+    of_quantities = _as_differences(distances(result, second))
     third = None
-    if needs_third(first_gap) and (wish != "auto" or 6.0 * each <= SECONDS):
+    if (needs_third(first_gap) or of_quantities) and (wish != "auto" or 6.0 * each <= SECONDS):
         third, _ = _again(scene, shorter(scene, 4))
     shown = [r for r in (result, second, third) if r is not None]
     signals = signal_errors(first_gap, differences(second, third) if third is not None else None)
+    quantities = {}
+    if of_quantities:
+        errors = signal_errors(of_quantities, _as_differences(distances(second, third)) if third is not None else None)
+        quantities[STEPS] = {name: e.rms for name, e in errors.items()}
     inside = substeps(scene)
     if inside and any(e.rms > WARN for e in signals.values()) and (wish != "auto" or 8.0 * each <= SECONDS):
         signals = _with_shares(result, first_gap, signals)
     figures = _figures(shown, unsure=needs_third(first_gap))
     parts: dict[str, Mapping[str, Difference]] = {}
     not_refined = {}
-    for place, finer in refinements(scene).items() if wish == "full" else ():
+    for place, (finer, steps) in refinements(scene).items() if wish == "full" else ():
+        before, why_not = _again(scene, steps) if steps else (result, "")
         refined, why = _again(scene, finer)
-        if refined is None:
-            not_refined[place] = why
+        if before is None or refined is None:
+            not_refined[place] = why or why_not
             continue
-        parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
+        parts[place], of_place = differences(before, refined), _figures([before, refined], unsure=False)
+        if of_quantities:
+            quantities[place] = {name: SURE * d for name, d in distances(before, refined).items()}
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(
         True,
@@ -174,12 +195,17 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
         runs=len(shown),
         signals=signals,
         figures=figures,
+        quantities=quantities,
         parts=parts,
         not_refined=not_refined,
         excerpt=excerpt(result, second, worst_of(signals)),
         unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN},
         inside=inside,
     )
+
+
+def _as_differences(distances: Mapping[str, float]) -> dict[str, Difference]:
+    return {name: Difference(distance, distance, np.zeros(SECTIONS)) for name, distance in distances.items()}
 
 
 def _with_shares(result: Result, gaps: Mapping[str, Difference], signals: Mapping[str, SignalError]) -> dict[str, SignalError]:

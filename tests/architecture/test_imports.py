@@ -19,6 +19,7 @@ FLOORS = (
     ("fmus",),
     (
         "orchestrator.output",
+        "orchestrator.working_directory",
         "orchestrator.delivery",
         "orchestrator.verified_file",
         "orchestrator.cache",

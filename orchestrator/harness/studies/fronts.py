@@ -26,11 +26,10 @@ from ....components.core.folders import cache_root
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
-from ...shorter_steps import refined
 from ..code_digests import short_digest
 from .accuracy import Accuracy, Point
 from .accuracy_table import read_points, write_points
-from .quantities import TimeHistory, errors, percent, quantities_of, recording
+from .quantities import percent, quantities_of, recording
 from .trial import trial
 
 SCENE, NUMBERS = "scene digest", "rms of signals"
@@ -199,17 +198,3 @@ def why(chosen: Point, front: Known, tolerance: float) -> dict[str, Any]:
         "reason": f"the quickest of {len(others)} measured settings whose error, and that of all finer ones of its series, "
         f"stays within {100.0 * tolerance:g} %",
     }
-
-
-def verify(scene: Scene) -> dict[str, float]:
-    """Error of each quantity of a scene's run against a second one with half its macro step and internal steps.
-
-    Raises `BadInput` where the second one cannot be run, or does not come to the end.
-    """
-    scene = recording(scene)
-    finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
-    first, second = (run(s, in_process=True) for s in (scene, finer))
-    for result in (first, second):
-        if result.outcome != "done":
-            raise BadInput(f"{scene.name}: verification", f"a run that failed: {result.message}", "two that come to the end")
-    return errors(quantities_of(scene), TimeHistory(first.time, first.columns), TimeHistory(second.time, second.columns))

@@ -16,6 +16,7 @@ from math import inf, isfinite
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
 from ..analysis.records import KINDS
@@ -188,6 +189,12 @@ def recording(scene: Scene) -> Scene:
 def errors(quantities: Sequence[Quantity], history: TimeHistory, reference: TimeHistory) -> dict[str, float]:
     """Error of each quantity by its name."""
     return {q.name: q.error(history, reference) for q in quantities}
+
+
+def distances(result: Result, finer: Result) -> dict[str, float]:
+    """Distance of each quantity of a run from that of a finer run."""
+    first, second = (TimeHistory(r.time, r.columns) for r in (result, finer))
+    return errors(quantities_of(result.scene), first, second)
 
 
 def percent(share: float) -> str:

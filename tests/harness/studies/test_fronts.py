@@ -3,16 +3,20 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.cli.choices import is_verified
 from cosimo.orchestrator.harness import code_digests
 from cosimo.orchestrator.harness.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
-from cosimo.orchestrator.harness.studies.fronts import choose, keep, known, scene_digest, verify
+from cosimo.orchestrator.harness.studies.fronts import choose, keep, known, scene_digest
+from cosimo.orchestrator.harness.studies.quantities import distances, recording
+from cosimo.orchestrator.judgement.verification import run as run_verified
 from cosimo.orchestrator.scene.files import scene_files, shipped
 from cosimo.orchestrator.systems import load_scene
 
@@ -153,12 +157,38 @@ def test_more_than_the_reference_knows_is_refused():
         choose(SCENE, front(floor=1e-2), 1e-3)
 
 
-def test_a_finer_run_verifies():
-    """Linear inputs are of second order: the difference of two steps is three quarters of the error of the longer one."""
-    found = verify(SCENE.with_changes(FAST))
-    finer = verify(SCENE.with_changes({**FAST, "master.step": 5e-3}))
-    name = "mass.base_x, time history"
-    assert found[name] / finer[name] == pytest.approx(4.0, rel=0.2)
+def test_the_repetition_gives_the_errors_of_the_quantities():
+    """At least those against a much finer run; at second order, half as much again at the most."""
+    scene = recording(SCENE.with_changes(FAST))
+    result = run_verified(scene, verify="full", in_process=True, distances=distances)
+    fine = scene.with_changes({**SLOW, "units.mass.parameters.substep": 1e-4, "record.interval": 1e-2})
+    true = distances(result, run_verified(fine, verify="no", in_process=True))
+    for name, error in result.info["verification"]["quantities"]["steps"].items():
+        assert 0.95 * true[name] < error < 1.6 * true[name], name
+
+
+@pytest.mark.parametrize(
+    ("verification", "word"),
+    [
+        ({"done": False, "why": "too many rows"}, "NOT verified: too many rows"),
+        ({"done": True, "quantities": {"steps": {"q": 0.001}}, "not_refined": {"b.mesh": "why"}}, "NOT verified: b.mesh could"),
+        ({"done": True, "quantities": {"steps": {"q": 0.001}, "b.mesh": {"q": 0.02}}}, "NOT verified: 2 % is more than 1 %"),
+        ({"done": True, "quantities": {"steps": {"q": None}}}, "NOT verified"),
+        ({"done": True, "quantities": {"steps": {"q": 0.001}, "b.mesh": {"q": 0.01}}}, "verified: 1 % is within 1 %"),
+    ],
+)
+def test_only_what_was_verified_is_called_so(verification, word, capsys):
+    result = SimpleNamespace(scene=SCENE, info={"verification": verification})
+    assert is_verified(result, 0.01) == word.startswith("verified")
+    assert word in capsys.readouterr().out.replace("\n", " ")
+
+
+def test_options_are_refused_before_anything_is_measured(cache, capsys, monkeypatch):
+    monkeypatch.setattr(fronts, "known", lambda scene: pytest.fail("measured"))
+    for options in (["--verify", "often"], ["--limits", "no-such-table"], ["--native"], ["--checkpoint-every", "1"]):
+        with pytest.raises(SystemExit) as exit_:
+            main(["run", "mass-on-spring", "--in-process", "--accuracy", "1%", *options])
+        assert exit_.value.code == 2
 
 
 def test_the_command_runs_the_setting_and_says_so(cache, tmp_path, capsys):
