@@ -10,7 +10,7 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
-from ..validation.reference import Table, TableRow, load_table, rows_of, table_rows
+from ..validation.reference import Table, TableRow, functions, load_table, rows_of, table_rows
 from .columns import as_column, column_name
 
 S = TypeVar("S", PlanSettings, DesignSettings)
@@ -28,13 +28,6 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     if wanted_rows is None:
         return settings
     given = table_of(wanted_rows.table, Path() if table else folder)
-    if not (given.measures or wanted_rows.table.endswith(".toml")):
-        raise BadInput(
-            "rows: table",
-            repr(wanted_rows.table),
-            "a table whose rows are of any run of a scene",
-            f"The rows of {wanted_rows.table} are of its case's own runs.",
-        )
     function = given.measures
     chosen = rows_under(given.rows, wanted_rows)
     field = "limits" if isinstance(settings, PlanSettings) else "constraints"
@@ -90,7 +83,15 @@ def _limit(row: TableRow) -> LimitSettings:
 def table_of(name: str, folder: Path = Path()) -> Table:
     """A shipped table, or that of a user's TOML file with sources and rows. Raises `BadInput`."""
     if not name.endswith(".toml"):
-        return load_table(name)
+        table = load_table(name)
+        if not (table.measures or table.rules):
+            raise BadInput(
+                "rows: table",
+                repr(name),
+                "a table whose rows are of any run of a scene",
+                f"The rows of {name} are of its case's own runs.",
+            )
+        return table
     if not (folder / name).is_file():
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
     data = read_toml(folder / name)
@@ -99,9 +100,7 @@ def table_of(name: str, folder: Path = Path()) -> Table:
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
     given = rows_of(name, data, (folder / name).parent)
     rows = table_rows(name, [{"condition": "", **row} for row in given], data["sources"])
-    return Table(
-        name, str(data.get("title", name)), "", rows, measures=str(data.get("measures", "")), rules=str(data.get("rules", ""))
-    )
+    return Table(name, str(data.get("title", name)), "", rows, **functions(data))
 
 
 def rows_under(rows: Sequence[TableRow], settings: RowsSettings, unique: bool = True) -> list[TableRow]:

@@ -54,12 +54,14 @@ class Judged:
 def with_limits(scene: Scene) -> Scene:
     """The scene with the quantities of its limits among those of interest, and what they need recorded.
 
-    Raises `BadInput` for a table or a condition that there is not, before anything runs.
+    Raises `BadInput` for a table or a condition that there is not, and where a run would have nothing to compare.
     """
     if scene.limits is None:
         return scene
     table = table_of(scene.limits.table)
     rows = rows_under(table.rows, scene.limits, unique=not table.rules)
+    if table.check:
+        _function(table.check)(scene)
     kinds = [] if table.rules or table.measures else [row.measure for row in rows if "," in row.measure]
     quantities = [*scene.study.quantities, *(kind for kind in kinds if kind not in scene.study.quantities)]
     return recording(scene.with_changes({"study.quantities": quantities})) if kinds else scene
@@ -89,7 +91,7 @@ def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[
     return judged, missing
 
 
-def _function(text: str) -> Callable[[Result], Any]:
+def _function(text: str) -> Callable[..., Any]:
     module, _, name = text.partition(":")
     return getattr(import_module(module), name)
 

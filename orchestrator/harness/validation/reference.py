@@ -138,6 +138,7 @@ class Table:
     claims: tuple[Claim, ...] = ()  # of a paper
     measures: str = ""  # "module:function" that gives the rows' measures of any run, where there is one
     rules: str = ""  # "module:function" that says of a run which conditions hold for which of its objects (`limits_of_run.Rules`)
+    check: str = ""  # "module:function" that refuses a scene whose runs have nothing to compare, where that can be known
 
     def under(self, condition: str) -> tuple[TableRow, ...]:
         """The rows of one condition, such as "250 km/h"."""
@@ -167,7 +168,12 @@ def parse_table(name: str, text: str, lines: str) -> Table:
             )
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
-    return Table(name, data["title"], data["text"], rows, claims, data.get("measures", ""), data.get("rules", ""))
+    return Table(name, data["title"], data["text"], rows, claims, **functions(data))
+
+
+def functions(data: Mapping[str, Any]) -> dict[str, str]:
+    """The functions that a table names."""
+    return {key: str(data.get(key, "")) for key in ("measures", "rules", "check")}
 
 
 def read_rows(name: str, lines: str) -> list[dict[str, Any]]:

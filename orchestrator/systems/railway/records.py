@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -146,37 +146,66 @@ SECOND = ".second_wire"  # behind the name of a pantograph: what it does on a se
 STRIPS = ".two_strips"  # behind the name of a pantograph: its rear strip
 
 
+@dataclass(frozen=True)
+class Contact:
+    """A unit that a wire's height is connected to. source: the output that gives it.  needed: what a record of it is made of."""
+
+    unit: str
+    source: str
+    needed: tuple[str, str, str]  # force, position, height
+
+
+def contacts(scene: Scene, recorded: Collection[str]) -> list[Contact]:
+    """The contacts of which all is recorded. Raises `BadInput` where a part of a collector's force is missing."""
+    recorded_ones, left_out = [], {}
+    for connection in scene.arrows:
+        source, target = (part.strip() for part in connection.split("->"))
+        unit, _, name = target.rpartition(".")
+        if name != "wire_height":
+            continue
+        needed = (f"{unit}.contact_force", f"{unit.removesuffix(SECOND)}.contact_position", source)
+        if missing := [n for n in needed if n not in recorded]:
+            left_out[unit] = missing
+        else:
+            recorded_ones.append(Contact(unit, source, needed))
+    names = {contact.unit for contact in recorded_ones}
+    for unit, missing in left_out.items():
+        if names & {unit.removesuffix(SECOND), unit.removesuffix(STRIPS), unit + SECOND, unit + STRIPS}:
+            raise BadInput(
+                f"{scene.name}: record.signals",
+                f"no {' and no '.join(missing)}",
+                "all of a collector's force, which is judged as a whole",
+                "Add it, or leave out [record].",
+            )
+    return recorded_ones
+
+
+def check_contacts(scene: Scene) -> None:
+    """Refuse a scene whose run has no passage to judge."""
+    if not contacts(scene, {".".join(end) for end in scene.coupling.signals}):
+        raise BadInput(
+            f"{scene.name}: limits",
+            "no pantograph on a catenary of which contact force, position and wire height are recorded",
+            "one or more, which the table is about",
+            "Name another table, or leave out [record].",
+        )
+
+
 def passages(result: Result) -> list[Passage]:
     """The pantographs of a run, foremost first: units whose contact force and wire height are recorded.
 
     One with two strips comes three times: with the sum of their forces, as EN 50317 judges it, then either strip. So does one on
     two contact wires: with the sum, at the lower wire's height, then on either wire.
     """
-    all_passages, left_out = [], {}
-    for connection in result.scene.arrows:
-        source, target = (part.strip() for part in connection.split("->"))
-        unit, _, name = target.rpartition(".")
-        if name != "wire_height":
-            continue
-        needed = [f"{unit}.contact_force", f"{unit.removesuffix(SECOND)}.contact_position", source]
-        if missing := [n for n in needed if n not in result.columns]:
-            left_out[unit] = missing
-            continue
-        force, position, height = (result.columns[n] for n in needed)
-        catenary = source.rpartition(".")[0].removesuffix(SECOND)
+    all_passages = []
+    for contact in contacts(result.scene, result.columns):
+        force, position, height = (result.columns[n] for n in contact.needed)
+        catenary = contact.source.rpartition(".")[0].removesuffix(SECOND)
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
-        all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
+        all_passages.append(Passage(contact.unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     named = {p.pantograph: p for p in all_passages}
-    for unit, missing in left_out.items():
-        if any(other in named for other in (unit.removesuffix(SECOND), unit.removesuffix(STRIPS), unit + SECOND, unit + STRIPS)):
-            raise BadInput(
-                f"{result.scene.name}: record.signals",
-                f"no {' and no '.join(missing)}",
-                "all of a collector's force, which is judged as a whole",
-                "Add it, or leave out [record].",
-            )
     parts = set()
     for name, rear in named.items():
         if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):

@@ -10,10 +10,12 @@ from cosimo import BadInput, load_scene, run
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.systems import validate, write_report
 from cosimo.orchestrator.systems.railway.cases.en50367 import conditions
 
 ROW = '[[rows]]\nquantity = "{0}"\nmeasure = "{0}"\nunit = "N"\n{1}\nstanding = "verbatim"\nsource = "sheet"\n'
+ONE_WIRE = ("pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height")
 
 
 @pytest.fixture(scope="module")
@@ -127,3 +129,23 @@ def test_a_case_is_judged_by_one_line(tmp_path):
     (case,) = validate([str(tmp_path / "case.toml")], tmp_path / "out", in_process=True)
     assert case.outcome == "recalled"
     assert len(case.findings.rows) == 7 - 1  # a lumped catenary does not say what its wire is
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "word"),
+    [
+        ("mass-on-spring", ["--limits", "en50367"], "no pantograph on a catenary"),
+        ("mass-on-spring", ["--limits", "en50318-2002", "--condition", "250 km/h"], "no pantograph on a catenary"),
+        ("lumped-catenary", ["--limits", "en50367", "--record", "pantograph.contact_force"], "no pantograph on a catenary"),
+        ("two-contact-wires", ["--limits", "en50367", *(f"--record={n}" for n in ONE_WIRE)], "all of a collector's force"),
+        ("lumped-catenary", ["--limits", "paper-wrist"], "rows are of any run"),
+    ],
+)
+def test_a_scene_with_nothing_to_compare_is_refused_before_it_runs(scene, options, word, capsys, monkeypatch):
+    monkeypatch.setattr(verification, "run_once", lambda *_, **__: pytest.fail("it ran"))
+    with pytest.raises(SystemExit) as exit_:
+        main(["run", scene, "--in-process", *options])
+    assert exit_.value.code == 2
+    error = capsys.readouterr().err
+    assert word in error
+    assert error.count("cosimo:") == 1
