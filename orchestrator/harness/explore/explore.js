@@ -215,11 +215,12 @@ function windowOf(run) { // why there are no numbers: "" where there are some
   return `The figures are those from ${digits(from, 6)} to ${digits(to, 6)} of ${signal}, and this run covers ${digits(x[0], 4)} to ${digits(x.at(-1), 4)}: there are no numbers.`;
 }
 
+const wholeFrom = (least, x) => (x < least ? digits(x, 2) : x.toFixed(0));
 function noteTime({ spent, rows }) { // of a run with the macro step of this state: the fastest of them counts, the others were disturbed
   const reached = (shown.count - 1) * shown.step, steps = Math.max(rows - 1, 1);
   shown.perStep = Math.min(shown.perStep ?? Infinity, (1000 * spent) / steps);
   const perStep = (run) => `${digits(run.perStep, 2)} µs`;
-  byId("status").textContent = `${digits(reached, 6)} s computed in ${shown.spent.toFixed(0)} ms, ${digits((1000 * reached) / shown.spent, 2)} times as fast as real time; ${
+  byId("status").textContent = `${digits(reached, 6)} s computed in ${shown.spent.toFixed(0)} ms, ${wholeFrom(10, (1000 * reached) / shown.spent)} times as fast as real time; ${
     perStep(shown)} a macro step at best${pinned ? `, pinned ${perStep(pinned.run)}` : ""}.`;
 }
 
