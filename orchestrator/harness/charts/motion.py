@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -77,7 +77,7 @@ class Kinematics:
             caption += f" The first {self.longest:g} s of {number(float(result.time[-1]))} s."
         return Motion(self.title, time[rows], picture.lines, self.labels, caption.strip(), self.equal)
 
-    def formulas(self, result: Result, changeable: Mapping[str, Any]) -> dict[str, Any] | None:
+    def formulas(self, result: Result, changeable: Collection[str]) -> dict[str, Any] | None:
         """The machine as data of a page, whose parameters are `changeable`; None where it needs what only this run has."""
         if not all(isinstance(s, str) for s in self.signals.values()):
             return None

@@ -126,7 +126,7 @@ def content_of(
             if v.scalar.name not in elements
         ],
         "snapshots": elements,
-        "machines": [m for machine in machines if (m := machine.formulas(result, numbers))],
+        "machines": [m for machine in machines if (m := machine.formulas(result, names))],
         "figures": [f.to_json() for f in figures],
         "table": reference,
         "presets": presets,
