@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 Spec = Mapping[str, Any]
 WIDTH = 860.0  # px of a picture
 TICKS = 6  # about as many on a linear axis
@@ -43,6 +45,15 @@ class Axis:
         """The place of a value; raw: of one in the units of the ends."""
         at = float(value) if raw else self.coordinate(value)
         return self.start + (at - self.low) / (self.high - self.low) * (self.end - self.start)
+
+    def pixels(self, values: Sequence[Any]) -> np.ndarray:
+        """The places of values, (n,); NaN for gaps."""
+        if has_text(values):
+            return np.array([self.pixel(value) for value in values], dtype=float)
+        at = np.array(values, dtype=float)  # None becomes NaN
+        if self.logarithmic:
+            at = np.log10(at, out=np.full(at.shape, np.nan), where=at > 0.0)
+        return self.start + (at - self.low) / (self.high - self.low) * (self.end - self.start)  # type: ignore[no-any-return]
 
     def ticks(self) -> Iterator[tuple[float, str]]:
         """(place in px, text) of each tick within the axis."""
@@ -134,34 +145,44 @@ def _has_markers(figure: Spec, name: str) -> bool:
     return any("markers" in trace.get("mode", "") for trace in figure["data"] if trace.get("xaxis", "x") == name)
 
 
-def _values(figure: Spec, name: str) -> Iterator[Any]:
-    """What traces and shapes have along an axis."""
+def has_text(values: Sequence[Any]) -> bool:
+    """Whether some of the values are names of categories."""
+    return any(issubclass(kind, str) for kind in set(map(type, values)))
+
+
+def _values(figure: Spec, name: str) -> Iterator[Sequence[Any]]:
+    """What traces and shapes have along an axis, one after the other."""
     for shape in figure["layout"].get("shapes", ()):
         if shape.get(f"{name[0]}ref", name[0]) == name:
             if shape["type"] == "path":  # x and y in turn
                 numbers = [float(n) for n in re.findall(r"[-+0-9.eE]*\d", shape["path"])]
-                yield from numbers["xy".index(name[0]) :: 2]
+                yield numbers["xy".index(name[0]) :: 2]
             else:
-                yield from (shape[f"{name[0]}0"], shape[f"{name[0]}1"])
+                yield shape[f"{name[0]}0"], shape[f"{name[0]}1"]
     for trace in figure["data"]:
         if trace.get(f"{name[0]}axis", name[0]) == name:
-            yield from trace.get(name[0], ())
+            yield trace.get(name[0], ())
             if trace.get("type") == "bar" and ("x" if trace.get("orientation") == "h" else "y") == name[0]:
-                yield 0.0
                 halves = trace.get(f"error_{name[0]}", {}).get("array", ())
-                yield from (v + d for v, d in zip(trace[name[0]], halves, strict=False) if v is not None)
+                yield 0.0, *(v + d for v, d in zip(trace[name[0]], halves, strict=False) if v is not None)
 
 
 def _categories(figure: Spec, name: str) -> list[str]:
-    return list(dict.fromkeys(v for v in _values(figure, name) if isinstance(v, str)))
+    texts = (v for values in _values(figure, name) if has_text(values) for v in values if isinstance(v, str))
+    return list(dict.fromkeys(texts))
 
 
 def _span(figure: Spec, name: str) -> tuple[float, float] | None:
     """Least and largest number along an axis, exponents of ten on a logarithmic one; None without any."""
-    numbers = [float(v) for v in _values(figure, name) if v is not None and not isinstance(v, str) and math.isfinite(v)]
-    if figure["layout"].get(layout_key(name), {}).get("type") == "log":
-        numbers = [math.log10(v) for v in numbers if v > 0.0]
-    return (min(numbers), max(numbers)) if numbers else None
+    logarithmic, ends = figure["layout"].get(layout_key(name), {}).get("type") == "log", list[float]()
+    for values in _values(figure, name):
+        numbers = np.array([v for v in values if not isinstance(v, str)] if has_text(values) else values, dtype=float)
+        numbers = numbers[np.isfinite(numbers) & (numbers > 0.0 if logarithmic else True)]
+        if numbers.size:
+            ends += float(numbers.min()), float(numbers.max())
+    if logarithmic:
+        ends = [math.log10(end) for end in ends]
+    return (min(ends), max(ends)) if ends else None
 
 
 def _make_equal(x: Axis, y: Axis) -> None:

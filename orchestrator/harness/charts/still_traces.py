@@ -55,8 +55,7 @@ def draw_trace(trace: Spec, panel: Sequence[Spec], x: Axis, y: Axis) -> str:
 
 
 def _scatter(trace: Spec, x: Axis, y: Axis) -> str:
-    xs = np.array([x.pixel(v) for v in trace["x"]], dtype=float)
-    ys = np.array([y.pixel(v) for v in trace["y"]], dtype=float)
+    xs, ys = x.pixels(trace["x"]), y.pixels(trace["y"])
     mode, parts = trace.get("mode", "lines"), []
     if "lines" in mode and xs.size:
         parts.append(
@@ -186,7 +185,7 @@ def _grid(trace: Spec) -> tuple[np.ndarray, np.ndarray]:
 def _map(trace: Spec, x: Axis, y: Axis) -> str:
     """A map as a picture of its nearest values, so that it is right on any axis."""
     z, (low, high) = _grid(trace)
-    columns, rows = (np.array([axis.pixel(v) for v in trace[n]], dtype=float) for axis, n in ((x, "x"), (y, "y")))
+    columns, rows = (axis.pixels(trace[n]) for axis, n in ((x, "x"), (y, "y")))
     spans = [_edges(columns), _edges(rows)]
     at = [np.linspace(a, b, n + 1)[:-1] + 0.5 * (b - a) / n for (a, b), n in zip(spans, PIXELS, strict=True)]
     near = [np.abs(a[:, None] - c[None, :]).argmin(axis=1) for a, c in zip(at, (columns, rows), strict=True)]

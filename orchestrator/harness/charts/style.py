@@ -207,7 +207,7 @@ def _first(y: np.ndarray, extreme: np.ufunc, edges: np.ndarray, size: np.ndarray
 
 def drawn(values: Any, digits: int = 5) -> list[Any]:
     """Numbers for a figure's JSON: `digits` significant ones, None for what is not finite."""
-    return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in np.asarray(values, dtype=float).ravel()]
+    return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in np.asarray(values, dtype=float).ravel().tolist()]
 
 
 def number(value: float, low: float | None = None, high: float | None = None) -> str:

@@ -7,9 +7,10 @@ one zooms in.
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -98,19 +99,14 @@ def _arrays(trace: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_numeric(values: Sequence[Any]) -> bool:
-    return bool(values) and all(v is None or isinstance(v, int | float) for v in _flat(values))
-
-
-def _flat(values: Sequence[Any]) -> Iterator[Any]:
-    for value in values:
-        if isinstance(value, list):
-            yield from value
-        else:
-            yield value
+    kinds = set(map(type, values))
+    if list in kinds:
+        kinds = (kinds - {list}).union(*(map(type, v) for v in values if isinstance(v, list)))
+    return bool(values) and all(issubclass(kind, int | float | NoneType) for kind in kinds)
 
 
 def _size(values: Sequence[Any]) -> int:
-    return sum(len(v) if isinstance(v, list) else 1 for v in values)
+    return sum(len(v) if isinstance(v, list) else 1 for v in values) if list in set(map(type, values)) else len(values)
 
 
 def _thinned(trace: Spec, points: int) -> Spec:
