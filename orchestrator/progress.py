@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -82,14 +83,17 @@ class Stop(BatchObserver):
 
 
 class Progress(BatchObserver):
-    """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
+    """Simulated time, speed against real time and time left, where stderr is a terminal; and one warning of a run of hours."""
 
     REFRESH = 0.1  # s
+    MEASURED = 5.0  # s of the run, whose speed tells how long the rest takes
+    LONG = 3600.0  # s left, from which a user is warned
 
     def __init__(self, title: str, stop: float, start: float = 0.0):
         """`start`: s, where a run that is resumed goes on."""
         self._title, self._stop, self._start, self._next = title, stop, start, 0.0
         self._bar: Any = None
+        self._warned = False
 
     def __enter__(self) -> Progress:
         self._begin = perf_counter()
@@ -104,9 +108,20 @@ class Progress(BatchObserver):
             self._bar.stop()
 
     def __call__(self, tick: int, t: float) -> None:
-        if self._bar is not None and (now := perf_counter()) >= self._next:
-            self._next = now + self.REFRESH
-            self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))
+        now = perf_counter()
+        if now < self._next or t <= self._start:
+            return
+        self._next, speed = now + self.REFRESH, (t - self._start) / (now - self._begin)
+        if self._bar is not None:
+            self._bar.update(self._task, completed=t, speed=speed)
+        left = (self._stop - t) / speed
+        if not self._warned and now - self._begin >= self.MEASURED and left > self.LONG:
+            self._warned = True
+            show = self._bar.console.print if self._bar is not None else partial(print, file=sys.stderr)
+            show(
+                f"cosimo: warning: at this speed the run takes {left / 3600.0:.2g} h more. An interrupt keeps what is computed; "
+                "cosimo run --dry-run counts what a macro step costs"
+            )
 
 
 def terminal_bar(numbers: str) -> Any:

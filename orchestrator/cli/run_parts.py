@@ -33,7 +33,7 @@ def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
         print_table(*table)
     for line in lines(scene, coupling, advice, in_process=in_process):
         print(line)
-    text, warnings = first_part(scene)
+    text, warnings = first_part(scene, advice.seconds)
     print(text)
     warn([*scene.remarks, *advice.warnings(scene), *warnings])
     if output is not None:

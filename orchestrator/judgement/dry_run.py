@@ -14,7 +14,7 @@ from ..engine.stepping.loop import obstacles
 from ..run import Run
 from ..scene.scene import Scene
 from .probing import Advice, PairLimit
-from .thresholds import PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
+from .thresholds import PREFIX_SECONDS, PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
 from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
@@ -149,10 +149,15 @@ def _share(value: float) -> str:
     return {inf: "no oscillation", -inf: "grows"}.get(value) or f"{100.0 * value:.3g} %"
 
 
-def first_part(scene: Scene) -> tuple[str, list[str]]:
-    """What the first part of a run shows: its errors in words, and warnings; the same judgement as of a whole run."""
+def first_part(scene: Scene, seconds: float) -> tuple[str, list[str]]:
+    """What the first part of a run shows: its errors in words, and warnings; the same judgement as of a whole run.
+
+    seconds: real time that a macro step takes, as estimated; a part that would take too long is not run.
+    """
     step = scene.master.step
     stop = min(max(PREFIX_STEPS * step, PROBED * scene.stop_time), scene.stop_time)
+    if (takes := stop / step * seconds) > PREFIX_SECONDS:
+        return f"the first {stop:.3g} s: not run, as they take about {takes:.2g} s", []
     record = {
         f"record.{key}": step
         for key in ("interval", "snapshot_interval")

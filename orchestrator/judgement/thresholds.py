@@ -19,6 +19,7 @@ WINDOWS_PLACES = 50  # where a window may begin: half of one, which is what is j
 WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
 PROBED = 0.02  # of a run that is made to see what the whole costs, and in a dry run how large errors are
 PREFIX_STEPS = 400  # macro steps of it at least in a dry run: motions begin
+PREFIX_SECONDS = 30.0  # real time that they may take in a dry run, which is to answer at once
 
 MOSTLY = (
     0.75  # share of an error that half the macro step alone shows, from which the error is its own; below the rest, it is inside

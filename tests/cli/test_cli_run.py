@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.judgement import advise
+from cosimo.orchestrator.judgement import advise, dry_run
 from cosimo.orchestrator.systems import read_scene
 from pythonfmu.builder import FmuBuilder
 
@@ -238,3 +238,10 @@ def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "chain.energy_change" in printed
     assert "summary.json" in printed
+
+
+def test_a_dry_run_of_a_long_run_answers_at_once(capsys, monkeypatch):
+    """Internal steps of 1 ns: the first part alone would take minutes."""
+    monkeypatch.setattr(dry_run, "run", lambda *_, **__: pytest.fail("it ran"))
+    assert cosimo("run", "mass-on-spring", "--in-process", "--set", "mass.substep=1e-9", "--dry-run") == 0
+    assert "not run, as they take about" in capsys.readouterr().out

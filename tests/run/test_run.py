@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
+from cosimo.orchestrator import progress
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
@@ -300,3 +301,14 @@ def test_a_run_with_its_report_resolves_the_coupling_once(tmp_path, monkeypatch)
     result = run(load_scene("mass-on-spring").with_changes({"stop_time": 0.5}), in_process=True)
     write_report(result, tmp_path)
     assert len(counted) == 2  # the shipped scene, and the changed one
+
+
+def test_a_run_of_hours_is_a_warning_once(monkeypatch, capsys):
+    """After five seconds with a thousandth of the run; a run of minutes has none."""
+    for stop, said in ((1e3, 1), (1e2, 0)):
+        clock = iter([0.0, 1.0, 5.0, 6.0, 7.0])
+        monkeypatch.setattr(progress, "perf_counter", lambda clock=clock: next(clock))
+        with progress.Progress("a run", stop) as observer:
+            for t in (0.2, 1.0, 1.2, 1.4):
+                observer(0, t)
+        assert capsys.readouterr().err.count("at this speed the run takes 1.4 h more") == said
