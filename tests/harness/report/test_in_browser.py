@@ -203,7 +203,7 @@ def test_every_text_stands_out_from_what_is_behind_it(browser, pages, theme):
         for plot in page.locator(".plot").all():
             plot.scroll_into_view_if_needed()
             plot.locator(".main-svg").first.wait_for()
-        seen = page.evaluate((Path(__file__).parent / "contrast.js").read_text(encoding="utf-8"))
+        seen = page.evaluate((Path(__file__).parents[2] / "contrast.js").read_text(encoding="utf-8"))
         assert seen["measured"] > 50
         assert seen["pale"] == []
         page.close()
