@@ -100,7 +100,7 @@ def table_of(name: str, folder: Path = Path()) -> Table:
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
     given = rows_of(name, data, (folder / name).parent)
     rows = table_rows(name, [{"condition": "", **row} for row in given], data["sources"])
-    return Table(name, str(data.get("title", name)), "", rows, **functions(data))
+    return Table(name, str(data.get("title", name)), "", rows, (), **functions(data))
 
 
 def rows_under(rows: Sequence[TableRow], settings: RowsSettings, unique: bool = True) -> list[TableRow]:
