@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.variables import Causality
 from cosimo.tests.contract.configurations import FACTS, SMALL, in_plain_python, with_required
+from cosimo.tests.short_run import full_but
 
 STEPS = 40
 LATE = {"steady_arm.stiffness": 100, "gust.amplitude": 100}  # steps until a wave is at the support, until the gust is there
@@ -37,7 +38,7 @@ def without(component: str, effects: tuple[str, ...], steps: int) -> np.ndarray:
     return disturbed(component, effects, {}, steps)
 
 
-@pytest.mark.parametrize(("component", "strength"), in_plain_python(CASES))
+@pytest.mark.parametrize(("component", "strength"), in_plain_python(full_but((), CASES)))
 def test_a_vanishing_effect_tends_to_no_effect(component, strength):
     parameters, small = FACTS[component].strengths[strength]
     effect = strength.partition(".")[0]

@@ -15,6 +15,7 @@ from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite
 from cosimo.tests.contract.never_written import never_written, python, stripped
 from cosimo.tests.contract.test_effects_absent import SINGLE
 from cosimo.tests.contract.test_effects_absent import stripped as undeclared
+from cosimo.tests.short_run import full_but
 
 ROOT = str(Path(components.__file__).parent)
 CLASSIC = [
@@ -50,7 +51,7 @@ def calls_of(component) -> tuple[Counter, list[bytes]]:
     return counted, rows
 
 
-@pytest.mark.parametrize(("component", "effect"), in_plain_python(SINGLE))
+@pytest.mark.parametrize(("component", "effect"), in_plain_python(full_but((), SINGLE)))
 def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(component, effect):
     """All others on, this one off, against the component in which nobody has declared it."""
     cls = component_class(component)
@@ -65,7 +66,7 @@ def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(componen
     assert here.work == bare.work
 
 
-@pytest.mark.parametrize("component", in_plain_python(CLASSIC))
+@pytest.mark.parametrize("component", in_plain_python(full_but((), CLASSIC)))
 def test_without_effects_it_is_the_component_without_their_source(component):
     """Kernels from whose source every branch of an effect has been cut out: the same calls, bit-identical."""
     cls = component_class(component)

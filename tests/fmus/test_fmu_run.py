@@ -8,6 +8,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.fmus.build import built
 from cosimo.tests.contract.configurations import SMALL, compatible, in_plain_python
 from cosimo.tests.fmus.driver import OK, Driven
+from cosimo.tests.short_run import full_but
 
 STEP = 1e-3  # s
 STEPS = 25
@@ -34,7 +35,7 @@ def swing(variable):
 
 
 @pytest.mark.parametrize("wanted", [True, False], ids=["all effects", "none"])
-@pytest.mark.parametrize("name", in_plain_python(CATALOGUE))
+@pytest.mark.parametrize("name", in_plain_python(full_but((), CATALOGUE)))
 def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     effects = compatible(component_class(name)) if wanted else ()
     # a variant that knows all effects, with few elements
@@ -60,7 +61,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     unit.free()
 
 
-@pytest.mark.parametrize("name", in_plain_python(CATALOGUE))
+@pytest.mark.parametrize("name", in_plain_python(full_but((), CATALOGUE)))
 def test_what_is_off_reads_its_start_value_and_takes_writes(name):
     component = component_class(name)()
     off = {n: v for n, v in component_class(name).variables.items() if not component.is_active(n)}
