@@ -163,9 +163,8 @@ class _Uncounted:
     """Copies of kernels that count no references, whatever they do; callees likewise."""
 
     def __init__(self):
-        self._compiled = {
-            inline: njit(**OPTIONS, no_cpython_wrapper=True, _nrt=False, forceinline=inline) for inline in (False, True)
-        }
+        options = OPTIONS | {"no_cpython_wrapper": True, "_nrt": False}
+        self._compiled = {inline: njit(**options, forceinline=inline) for inline in (False, True)}
         self._copies: dict[int, Any] = {}
 
     def clone(self, kernel: Any) -> Any:
