@@ -44,14 +44,15 @@ function instanceOf(variant) { // the module of a variant, started once
 }
 
 // Of arrays that pictures show, in a run of so many steps: rows at every so many of them.
-const FEWEST = 120, MOST = 600, A_SECOND = 30; // pictures of a run
 function picturesOf({ x, elements, seen }, count, wanted) {
-  const n = wanted ? elements.length : 0, number = Math.max(FEWEST, Math.min(MOST, A_SECOND * data.stop));
-  const every = Math.max(1, Math.floor(count / number)), rows = n ? x.malloc(8 * n * (Math.floor(count / every) + 1)) : 0;
+  const machine = wanted && elements.length && data.machines.find((m) => m.snapshots.length), n = elements.length;
+  const number = machine ? Math.max(machine.fewest, Math.min(machine.most, machine.a_second * data.stop)) : 1;
+  const every = Math.max(1, Math.floor(count / number)), rows = machine ? x.malloc(8 * n * (Math.floor(count / every) + 1)) : 0;
   x.live_pictures(rows ? n : 0, seen, every, rows);
   const columns = (kept) => { // of a run that kept so many rows of its steps
-    const taken = rows ? Math.floor((kept - 1) / every) + 1 : 0, table = new Float64Array(x.memory.buffer, rows, n * taken);
-    return Object.fromEntries(elements.slice(0, rows ? n : 0).map((name, c) => [name, Float64Array.from({ length: taken }, (_, k) => table[k * n + c])]));
+    if (!rows) return {};
+    const taken = Math.floor((kept - 1) / every) + 1, table = new Float64Array(x.memory.buffer, rows, n * taken);
+    return Object.fromEntries(elements.map((name, c) => [name, Float64Array.from({ length: taken }, (_, k) => table[k * n + c])]));
   };
   return { every, rows, columns };
 }
