@@ -8,7 +8,7 @@ const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.c
 function moving(figure) {
   const canvas = figure.querySelector("canvas"), slider = figure.querySelector("input");
   const button = figure.querySelector("button"), output = figure.querySelector("output");
-  let motion = { time: [0], lines: [], box: [0, 1, 0, 1] }, running = false, shown = 0, since = 0, start = 0;
+  let motion = { time: [0], lines: [], box: [0, 1, 0, 1] }, running = false, frame = 0, shown = 0, since = 0, start = 0;
   const last = () => motion.time.length - 1, span = () => motion.time[last()] - motion.time[0] || 1;
   function draw() {
     const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
@@ -38,20 +38,19 @@ function moving(figure) {
     slider.setAttribute("aria-valuetext", output.textContent);
   }
   function tick(now) {
-    if (!running) return;
     const whole = span(), end = motion.time[last()], passage = Math.min(10 * whole, Math.max(whole / 10, PASSAGE));
     const reached = start + ((now - since) / 1000 / passage) * whole;
     if (reached > end) { start = motion.time[0]; since = now; }
     let k = 0;
     while (k < last() && motion.time[k + 1] <= reached) k++;
     if (k !== shown) { shown = k; draw(); }
-    requestAnimationFrame(tick);
+    frame = requestAnimationFrame(tick);
   }
   function run(wanted) {
-    const already = running;
+    cancelAnimationFrame(frame);
     running = wanted; button.textContent = wanted ? "Pause" : "Play";
     start = shown === last() ? motion.time[0] : motion.time[shown]; since = performance.now();
-    if (wanted && !already) requestAnimationFrame(tick);
+    if (wanted) frame = requestAnimationFrame(tick);
   }
   function show(next) { // from the share of the time on that the former one had reached
     const share = shown / Math.max(last(), 1);

@@ -152,6 +152,7 @@ def test_a_dense_line_has_all_its_samples_where_one_zooms_in(page, tmp_path, pla
     fine = drawn_in(page, low, high)
     assert fine.shape[1] == np.count_nonzero(seen) > 2 * np.count_nonzero((coarse[0] > low) & (coarse[0] < high))
     assert np.abs(fine - [x[seen], y[seen]]).max() < 1e-5
+    page.wait_for_timeout(500)  # Plotly takes a click so soon after the drag began for the drag's second
     page.mouse.dblclick(box["x"] + 0.5 * box["width"], middle)
     page.wait_for_function(f"document.querySelector('.plot')._fullData[0].x.length == {coarse.shape[1]}")
     assert np.array_equal(drawn_in(page, 0.0, 100.0), coarse)
