@@ -11,8 +11,7 @@ multiple of something: the raw material of a bifurcation diagram.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,27 +23,22 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ..output import locked
-from ..results import Result
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
 from ..views.data import library
 from .many.columns import check_columns, column_name
 from .many.execute import Computing
-from .many.files import NOT_RUN, collect, provenance, write_data_set, write_provenance, write_tables
+from .many.files import NOT_RUN, collect, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
 from .many.live import Live
-from .many.measures import Task, check_analysis
-from .many.plan import Points, changes, plan_of, plan_settings, unit_of
+from .many.measures import Summarize, Task, check_analysis, own_version
+from .many.plan import changes, plan_of, plan_settings
 from .many.repetition import Repeated, compared, ends_and_some, repeat
-from .many.store import SIGNAL, TIME, Store, array_of
+from .many.store import SIGNAL, TIME, Store, StoredPlan, array_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .summary import Summary
-
-
-POINTS = "points"  # folder of the stores
 SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
 
 
@@ -57,7 +51,7 @@ class Sweep:
     units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
     plan: how the points were chosen.  files: what was written.  computed: runs of this call.
     repeated: what half of every step changes at some points; None where nothing was repeated.
-    rows: the points' rows, a store and their places in it; None without a directory.
+    points: with their stored rows; None without a directory.
     """
 
     scene: Scene
@@ -71,7 +65,7 @@ class Sweep:
     files: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
     computed: int = 0
-    rows: tuple[Store, np.ndarray] | None = None
+    points: StoredPlan | None = None
     repeated: Repeated | None = None
 
     def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -79,12 +73,11 @@ class Sweep:
 
         Raises `BadInput` for a signal that was not kept, and for a sweep without a directory.
         """
-        if self.rows is None or name not in self.plan.keep.signals:
+        if self.points is None or name not in self.plan.keep.signals:
             raise BadInput("signals", repr(name), "a signal that the plan keeps, of a sweep with a directory")
-        store, places = self.rows
         return (
             (array_of(table, TIME, k), array_of(table, SIGNAL + name, k))
-            for some, table in store.pieces(places, [TIME, SIGNAL + name], SIGNALS_AT_ONCE)
+            for some, table in self.points.pieces([TIME, SIGNAL + name], SIGNALS_AT_ONCE)
             for k in range(some.stop - some.start)
         )
 
@@ -143,7 +136,7 @@ def sweep(
     add: int = 0,
     retry: bool = False,
     progress: bool = False,
-    summarize: Callable[[Result], Summary] | None = None,
+    summarize: Summarize | None = None,
     cube: np.ndarray | None = None,
     limits: str = "",
     conditions: Sequence[str] = (),
@@ -168,35 +161,28 @@ def sweep(
     check_analysis(task.scene())
     known = all([check_columns(task, settings.limits, "limits"), check_columns(task, columns, "quantities")])
     with points_directory(directory, "cosimo-sweep-") as folder:
-        store, digests = Store(folder / POINTS / task.base), chosen.digests(task.base)
-        missing = store.missing(digests, retry)
+        points = StoredPlan(task, chosen, Store.of(task, folder))
+        missing = points.missing(retry)
         stopped = None
         title = f"Sweep of {scene.title or scene.name}"
         with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
             with Computing(jobs, scheduler, live.count) as computing:
                 first = missing[:0] if known else missing[:1]
                 if first.size:
-                    stopped = computing(task, chosen, digests, first, store)
-                    row = store.row(int(store.places(digests[first])[0]))
-                    if row.outcome == "done":
-                        check_limits(settings.limits, row.units)
-                        for name in columns:
-                            column_name(row.numbers, name, "quantities")
+                    stopped = computing(points, first)
+                    for row in points.rows(first.tolist()).values():
+                        if row.outcome == "done":
+                            check_limits(settings.limits, row.units)
+                            for name in columns:
+                                column_name(row.numbers, name, "quantities")
                 if missing.size > first.size and stopped is None:
-                    stopped = computing(task, chosen, digests, missing[first.size :], store)
+                    stopped = computing(points, missing[first.size :])
             repeating = verify and stopped is None
             if repeating:
                 live.repeating()
+            kept = directory is not None
             collected = collected_sweep(
-                scene,
-                chosen,
-                folder,
-                store,
-                task,
-                stopped=stopped,
-                kept=directory is not None,
-                computed=missing.size,
-                verify=repeating,
+                scene, points, folder, stopped=stopped, kept=kept, computed=missing.size, verify=repeating
             )
             live.end("stopped" if stopped is not None else "done")
     if collected.measures and stopped is None:
@@ -233,53 +219,44 @@ def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
 
 def collected_sweep(
     scene: Scene,
-    plan: Points,
+    points: StoredPlan,
     folder: Path,
-    store: Store,
-    task: Task,
     *,
     stopped: Signals | None = None,
     kept: bool = True,
     computed: int = 0,
     verify: bool = False,
 ) -> Sweep:
-    """The points as they lie in the store, with table and data set where the folder is kept; `verify`: some are run again."""
-    digests = plan.digests(task.base)
-    rows = store, store.places(digests)
-    collected = collect(*rows, folder)
+    """The points as they lie in their store, with table and data set where the folder is kept; `verify`: some are run again."""
+    plan = points.plan
+    collected = collect(scene, points, folder)
     repeated = None
     if verify:
-        chosen = ends_and_some(plan, collected.done)
-        again = repeat(task, plan, digests, chosen, folder / POINTS / task.base)
-        repeated = compared(chosen, again, collected.numbers)
-    varied = {name: column.labels for name, column in plan.columns.items()}
-    units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)
-    units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
+        chosen = ends_and_some(plan, collected.outcomes == "done")
+        repeated = compared(chosen, repeat(points, chosen), collected.numbers)
     files: list[Path] = []
     if kept:
-        about = provenance(scene, plan, task.base, units)
-        about |= {"verification": repeated.to_json()} if repeated is not None else {}
-        write_provenance(folder, about)
+        verification = {} if repeated is None else {"verification": repeated.to_json()}
         attributes = {
             "title": scene.title or scene.name,
-            "source": f"cosimo {about['versions']['cosimo']}",
-            "provenance": json.dumps(about),
+            "source": f"cosimo {own_version()}",
+            "provenance": write_provenance(folder, scene, points, collected.units, verification),
         }
-        data = write_data_set(folder, varied, units, collected, rows, attributes, plan.settings.keep.interval)
-        files = [write_tables(folder, varied, units, collected), *([data] if data is not None else [])]
+        data = write_data_set(folder, collected, points, attributes)
+        files = [write_tables(folder, collected), *([data] if data is not None else [])]
     outcomes = (o if o in ("done", NOT_RUN) else r for o, r in zip(collected.outcomes, collected.reasons, strict=True))
     return Sweep(
         scene,
-        varied,
+        collected.varied,
         collected.numbers,
         tuple(outcomes),
         collected.section,
-        units,
+        collected.units,
         stopped,
         plan.settings,
         tuple(files),
-        (*store.remarks, *plan.remarks, *(repeated.messages() if repeated is not None else ())),
+        (*points.store.remarks, *plan.remarks, *(repeated.messages() if repeated is not None else ())),
         computed,
-        rows if kept else None,
+        points if kept else None,
         repeated,
     )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from ....components.core.errors import BadInput, nearest
+from ...scene.scene import Scene
+from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted
 from ..analysis.records import KINDS
 from ..studies.quantities import quantities_of
@@ -52,3 +54,28 @@ def check_columns(task: Task, names: Iterable[str], where: str) -> bool:
         else:
             column_name(known, name, where)
     return all_known
+
+
+def keep_for(names: Iterable[str], keep: KeepSettings) -> KeepSettings:
+    """What must be kept of a run for columns of these names, and no more."""
+    quantities = [n for n in names if is_quantity(n)]
+    return KeepSettings(
+        statistics=False,
+        summary=any(n not in quantities for n in names),
+        quantities=tuple(dict.fromkeys([*keep.quantities, *quantities])),
+        functions=keep.functions,
+    )
+
+
+def for_columns(
+    scene: Scene, settings: PlanSettings, quantities: Sequence[str], answer: str, others: Iterable[str] = ()
+) -> tuple[list[str], PlanSettings]:
+    """(the columns that an answer is about, the plan that keeps no more than they and its limits need).
+
+    By default the numbers, not the time histories, of the plan and of [study], and `others`. Raises `BadInput` without any.
+    """
+    own = [q for q in [*settings.keep.quantities, *scene.study.quantities] if is_quantity(q)]
+    names = list(quantities) or list(dict.fromkeys([*own, *others]))
+    if not names:
+        raise BadInput(answer, "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
+    return names, settings.model_copy(update={"keep": keep_for([*names, *settings.limits], settings.keep)})

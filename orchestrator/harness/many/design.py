@@ -16,11 +16,11 @@ from ...scene.scene import Scene, read_toml
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
 from ..sweep import Sweep
-from .columns import column_name
-from .evaluations import Evaluations, Observe, SearchSettings, Summarize, keep_for
+from .columns import column_name, keep_for
+from .evaluations import Evaluations, Observe, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
-from .measures import Row
+from .measures import Row, Summarize
 from .plan import other_starts, unit_of, with_vary_in_units
 from .repetition import Repeated
 from .searches import Ask, differences, run_searches
@@ -157,10 +157,12 @@ def design(
     if several:
         check_pymoo()
     keep = keep_for([*wanted.aims, *wanted.constraints], wanted.keep)
-    search = SearchSettings(directory, jobs, scheduler, observe)
     needed = {"design": wanted.aims, "design: constraints": wanted.constraints}
-    with Evaluations(scene, wanted.vary, keep, summarize, search, needed) as runs:
-        start = runs.start(wanted.vary)
+    searching = evaluations(
+        scene, wanted.vary, keep, needed, directory, jobs=jobs, scheduler=scheduler, summarize=summarize, observe=observe
+    )
+    with searching as runs:
+        start = runs.start()
         (first,) = runs([start])
         if first.outcome != "done":
             raise BadInput(

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from multiprocessing.connection import Connection
 from signal import Signals
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any
 
 from ....components.core.errors import BadInput
 from ...progress import Interrupt, Stop
@@ -63,52 +63,45 @@ def run_batch(
     return BatchRows(table_of(rows), seconds, stopped)
 
 
-class Executor(Protocol):
-    """count: of processes.  in_flight: batches that wait for them or are run."""
+class Executor:
+    """count: of workers.  ahead: batches for each of them that are run or wait."""
 
-    count: int
-    in_flight: int
+    count = 1
+    ahead = 3
 
-    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]: ...
+    def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
+        """Run a batch."""
+        raise NotImplementedError
 
-    def crashed(self, error: BaseException) -> bool:
-        """True: an error of a future means that the process of its batch is gone. Other errors are raised, as `BadInput` where all
-        processes are gone for good."""
-
-    def restart(self) -> None:
-        """After a crash: workers again. Futures of the earlier ones have ended."""
+    def recover(self, error: BaseException) -> None:
+        """After an error of a future: workers again where its process is gone; those that had begun have ended with errors, too.
+        Other errors are raised, as `BadInput` where all processes are gone for good."""
+        raise error
 
     def stop(self) -> None:
         """End the runs that are under way; batches that have begun end with the rows that they have."""
+        self.close()
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """End the workers."""
 
 
-class Here:
+class Here(Executor):
     """This process."""
 
-    count = in_flight = 1
+    ahead = 1
 
     def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
         future: Future[BatchRows] = Future()
         future.set_result(run_batch(task, points))
         return future
 
-    def crashed(self, error: BaseException) -> bool:
-        raise error
 
-    def restart(self) -> None: ...
-
-    def stop(self) -> None: ...
-
-    def close(self) -> None: ...
-
-
-class Threads:
+class Threads(Executor):
     """Threads of this process, for scenes of kernels alone, whose steps need no interpreter."""
 
     def __init__(self, count: int):
-        self.count, self.in_flight = count, 3 * count
+        self.count = count
         self._stop = Stop()
         # the list of warnings is one for all threads
         self._quiet = warnings.catch_warnings()
@@ -119,11 +112,6 @@ class Threads:
     def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
         return self._executor.submit(run_batch, task, points, lambda: self._stop.wanted, self._stop)
 
-    def crashed(self, error: BaseException) -> bool:
-        raise error
-
-    def restart(self) -> None: ...
-
     def stop(self) -> None:
         self._stop.set()
         self.close()
@@ -133,11 +121,11 @@ class Threads:
         self._quiet.__exit__(None, None, None)
 
 
-class Pool:
+class Pool(Executor):
     """Processes of this machine, started anew (spawn): nothing of this one's threads and handles is in them."""
 
     def __init__(self, count: int):
-        self.count, self.in_flight = count, 3 * count
+        self.count = count
         self._start()
 
     def _start(self) -> None:
@@ -149,7 +137,7 @@ class Pool:
     def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
         return self._executor.submit(_in_worker, task, points)
 
-    def crashed(self, error: BaseException) -> bool:
+    def recover(self, error: BaseException) -> None:
         if not isinstance(error, BrokenProcessPool):
             raise error
         if self._first.exception() is not None:
@@ -159,9 +147,6 @@ class Pool:
                 "processes that start",
                 'Each imports the script that is run: keep its calls behind if __name__ == "__main__": there, or use jobs=1.',
             )
-        return True
-
-    def restart(self) -> None:
         self.close()
         self._start()
 
@@ -198,7 +183,7 @@ def _in_worker(task: Task, points: Sequence[Point]) -> BatchRows:
     return rows
 
 
-class Cluster:
+class Cluster(Executor):
     """The workers of a running Dask scheduler, which have cosimo installed."""
 
     def __init__(self, address: str):
@@ -219,13 +204,13 @@ class Cluster:
             actual = f"a worker of {max(threads)} threads" if threads else f"a scheduler without workers for {CONNECT:g} s"
             self._client.close()
             raise BadInput("--scheduler", actual, "workers of one thread each", "dask worker ADDRESS --nthreads 1 --nworkers N")
-        self.count, self.in_flight = len(threads), 3 * len(threads)
+        self.count = len(threads)
         self._executor = self._client.get_executor(pure=False, retries=0)
 
     def submit(self, task: Task, points: Sequence[Point]) -> Future[BatchRows]:
         return self._executor.submit(run_batch, task, points)
 
-    def crashed(self, error: BaseException) -> bool:
+    def recover(self, error: BaseException) -> None:
         from distributed import KilledWorker
 
         if isinstance(error, CancelledError | TimeoutError) or "Comm" in type(error).__name__:
@@ -236,11 +221,7 @@ class Cluster:
                 "What was computed is written; the same command computes the rest.",
             ) from None
         if not isinstance(error, KilledWorker):
-            raise error
-        return True
-
-    def restart(self) -> None:
-        """The scheduler's nannies do."""
+            raise error  # of a killed worker: the scheduler's nannies start it again
 
     def stop(self) -> None:
         self._executor.shutdown(wait=False)

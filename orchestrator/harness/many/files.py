@@ -29,8 +29,8 @@ from ...output import write_json, write_table
 from ...scene.scene import Scene
 from . import store as stores
 from .measures import own_version
-from .plan import Points
-from .store import NUMBER, SECTION, SIGNAL, TIME, Store, array_of
+from .plan import unit_of
+from .store import NUMBER, SECTION, SIGNAL, TIME, StoredPlan, array_of
 
 DATA_SET = "sweep.zarr"
 NOT_RUN = "not run"
@@ -42,10 +42,11 @@ LARGEST_PIECE = 8_000_000  # numbers that are in memory at a time
 class Collected:
     """The columns in the plan's order: (n,) each; numbers of many points in a file that the system reads as it is needed.
 
-    outcomes: of `measures.OUTCOMES`, with their reasons.  units: by column.  signals: names of the kept ones, of `longest` samples
-    at most.  section: (k,) of each point; none of more points than a piece has.
+    varied: numbers, or texts.  outcomes: of `measures.OUTCOMES`, with their reasons.  units: by column.  signals: names of the kept
+    ones, of `longest` samples at most.  section: (k,) of each point; none of more points than a piece has.
     """
 
+    varied: Mapping[str, np.ndarray]
     numbers: Mapping[str, np.ndarray]
     outcomes: np.ndarray
     reasons: np.ndarray
@@ -54,25 +55,20 @@ class Collected:
     signals: tuple[str, ...]
     longest: int
 
-    @property
-    def done(self) -> np.ndarray:
-        """(n,) truth values: points that gave their numbers."""
-        return self.outcomes == "done"
 
-
-def collect(store: Store, places: np.ndarray, directory: Path) -> Collected:
-    """The rows of points at their places in the store, column by column; NaN where there is none."""
+def collect(scene: Scene, points: StoredPlan, directory: Path) -> Collected:
+    """The rows of points, column by column; NaN where there is none."""
     import pyarrow.compute as compute
 
-    n = places.size
-    free = iter(_mapped(directory, sum(name.startswith(NUMBER) for name in store.columns), n))
+    n, plan, columns = points.plan.size, points.plan, points.store.columns
+    free = iter(_mapped(directory, sum(name.startswith(NUMBER) for name in columns), n))
     numbers: dict[str, np.ndarray] = {}
     signals: dict[str, None] = {}
     outcomes, reasons = np.full(n, NOT_RUN, dtype=object), np.full(n, "", dtype=object)
     texts: dict[str, str] = {}  # each once in memory
     section: list[np.ndarray] = []
     longest = 0
-    for some, table in store.pieces(places):
+    for some, table in points.pieces():
         for column, target, missing in (("outcome", outcomes, NOT_RUN), ("reason", reasons, "")):
             target[some] = [texts.setdefault(t, t) for t in compute.fill_null(table.column(column), missing).to_pylist()]
         for name in table.column_names:
@@ -86,8 +82,11 @@ def collect(store: Store, places: np.ndarray, directory: Path) -> Collected:
             longest = max(longest, compute.max(compute.list_value_length(table.column(TIME))).as_py() or 0)
         if n <= stores.PIECE:
             section = [array_of(table, SECTION, k) for k in range(n)]
-    units = {n: store.columns[SIGNAL + n] for n in signals} | {n: store.columns[NUMBER + n] for n in numbers}
-    return Collected(numbers, outcomes, reasons, tuple(section), units, tuple(signals), longest)
+    units = {name: unit_of(scene, name) for name in plan.columns}
+    units |= {n: columns[SIGNAL + n] for n in signals} | {n: columns[NUMBER + n] for n in numbers}
+    units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
+    varied = {name: column.labels for name, column in plan.columns.items()}
+    return Collected(varied, numbers, outcomes, reasons, tuple(section), units, tuple(signals), longest)
 
 
 def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
@@ -103,12 +102,13 @@ def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
     return values
 
 
-def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mapping[str, str], collected: Collected) -> Path:
+def write_tables(directory: Path, collected: Collected) -> Path:
     """sweep.csv and sweep.parquet: what varies, what was measured, the outcome with its reason."""
     import pyarrow
     import pyarrow.parquet as parquet
 
-    columns = {**varied, **collected.numbers}
+    units = collected.units
+    columns = {**collected.varied, **collected.numbers}
 
     def rows() -> Iterator[tuple[Any, ...]]:
         for first in range(0, collected.outcomes.size, CHUNK):
@@ -128,38 +128,30 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     return path
 
 
-def write_data_set(
-    directory: Path,
-    varied: Mapping[str, np.ndarray],
-    units: Mapping[str, str],
-    collected: Collected,
-    rows: tuple[Store, np.ndarray],
-    attributes: Mapping[str, Any],
-    interval: float | None,
-) -> Path | None:
-    """sweep.zarr, put in place when it is whole; None where xarray or zarr are not installed. rows: a store, and the points' places
-    in it, for the kept signals: over "time" where all were interpolated at multiples of an interval, else over "sample"."""
+def write_data_set(directory: Path, collected: Collected, points: StoredPlan, attributes: Mapping[str, Any]) -> Path | None:
+    """sweep.zarr, put in place when it is whole; None where xarray or zarr are not installed. Kept signals lie over "time" where
+    all were interpolated at multiples of an interval, else over "sample"."""
     if find_spec("xarray") is None or find_spec("zarr") is None:
         return None
     import xarray
 
-    n, longest = collected.outcomes.size, collected.longest
+    n, longest, interval = collected.outcomes.size, collected.longest, points.plan.settings.keep.interval
 
     def described(name: str) -> dict[str, str]:
-        return {"long_name": name, "units": units.get(name) or "1"}
+        return {"long_name": name, "units": collected.units.get(name) or "1"}
 
     def tables() -> Iterator[xarray.Dataset]:
         for first in range(0, n, stores.PIECE):
             some = slice(first, min(first + stores.PIECE, n))
             variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in collected.numbers.items()}
             variables |= {"outcome": ("point", collected.outcomes[some]), "reason": ("point", collected.reasons[some])}
-            coordinates = {name: ("point", c[some], described(name)) for name, c in varied.items()}
+            coordinates = {name: ("point", c[some], described(name)) for name, c in collected.varied.items()}
             yield xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
 
     def signals() -> Iterator[xarray.Dataset]:
         along = "time" if interval is not None else "sample"
         columns = {SIGNAL + m: f"{m}, signal" if m in collected.numbers else m for m in collected.signals}
-        for _, table in rows[0].pieces(rows[1], [TIME, *columns], per):
+        for _, table in points.pieces([TIME, *columns], per):
             variables: dict[str, Any] = {
                 name: (("point", along), _padded(table, column, longest), described(column.removeprefix(SIGNAL)))
                 for column, name in columns.items()
@@ -205,28 +197,26 @@ def _append(path: Path, pieces: Iterable[Any], chunks: tuple[int, ...]) -> None:
                 data.drop_vars(others).to_zarr(path, append_dim="point", consolidated=False)
 
 
-def provenance(scene: Scene, plan: Points, base: str, units: Mapping[str, str]) -> dict[str, Any]:
-    """What sweep.json and the data set's attributes tell of how the numbers came about."""
-    settings = plan.settings.model_dump_json(exclude_unset=True, fallback=lambda x: vars(x))
-    return {
+def write_provenance(directory: Path, scene: Scene, points: StoredPlan, units: Mapping[str, str], more: Mapping[str, Any]) -> str:
+    """sweep.json, in place when it is whole: how the numbers came about, and `more`; the same as text for the data set."""
+    settings = points.plan.settings.model_dump_json(exclude_unset=True, fallback=lambda x: vars(x))
+    content = {
         "scene": {"name": scene.name, **scene.model_dump(mode="json")},
         "plan": json.loads(settings.replace("Infinity", "null")),
-        "points": plan.size,
-        "base": base,
+        "points": points.plan.size,
+        "base": points.task.base,
         "units": dict(units),
-        "remarks": plan.remarks,
+        "remarks": points.plan.remarks,
         "versions": {
             "cosimo": own_version(),
             "python": platform.python_version(),
             "numpy": np.__version__,
             **{name: version(name) for name in ("numba", "scipy", "pyarrow")},
         },
+        **more,
     }
-
-
-def write_provenance(directory: Path, content: Mapping[str, Any]) -> None:
-    """sweep.json, in place when it is whole."""
     try:
         write_json(directory / "sweep.json", content)
+        return json.dumps(content)
     except (TypeError, ValueError) as error:
         raise BadInput("sweep.json", f"{type(error).__name__}: {error}", "values that JSON has") from None

@@ -21,9 +21,9 @@ from ..charts.chart import Chart
 from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
-from .columns import column_name
-from .evaluations import Evaluations, Observe, SearchSettings, Summarize, keep_for
-from .measures import Row
+from .columns import column_name, keep_for
+from .evaluations import Evaluations, Observe, evaluations
+from .measures import Row, Summarize
 from .plan import changes, other_starts, unit_of, with_vary_in_units
 from .repetition import OF_DEVIATION
 from .searches import Ask, differences, run_searches
@@ -106,9 +106,11 @@ def fit(
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
-    search = SearchSettings(directory, jobs, scheduler, observe)
     needed = {"fit: targets": [t.quantity for t in wanted.targets]}
-    with Evaluations(scene, wanted.vary, keep, summarize, search, needed) as runs:
+    searching = evaluations(
+        scene, wanted.vary, keep, needed, directory, jobs=jobs, scheduler=scheduler, summarize=summarize, observe=observe
+    )
+    with searching as runs:
         return _Fitting(scene, wanted, folder, runs).answer(verify)
 
 
@@ -142,7 +144,7 @@ class _Fitting:
     def answer(self, verify: bool) -> SceneFit:
         """Search from every start; the fit with the least residuals, what the others came to, and what shorter steps change."""
         runs, names = self.runs, self.runs.names
-        first = runs.start(self.wanted.vary)
+        first = runs.start()
         (row,) = runs([first])
         if row.outcome != "done":
             raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")
@@ -171,7 +173,7 @@ class _Fitting:
             runs.values(first),
             tuple(charts),
             targets,
-            len(runs.history),
+            runs.asked,
             runs.computed,
             runs.sweep(),
         )

@@ -30,6 +30,7 @@ from ..studies.quantities import TimeHistory, quantities_of, recording
 if TYPE_CHECKING:
     from ..summary import Summary
 
+Summarize = Callable[[Result], "Summary"]  # the figures of a run, by an importable function
 OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 
 
@@ -54,7 +55,7 @@ class Row:
 class Task:
     """A scene and what is kept of its runs, as plain data that another process can take.
 
-    data, name: of the scene.  models: of its [analysis], by system.  summarize: figures of a run, an importable function.
+    data, name: of the scene.  models: of its [analysis], by system.
     base: digest of what the results of all points depend on: scene, what is kept, own code, version.
     """
 
@@ -62,11 +63,11 @@ class Task:
     name: str
     models: Mapping[str, Any]
     keep: KeepSettings
-    summarize: Callable[[Result], Summary] | None
+    summarize: Summarize | None
     base: str
 
     @classmethod
-    def of(cls, scene: Scene, keep: KeepSettings, summarize: Callable[[Result], Summary] | None) -> Task:
+    def of(cls, scene: Scene, keep: KeepSettings, summarize: Summarize | None) -> Task:
         """Of a scene, which then records what is kept; raises `BadInput` for signals that it does not have."""
         scene = prepared(scene, keep)
         for text in keep.functions:

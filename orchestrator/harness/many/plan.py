@@ -63,6 +63,12 @@ class Points:
         """What varies, at point i."""
         return {name: column.value(i) for name, column in self.columns.items()}
 
+    def at(self, places: Sequence[int]) -> Points:
+        """Those at some places."""
+        some = np.array(places, dtype=int)
+        columns = {name: Column(column.numbers[some], column.choices) for name, column in self.columns.items()}
+        return Points(self.settings, columns, some.size)
+
     @property
     def remarks(self) -> list[str]:
         """What a user should know of the points."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,11 @@ from ...judgement.thresholds import SECONDS, WARN
 from ...shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error
-from .execute import compute
+from .execute import Schedule, compute
 from .executors import Here
-from .measures import Row, Task
+from .measures import Row
 from .plan import Points
-from .store import Store
+from .store import Store, StoredPlan
 
 AT_RANDOM = 3  # points besides those at the ends
 SEED = 0
@@ -93,18 +92,13 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
     return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
 
 
-def repeat(
-    task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
-) -> dict[int, Row]:
+def repeat(points: StoredPlan, places: Sequence[int], seconds: float = SECONDS) -> dict[int, Row]:
     """Rows with half of every step by place, as far as they are known or computed in this time, s; one in any case."""
-    half = Store(folder / "half")
-    wanted = np.array(places, dtype=int)
-    missing = wanted[half.missing(digests[wanted])]
-    if missing.size:
+    half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
+    if (missing := half.missing()).size:
         with shorter_steps(2):
-            compute(Here(), task, plan, digests, missing, half, seconds=seconds)
-    rows = half.places(digests[wanted]).tolist()
-    return {int(place): half.row(row) for place, row in zip(wanted, rows, strict=True) if row >= 0}
+            compute(Here(), half, Schedule(half, missing), seconds=seconds)
+    return {places[k]: row for k, row in half.rows(range(len(places))).items()}
 
 
 def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:

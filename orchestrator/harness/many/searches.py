@@ -1,7 +1,7 @@
 """Searches that need runs: the next runs of all searches are computed together, so that no number depends on who computes.
 
-A search is a function that is given `ask(points) -> rows` and calls it whenever it needs runs. Each is in a thread of its own, of
-which one goes on at a time until it asks; the runs are computed where `run_searches` was called.
+A search is a function that is given `ask(points) -> rows` and calls it whenever it needs runs. Each is in a thread of its own, and
+goes on alone until it asks again; the runs are computed where `run_searches` was called.
 """
 
 from __future__ import annotations
@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
-from threading import Lock
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from .measures import Row
 
 T = TypeVar("T")
 Ask = Callable[[Sequence[np.ndarray]], list[Row]]
-Request = tuple[Sequence[np.ndarray], Future[list[Row]]]
 
 
 class _Abandoned(BaseException):
@@ -28,51 +26,49 @@ class _Abandoned(BaseException):
 
 def run_searches(searches: Sequence[Callable[[Ask], T]], compute: Ask) -> list[T]:
     """The results of searches, in their order. `compute`: runs points, together those that all searches have asked for."""
-    turn = Lock()
-    news: SimpleQueue[tuple[int, Request | None]] = SimpleQueue()  # a search has asked, or (None) has ended
+    questions: list[SimpleQueue[Sequence[np.ndarray] | None]] = [SimpleQueue() for _ in searches]  # None: the search has ended
+    answers: list[SimpleQueue[list[Row] | None]] = [SimpleQueue() for _ in searches]  # None: it is not gone on with
 
     def run(place: int) -> T:
         def ask(points: Sequence[np.ndarray]) -> list[Row]:
-            answer: Future[list[Row]] = Future()
-            news.put((place, (points, answer)))
-            turn.release()
-            try:
-                return answer.result()
-            finally:
-                turn.acquire()
+            questions[place].put(points)
+            if (rows := answers[place].get()) is None:
+                answers[place].put(None)
+                raise _Abandoned
+            return rows
 
         try:
-            with turn:
-                return searches[place](ask)
+            return searches[place](ask)
         finally:
-            news.put((place, None))
+            questions[place].put(None)
 
     with ThreadPoolExecutor(len(searches)) as threads:
-        results = [threads.submit(run, place) for place in range(len(searches))]
-        asking: list[Request] = []
-        going_on = len(searches)
+        results: list[Future[T]] = []
+        asked: dict[int, Sequence[np.ndarray]] = {}
         try:
-            while going_on:
-                latest = sorted([news.get() for _ in range(going_on)], key=lambda item: item[0])
-                asking = [request for _, request in latest if request is not None]
-                going_on = len(asking)
-                for place, request in latest:
-                    if request is None:
-                        results[place].result()  # raises what has ended the search
-                if asking:
-                    rows = iter(compute([p for points, _ in asking for p in points]))
-                    for points, answer in asking:
-                        answer.set_result([next(rows) for _ in points])
+            for place in range(len(searches)):
+                results.append(threads.submit(run, place))
+                asked |= _question(place, questions[place], results[place])
+            while asked:
+                rows = iter(compute([p for points in asked.values() for p in points]))
+                given = {place: [next(rows) for _ in points] for place, points in asked.items()}
+                asked = {}
+                for place, some in given.items():
+                    answers[place].put(some)
+                    asked |= _question(place, questions[place], results[place])
         except BaseException:
-            while going_on:  # those that wait, and those that have been answered and ask again
-                for _, answer in asking:
-                    if not answer.done():
-                        answer.set_exception(_Abandoned())
-                _, request = news.get()
-                asking = [] if request is None else [request]
-                going_on -= request is None
+            for queue in answers:
+                queue.put(None)
             raise
     return [result.result() for result in results]
+
+
+def _question(place: int, questions: SimpleQueue[Any], result: Future[Any]) -> dict[int, Sequence[np.ndarray]]:
+    """What a search asks for next, by its place; nothing where it has ended. Raises what has ended it."""
+    if (points := questions.get()) is not None:
+        return {place: points}
+    result.result()
+    return {}
 
 
 def differences(

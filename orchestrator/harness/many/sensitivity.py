@@ -22,8 +22,8 @@ from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ..sweep import Sweep, sweep
-from .columns import column_name
-from .evaluations import Summarize, default_quantities, keep_for
+from .columns import column_name, for_columns
+from .measures import Summarize
 from .plan import SMALLEST, plan_settings
 from .repetition import blurred
 
@@ -128,13 +128,9 @@ def sensitivity(
         raise BadInput(
             "sensitivity", "a table of points" if settings.table else f"{len(settings.vary)} parameter", "two or more in [vary]"
         )
-    names = list(quantities) or list(default_quantities(scene, settings.keep))
-    if not names:
-        raise BadInput("sensitivity", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
-    keep = keep_for([*names, *settings.limits], settings.keep)
+    names, chosen = for_columns(scene, settings, quantities, "sensitivity")
     problem = {"num_vars": len(settings.vary), "names": list(settings.vary), "bounds": [[0.0, 1.0]] * len(settings.vary)}
     cube = sample(problem, method, samples, settings.seed)
-    chosen = settings.model_copy(update={"keep": keep})
     points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
     runs = sweep(
         scene,
@@ -201,8 +197,8 @@ def analyse(
         if method == "sobol":
             from SALib.analyze import sobol
 
-            r = sobol.analyze(
-                dict(problem), y, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE, seed=seed
+            r = sobol.analyze(  # to which a seed of 0 is none
+                dict(problem), y, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE, seed=seed or 1
             )
             rows = np.stack([r["S1"], r["S1_conf"], r["ST"], r["ST_conf"]], axis=1)
         else:

@@ -8,6 +8,8 @@ Other tools read a folder as one data set, `pyarrow.dataset.dataset(folder, form
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -17,7 +19,8 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ....components.core.store import digest_of, replaced
 from ...output import not_written
-from .measures import Row
+from .measures import Row, Task
+from .plan import Points
 
 WRITE_EVERY = 1.0  # s between two files
 SUFFIX = ".arrow"
@@ -50,13 +53,14 @@ def table_of(rows: Sequence[tuple[int, Row]]) -> Any:
     return pyarrow.table([pyarrow.array(x, type=t) for _, t, x, _ in columns], schema=schema)
 
 
-def row_of(table: Any, k: int = 0) -> Row:
-    """A row of such a table."""
+def row_of(table: Any, k: int) -> Row:
+    """A row of such a table; without the numbers that other rows alone have."""
     row = Row(table.column("outcome")[k].as_py(), table.column("reason")[k].as_py())
     for field in table.schema:
         if field.name.startswith(NUMBER):
             name = field.name.removeprefix(NUMBER)
-            row.numbers[name], row.units[name] = table.column(field.name)[k].as_py(), unit_of_field(field)
+            if (value := table.column(field.name)[k].as_py()) is not None:
+                row.numbers[name], row.units[name] = value, unit_of_field(field)
         elif field.name.startswith(SIGNAL):
             name = field.name.removeprefix(SIGNAL)
             row.signals[name], row.units[name] = array_of(table, field.name, k), unit_of_field(field)
@@ -84,7 +88,7 @@ class Store:
     """
 
     def __init__(self, folder: Path):
-        self._folder = folder
+        self.folder = folder
         self._files: list[Path] = []
         self._digests: list[np.ndarray] = []  # of each file's rows
         self._done: list[np.ndarray] = []
@@ -105,6 +109,11 @@ class Store:
                 self.remarks.append(f"{path.name} in {folder.name} was damaged and is removed: its points are run again")
         except OSError as error:
             raise not_written(folder, error) from None
+
+    @classmethod
+    def of(cls, task: Task, directory: Path) -> Store:
+        """That of the runs of a task in a directory."""
+        return cls(directory / "points" / task.base)
 
     @property
     def size(self) -> int:
@@ -130,12 +139,12 @@ class Store:
         content = pyarrow.BufferOutputStream()
         feather.write_feather(table, content, compression="zstd" if table.nbytes > COMPRESS_FROM else "uncompressed")
         buffer = content.getvalue()
-        path = self._folder / (_name(buffer) + SUFFIX)
+        path = self.folder / (_name(buffer) + SUFFIX)
         try:
             with replaced(path, "wb", synchronized=False) as file:
                 file.write(buffer)
         except OSError as error:
-            raise not_written(self._folder, error) from None
+            raise not_written(self.folder, error) from None
         if path not in self._files:
             self._index(path, table)
 
@@ -147,26 +156,23 @@ class Store:
         self._done.append(compute.equal(table.column("outcome"), "done").to_numpy())
         self.columns.update({field.name: unit_of_field(field) for field in table.schema})
 
-    def places(self, digests: np.ndarray, retry: bool = False) -> np.ndarray:
+    def find(self, digests: np.ndarray, retry: bool = False) -> np.ndarray:
         """(n,) numbers of the rows of points, -1 where there is none: of several the first that is done, else the first.
 
         `retry`: only rows that are done count.
         """
+        import pyarrow
+        import pyarrow.compute as compute
+
         if not self._files:
             return np.full(digests.size, -1)
-        known, failed = np.concatenate(self._digests), ~np.concatenate(self._done)
-        order = np.lexsort((failed, known))  # a point that was run again after it had failed has two rows
-        ordered = known[order]
-        at = np.minimum(np.searchsorted(ordered, digests), ordered.size - 1)
-        places = np.where(ordered[at] == digests, order[at], -1)
-        return np.where(failed[places], -1, places) if retry else places
+        known, done = np.concatenate(self._digests), np.concatenate(self._done)
+        order = np.argsort(~done, kind="stable")  # a point that was run again after it had failed has two rows
+        order = order[: done.sum()] if retry else order
+        first = compute.index_in(pyarrow.array(digests), value_set=pyarrow.array(known[order]))
+        return np.append(order, -1)[first.fill_null(order.size).to_numpy()]
 
-    def missing(self, digests: np.ndarray, retry: bool = False) -> np.ndarray:
-        """Places in `digests` of points without a row, in their order, each digest once."""
-        left = np.flatnonzero(self.places(digests, retry) < 0)
-        return left[np.sort(np.unique(digests[left], return_index=True)[1])]
-
-    def table(self, places: np.ndarray, columns: Sequence[str] | None = None) -> Any:
+    def table(self, rows: np.ndarray, columns: Sequence[str] | None = None) -> Any:
         """The rows of these numbers, in this order; nulls where a number is -1, and where a row has no such column.
 
         Raises `BadInput` where a file has been damaged since the store was opened.
@@ -174,36 +180,52 @@ class Store:
         import pyarrow
 
         starts = np.cumsum([0, *(part.size for part in self._digests)])
-        tables, order = [table_of([]).select([] if columns is not None else [0, 1, 2])], np.full(places.size, -1)
-        files = np.where(places < 0, -1, np.searchsorted(starts, places, side="right") - 1)
-        used, first = np.unique(files, return_index=True)
-        members = np.split(np.argsort(files, kind="stable"), np.searchsorted(np.sort(files), used[1:]))
+        files = np.where(rows < 0, -1, np.searchsorted(starts, rows, side="right") - 1)
+        tables, order = [table_of([]).select([] if columns is not None else [0, 1, 2])], np.full(rows.size, -1)
         taken = 0
-        for k in np.argsort(first):  # columns in the order of the points, whoever has computed them
-            if used[k] < 0:
-                continue
-            table = _read(self._files[used[k]])
+        for k in dict.fromkeys(files[files >= 0].tolist()):  # columns in the order of the points, whoever has computed them
+            table = _read(self._files[k])
             if table is None:
-                raise BadInput(
-                    str(self._files[used[k]]), "a damaged file", "the rows of points", "The same command runs them again."
-                )
+                raise BadInput(str(self._files[k]), "a damaged file", "the rows of points", "The same command runs them again.")
             if columns is not None:
                 table = table.select([c for c in columns if c in table.column_names])
-            tables.append(table.take(places[members[k]] - starts[used[k]]))
-            order[members[k]] = taken + np.arange(members[k].size)
-            taken += members[k].size
+            members = np.flatnonzero(files == k)
+            tables.append(table.take(rows[members] - starts[k]))
+            order[members] = taken + np.arange(members.size)
+            taken += members.size
         return pyarrow.concat_tables(tables, promote_options="default").take(pyarrow.array(order, mask=order < 0))
 
-    def row(self, place: int) -> Row:
-        """The row of a number."""
-        return row_of(self.table(np.array([place])))
 
-    def pieces(self, places: np.ndarray, columns: Sequence[str] | None = None, size: int = 0) -> Iterator[tuple[slice, Any]]:
-        """Slices of the places with the rows there, `size` at a time."""
-        step = size or PIECE
-        for start in range(0, places.size, step):
-            some = slice(start, min(start + step, places.size))
-            yield some, self.table(places[some], columns)
+@dataclass(frozen=True)
+class StoredPlan:
+    """The points of a plan, the task of their runs, and the store that has the rows of some of them, and of other plans'."""
+
+    task: Task
+    plan: Points
+    store: Store
+
+    @cached_property
+    def digests(self) -> np.ndarray:
+        """(n,) of the points."""
+        return self.plan.digests(self.task.base)
+
+    def missing(self, retry: bool = False) -> np.ndarray:
+        """Places of points without a row, in the plan's order, equal points once; `retry`: a failed one counts as missing."""
+        left = np.flatnonzero(self.store.find(self.digests, retry) < 0)
+        return left[np.sort(np.unique(self.digests[left], return_index=True)[1])]
+
+    def rows(self, places: Sequence[int]) -> dict[int, Row]:
+        """The rows at places, by place; without those that the store does not have."""
+        numbers = self.store.find(self.digests[np.array(places, dtype=int)])
+        table = self.store.table(numbers)
+        return {place: row_of(table, k) for k, place in enumerate(places) if numbers[k] >= 0}
+
+    def pieces(self, columns: Sequence[str] | None = None, size: int = 0) -> Iterator[tuple[slice, Any]]:
+        """Slices of the places with a table of the rows there, `size` at a time."""
+        numbers, step = self.store.find(self.digests), size or PIECE
+        for start in range(0, numbers.size, step):
+            some = slice(start, min(start + step, numbers.size))
+            yield some, self.store.table(numbers[some], columns)
 
 
 def _name(content: Any) -> str:

@@ -21,10 +21,9 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
-from .columns import column_name
-from .evaluations import Summarize, default_quantities, keep_for
+from .columns import column_name, for_columns
 from .limits import recalled, with_rows
-from .measures import Row, Task
+from .measures import Row, Summarize, Task
 from .plan import plan_settings
 from .point_runs import row_of
 from .repetition import blurred
@@ -222,13 +221,10 @@ def uncertainty(
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)
-    names = list(quantities) or list(dict.fromkeys([*default_quantities(scene, settings.keep), *settings.limits]))
-    if not names:
-        raise BadInput("uncertainty", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
-    keep = keep_for([*names, *settings.limits], settings.keep)
+    names, settings = for_columns(scene, settings, quantities, "uncertainty", settings.limits)
     runs = sweep(
         scene,
-        settings.model_copy(update={"keep": keep}),
+        settings,
         directory,
         jobs=jobs,
         scheduler=scheduler,
@@ -243,7 +239,7 @@ def uncertainty(
     spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
     messages = _messages(runs, spreads, settings.method)
     answer = Uncertainty(runs, spreads, _kept(runs), messages=tuple(messages))
-    return _with_effects(Task.of(scene, keep, summarize), answer, share) if effects else answer
+    return _with_effects(Task.of(scene, settings.keep, summarize), answer, share) if effects else answer
 
 
 def spread(name: str, unit: str, values: np.ndarray) -> Spread:

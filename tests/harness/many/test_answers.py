@@ -38,14 +38,14 @@ def test_sobol_indices_of_the_ishigami_function():
 
 
 def test_a_failed_run_voids_its_block_alone():
-    """SALib gives zeros for a single NaN."""
+    """SALib gives zeros for a single NaN. The intervals are the same again, by any seed."""
     pytest.importorskip("SALib")
     cube = sample(ISHIGAMI, "sobol", 256, 1)
     y = ishigami(cube)
     y[[7, 503]] = np.nan  # blocks of five
-    rows, blocks = analyse(ISHIGAMI, "sobol", cube, y, 1)
+    rows, blocks = analyse(ISHIGAMI, "sobol", cube, y, 0)
     kept = np.repeat(~np.isin(np.arange(256), [1, 100]), 5)
-    same, _ = analyse(ISHIGAMI, "sobol", cube[kept], y[kept], 1)
+    same, _ = analyse(ISHIGAMI, "sobol", cube[kept], y[kept], 0)
     assert blocks == 254
     assert np.array_equal(rows, same)
     with pytest.raises(BadInput, match="complete blocks"):

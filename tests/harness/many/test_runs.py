@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import tomli_w
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.many import execute
 from cosimo.orchestrator.harness.many.execute import KILLED
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.systems import read_scene
@@ -100,6 +101,19 @@ def test_a_second_call_computes_what_is_missing(tmp_path):
     assert other.computed == 4  # of another scene
     with pytest.raises(BadInput, match="Latin hypercube cannot"):
         sweep(read_scene(scene()), plan | {"method": "latin-hypercube"}, tmp_path, add=1)
+
+
+def test_failed_points_run_again_wherever_they_are_computed(tmp_path, monkeypatch):
+    """Also those that are left when the command's own process gives the rest to others."""
+    plan = {"vary": {"d.value": [1.0, 2.0, 3.0]}, "keep": {"functions": [f"{HERE}:fails"]}}
+    sweep(read_scene(scene()), plan, tmp_path, verify=False)
+    monkeypatch.setattr(execute, "ALONE", 1e-9)
+    monkeypatch.setattr(execute, "cores", lambda: 2)
+    monkeypatch.setattr(execute, "Pool", lambda count: execute.Here())
+    asked, submit = [], execute.Here.submit
+    monkeypatch.setattr(execute.Here, "submit", lambda self, task, points: asked.extend(points) or submit(self, task, points))
+    sweep(read_scene(scene()), plan, tmp_path, verify=False, retry=True, jobs=None)
+    assert [values["d.value"] for _, values in asked] == [1.0, 2.0, 3.0]
 
 
 def test_own_functions_and_quantities_are_columns():

@@ -10,8 +10,8 @@ from cosimo.orchestrator.harness.many import files, store
 from cosimo.orchestrator.harness.many.files import collect
 from cosimo.orchestrator.harness.many.measures import Row, Task
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
-from cosimo.orchestrator.harness.many.store import Store, table_of
-from cosimo.orchestrator.harness.sweep import POINTS, collected_sweep
+from cosimo.orchestrator.harness.many.store import Store, StoredPlan, table_of
+from cosimo.orchestrator.harness.sweep import collected_sweep
 from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.many import sweep
@@ -27,22 +27,33 @@ def written(folder, *parts):
     return rows
 
 
+SCENE = read_scene(formula())
+
+
+def stored(rows, *digests):
+    """Points of these digests with a store."""
+    plan = plan_of(SCENE, plan_settings({"vary": {"f.a": list(map(float, range(len(digests))))}}))
+    points = StoredPlan(Task.of(SCENE, KeepSettings(), None), plan, rows)
+    points.__dict__["digests"] = np.array(digests)
+    return points
+
+
 def test_a_run_that_is_done_takes_the_place_of_one_that_failed(tmp_path):
     """In whichever part it lies."""
     parts = [(4, "done"), (1, "failed"), (2, "failed")], [(1, "done")], [(9, "done"), (2, "done")]
-    digests = np.array([1, 2, 4, 7, 2, 9])  # 7 was not run, 2 is there twice
     for rows in (written(tmp_path, *parts), Store(tmp_path)):
-        assert rows.missing(digests).tolist() == [3]
-        collected = collect(rows, rows.places(digests), tmp_path)
+        points = stored(rows, 1, 2, 4, 7, 2, 9)  # 7 was not run, 2 is there twice
+        assert points.missing().tolist() == [3]
+        collected = collect(SCENE, points, tmp_path)
         np.testing.assert_array_equal(collected.numbers["a"], [10.0, 20.0, 40.0, np.nan, 20.0, 90.0])
         assert collected.outcomes.tolist() == ["done", "done", "done", "not run", "done", "done"]
 
 
 def test_failed_points_are_missing_where_they_are_to_run_again(tmp_path):
     rows = written(tmp_path, [(1, "done"), (2, "failed")], [(3, "failed")])
-    digests = np.array([3, 1, 2, 4])
-    assert rows.missing(digests).tolist() == [3]
-    assert rows.missing(digests, retry=True).tolist() == [0, 2, 3]
+    points = stored(rows, 3, 1, 2, 4)
+    assert points.missing().tolist() == [3]
+    assert points.missing(retry=True).tolist() == [0, 2, 3]
 
 
 def test_a_part_is_written_once_and_other_tools_read_the_folder(tmp_path):
@@ -73,7 +84,7 @@ def test_a_file_that_is_damaged_later_is_one_message(tmp_path):
     (part,) = tmp_path.glob("*.arrow")
     part.write_bytes(part.read_bytes()[:-1])
     with pytest.raises(BadInput, match="damaged"):
-        rows.row(0)
+        stored(rows, 1).rows([0])
 
 
 def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
@@ -82,20 +93,19 @@ def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "PIECE", 2048)
     monkeypatch.setattr(files, "CHUNK", 512)
     monkeypatch.setattr(files, "LARGEST_PIECE", 0)
-    scene = read_scene(formula())
-    task = Task.of(scene, KeepSettings(), None)
+    task = Task.of(SCENE, KeepSettings(), None)
     uniform = {"distribution": "uniform", "low": 0.0, "high": 1.0}
     for n in (4096, 16384):  # the first one imports what is needed
-        plan = plan_of(scene, plan_settings({"method": "random", "points": n, "vary": {"f.a": uniform, "f.b": uniform}}))
+        plan = plan_of(SCENE, plan_settings({"method": "random", "points": n, "vary": {"f.a": uniform, "f.b": uniform}}))
+        rows = Store.of(task, tmp_path / str(n))
         digests = plan.digests(task.base)
-        rows = Store(tmp_path / str(n) / POINTS / task.base)
         for first in range(0, n, 1024):
             some = digests[first : first + 1024].tolist()
             rows.append(table_of([(d, Row("done", "", {f"f.x{k}": float(k) for k in range(5)})) for d in some]))
             rows.flush()
         del digests
         tracemalloc.start()
-        result = collected_sweep(scene, plan, tmp_path / str(n), rows, task)
+        result = collected_sweep(SCENE, StoredPlan(task, plan, rows), tmp_path / str(n))
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert result.outcomes.count("done") == n
