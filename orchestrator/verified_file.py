@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_STORED, ZipFile
@@ -22,7 +23,7 @@ class DamagedFile(ValueError):
 
 
 def write_verified(path: Path, content: Any) -> None:
-    """Write plain data and arrays; the file appears as a whole or not at all.
+    """Write plain data and arrays, a dataclass as the mapping of its fields; the file appears as a whole or not at all.
 
     Raises `OSError`, and `TypeError` for any other object.
     """
@@ -71,6 +72,8 @@ def content_digest(arrays: Mapping[str, np.ndarray]) -> bytes:
 
 # -- numbers and texts as they are, arrays and bytes beside the text, tuples and mappings as tagged mappings ------------------
 def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        value = vars(value)
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, np.generic):

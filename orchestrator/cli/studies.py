@@ -349,20 +349,12 @@ def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
         judged = hard_cases(names, progress=True)
         written = [judged.save(output), for_hard_cases(judged, output)]
     rows = [
-        (
-            v.component,
-            v.case.name,
-            v.claim,
-            _number(v.reached),
-            _number(v.limit),
-            margin_text(v),
-            "" if v.holds else "DOES NOT HOLD",
-        )
+        (v.component, v.case, v.claim, _number(v.reached), _number(v.limit), margin_text(v), "" if v.holds else "DOES NOT HOLD")
         for v in judged.verdicts
     ]
     print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), rows)
     for verdict in judged.failed:
-        print(f"{verdict.component}, {verdict.case.name}: {verdict.message or 'beyond its limit'}")
+        print(f"{verdict.component}, {verdict.case}: {verdict.message or 'beyond its limit'}")
     print(judged.summary)
     print_written(written)
     if judged.failed:

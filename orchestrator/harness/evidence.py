@@ -6,8 +6,8 @@ Of a scene the macro step is varied, of a component alone the communication step
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from math import ceil, inf, isfinite
-from time import process_time
 from typing import Any
 
 import numpy as np
@@ -15,13 +15,13 @@ import numpy as np
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, StepFailed
 from ...fmus.evidence import Evidence, Step
-from ..run import run
 from ..scene.scene import Scene
 from ..scene_fmu.variables import names_of
 from .studies.accuracy import versions
-from .studies.component_accuracy import SHARE, WAVES
+from .studies.component_accuracy import SHARE, WAVES, integrated, parabolas, waves
 from .studies.quantities import Quantity, TimeHistory, errors, quantities_of, recording
 from .studies.stability import limit_text, stability
+from .studies.trial import trial
 
 FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # of the step
 FINEST = 0.125  # of the reference
@@ -40,19 +40,22 @@ def scene_evidence(scene: Scene) -> Evidence:
     every = {"record.interval": None, "record.snapshots": (), "record.snapshot_interval": None, "record.signals": signals}
     whole = recording(scene.with_changes(every))
     quantities = quantities_of(scene)
-    runs = {factor: _scene_run(whole, factor * step) for factor in (*FACTORS, FINEST)}
-    (reference, _, why), near = runs[FINEST], runs[2.0 * FINEST][0]
-    own, finer = runs[1.0][0], runs[0.5][0]
-    if reference is None or near is None or own is None or finer is None:
+    runs = {factor: trial(whole, {"master.step": factor * step}, repeats=1) for factor in (*FACTORS, FINEST)}
+    if failed := [run for factor, run in runs.items() if factor in (1.0, 0.5, 2.0 * FINEST, FINEST) and not run.done]:
         raise BadInput(
-            f"{scene.name}: --evidence", f"a run that does not end ({why or runs[1.0][2]})", "a scene that runs to its end"
+            f"{scene.name}: --evidence", f"a run that does not end ({failed[0].reason})", "a scene that runs to its end"
         )
-    uncertainty = errors(quantities, near, reference)
-    steps = [
-        _measured(factor * step, quantities, history, reference, uncertainty, seconds, why)
-        for factor, (history, seconds, why) in runs.items()
-        if factor != FINEST
-    ]
+    reference, own, finer = (runs[factor].history for factor in (FINEST, 1.0, 0.5))
+    uncertainty = errors(quantities, runs[2.0 * FINEST].history, reference)
+    steps = []
+    for factor in FACTORS:
+        run, length = runs[factor], factor * step
+        if run.done:
+            steps.append(
+                _measured(length, errors(quantities, run.history, reference), run.seconds / scene.stop_time, uncertainty)
+            )
+        else:
+            steps.append(Step(length, inf, run.seconds / max(run.history.time[-1], length) if run.times else inf, run.outcome))
     every_nth = ceil((own.time.size - 1) / ROWS)
     time = own.time[::every_nth][: (own.time.size - 1) // every_nth + 1]
     names = names_of(scene)
@@ -82,34 +85,9 @@ def scene_evidence(scene: Scene) -> Evidence:
     )
 
 
-def _scene_run(scene: Scene, step: float) -> tuple[TimeHistory | None, float, str]:
-    """What a macro step gives, the CPU time of a second, s, and why there is nothing."""
-    try:
-        result = run(scene.with_changes({"master.step": step}), in_process=True)
-    except BadInput as error:
-        return None, inf, error.actual
-    timing = result.info["timing"]
-    seconds = timing["cpu"] / max(timing["simulated"], step)
-    if result.info["outcome"] != "done":
-        return None, seconds, result.info["outcome"]
-    return TimeHistory(result.time, {name: np.asarray(result[name]) for name in result.columns}), seconds, ""
-
-
-def _measured(
-    length: float,
-    quantities: Sequence[Quantity],
-    history: TimeHistory | None,
-    reference: TimeHistory,
-    uncertainty: Mapping[str, float],
-    seconds: float,
-    why: str = "",
-) -> Step:
-    """A step with its largest error; `uncertainty`: the reference's own; `why`: there is no history."""
-    if history is None:
-        return Step(length, inf, seconds, why)
-    error, name = max(
-        (error + uncertainty.get(name, 0.0), name) for name, error in errors(quantities, history, reference).items()
-    )
+def _measured(length: float, distances: Mapping[str, float], seconds: float, uncertainty: Mapping[str, float]) -> Step:
+    """A step with its largest error: a distance from a reference and, added, the reference's own error."""
+    error, name = max((distance + uncertainty.get(name, 0.0), name) for name, distance in distances.items())
     return Step(length, error, seconds, of=name)
 
 
@@ -153,30 +131,14 @@ def component_evidence(make: Callable[[], Component]) -> Evidence:
     longest = FACTORS[0] * usual
     count = max(int(min(cls.default_stop, MOST * usual) / longest * (1.0 + 1e-9)), FEWEST)
     stop = count * longest
-    amplitude = np.array([SHARE * first.variables[n].nominal for n in first.inputs])
-    start = first.u[0].copy()
-
-    def waves(t: np.ndarray) -> np.ndarray:
-        return start + 0.5 * (1.0 - np.cos(2.0 * np.pi * WAVES / stop * t))[:, None] * amplitude
+    input_waves = partial(waves, first.u[0].copy(), np.array([SHARE * first.variables[n].nominal for n in first.inputs]), stop)
 
     def solved(component: Component, step: float, n: int, *, held: bool = True) -> tuple[np.ndarray, float]:
         """Outputs of n steps, (n + 1, outputs), and CPU seconds; raises `StepFailed`."""
-        times = step * np.arange(n + 1)
-        values, middles = waves(times), waves(times[:-1] + 0.5 * step)
-        component.u[0] = values[0]
-        component.initialize(0.0)
-        rows = np.empty((n + 1, component.y.size))
-        rows[0] = component.y
-        began = process_time()
-        for k in range(n):
-            component.u[0] = values[k]
-            component.u[1:] = 0.0
-            if not held:
-                component.u[1] = (4.0 * middles[k] - 3.0 * values[k] - values[k + 1]) / step
-                component.u[2] = 2.0 * (values[k] - 2.0 * middles[k] + values[k + 1]) / step**2
-            component.step(float(times[k]), step)
-            rows[k + 1] = component.y
-        return rows, process_time() - began
+        inputs = parabolas(input_waves(0.5 * step * np.arange(2 * n + 1)), step)
+        if held:
+            inputs[:, 1:] = 0.0
+        return integrated(component, inputs, step)
 
     def history(rows: np.ndarray, step: float) -> TimeHistory:
         return TimeHistory(step * np.arange(len(rows)), dict(zip(first.outputs, rows.T, strict=True)))
@@ -203,7 +165,7 @@ def component_evidence(make: Callable[[], Component]) -> Evidence:
         step, n = factor * usual, round(stop / (factor * usual))
         try:
             rows, seconds = solved(make(), step, n)
-            steps.append(_measured(step, quantities, history(rows, step), reference, {}, seconds / stop))
+            steps.append(_measured(step, errors(quantities, history(rows, step), reference), seconds / stop, {}))
         except (StepFailed, BadInput):
             steps.append(Step(step, inf, inf, "failed"))
         if factor == factors[-1] > SHORTEST and largest_within(steps) is None:
@@ -235,7 +197,7 @@ def component_evidence(make: Callable[[], Component]) -> Evidence:
             "Outputs that count are left out. Faster inputs need shorter steps in proportion."
         ),
         stable=(f"Internal steps are stable up to {limit:.3g} s." if limit else "No internal step can be unstable.") + above,
-        inputs=dict(zip(first.inputs, waves(times).T, strict=True)),
+        inputs=dict(zip(first.inputs, input_waves(times).T, strict=True)),
     )
 
 

@@ -14,7 +14,6 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -62,16 +61,14 @@ class Journal:
         with suppress(OSError):  # where there are pieces, they stay
             self._folder.rmdir()
 
-    def piece(
-        self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[T], Any]
-    ) -> T:
+    def piece(self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], record: type | None) -> T:
         """See `once`."""
         key = [version("cosimo"), kind, *map(self._key, of)]
         path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
         with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
-            return restore(read_verified(path))
+            return _restored(read_verified(path), record)
         value = compute()
-        write_verified(path, plain(value))
+        write_verified(path, value)
         return value
 
     def _key(self, part: Any) -> Any:
@@ -85,19 +82,23 @@ class Journal:
         return [digest(part), self._code[components]]
 
 
+def _restored(kept: Any, record: type | None) -> Any:
+    if record is None or kept is None:
+        return kept
+    return [record(**one) for one in kept] if isinstance(kept, list) else record(**kept)
+
+
 _journal: ContextVar[Journal | None] = ContextVar("journal", default=None)  # of the study that is under way
 
 
-def once(
-    kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T], plain: Callable[[Any], Any] = asdict
-) -> T:
+def once(kind: str, of: tuple[Any, ...], compute: Callable[[], T], record: type | None = None) -> T:
     """A piece of a study: the kept one where the study has a journal with it, else `compute()`, which is kept.
 
-    of: what it depends on, scenes, components of the catalogue and plain data. plain: of a piece, numbers, texts, arrays, and
-    lists and mappings of them, of which `restore` makes the piece again.
+    of: what it depends on, scenes, components of the catalogue and plain data.  record: the dataclass of a piece, None, or a list
+    of them; its fields are numbers, texts, arrays, and lists, tuples and mappings of them, as a piece without a record is.
     """
     journal = _journal.get()
-    return compute() if journal is None else journal.piece(kind, of, compute, restore, plain)
+    return compute() if journal is None else journal.piece(kind, of, compute, record)
 
 
 @contextmanager

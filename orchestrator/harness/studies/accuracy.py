@@ -235,7 +235,7 @@ class _Bench:
         run = trial(
             self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget, confirm=self._repeats > 1
         )
-        if run.recorded is not None:
+        if run.times:
             self.left -= run.elapsed
             self._last[setting.series] = (setting.size, run.seconds)
         self.points.append(self._judged(point, run))

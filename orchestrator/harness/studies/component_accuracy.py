@@ -8,7 +8,8 @@ SciPy's methods solve the same compiled right-hand side for the same inputs, and
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from time import perf_counter, process_time
@@ -47,6 +48,34 @@ class Solved:
     work: Mapping[str, int]
 
 
+def waves(start: np.ndarray, sizes: np.ndarray, stop: float, t: np.ndarray) -> np.ndarray:
+    """Inputs (n, m) at the times (n,), s: `WAVES` waves from `start` to `sizes` beyond it and back in `stop` s."""
+    return start + 0.5 * (1.0 - np.cos(2.0 * np.pi * WAVES / stop * t))[:, None] * sizes
+
+
+def parabolas(values: np.ndarray, step: float) -> np.ndarray:
+    """Inputs with their derivatives, (n, 3, m), of n steps of so many s, through values (2 n + 1, m) at their ends and middles."""
+    left, middle, right = values[:-1:2], values[1::2], values[2::2]
+    return np.stack([left, (4.0 * middle - 3.0 * left - right) / step, 2.0 * (left - 2.0 * middle + right) / step**2], axis=1)
+
+
+def integrated(component: Component, inputs: np.ndarray, step: float) -> tuple[np.ndarray, float]:
+    """Outputs, (n + 1, outputs), behind n steps of so many s with inputs (n, 3, m), and their CPU time, s.
+
+    The component has not been initialized. Raises `BadInput` and `StepFailed`.
+    """
+    component.u[0] = inputs[0, 0]
+    component.initialize(0.0)
+    rows, advance = np.empty((len(inputs) + 1, component.y.size)), component.step
+    rows[0] = component.y
+    start_time = process_time()
+    for k, polynomial in enumerate(inputs):
+        component.u[:] = polynomial
+        advance(k * step, step)
+        rows[k + 1] = component.y
+    return rows, process_time() - start_time
+
+
 class ComponentRun:
     """A component with inputs that are known functions of time.
 
@@ -69,16 +98,9 @@ class ComponentRun:
         self.stop = stop or self.cls.default_stop
         self.steps = max(min(round(self.stop / self.cls.default_step), STEPS), 4)
         self.step = self.stop / self.steps
-        amplitude = [wave * first.variables[n].nominal if n not in self.parameters else 0.0 for n in first.inputs]
-        grid = np.linspace(0.0, self.stop, 2 * self.steps + 1)  # ends and middles of the macro steps
-        waves = 0.5 * (1.0 - np.cos(2.0 * np.pi * WAVES / self.stop * grid))
-        values = first.u[0] + waves[:, None] * np.array(amplitude)
-        left, middle, right = values[:-1:2], values[1::2], values[2::2]
-        h = self.step
-        # (steps, 3, m): through the three values of each step
-        self.inputs = np.stack(
-            [left, (4.0 * middle - 3.0 * left - right) / h, 2.0 * (left - 2.0 * middle + right) / h**2], axis=1
-        )
+        sizes = [wave * first.variables[n].nominal if n not in self.parameters else 0.0 for n in first.inputs]
+        grid = np.linspace(0.0, self.stop, 2 * self.steps + 1)
+        self.inputs = parabolas(waves(first.u[0], np.array(sizes), self.stop, grid), self.step)
         self.kernel = rate_kernel(self.cls)
 
     def make(self, substep: float | None = None) -> Component:
@@ -89,16 +111,8 @@ class ComponentRun:
     def own(self, substep: float | None = None) -> Solved:
         """The outputs by the component's own integrator; raises `BadInput` and `StepFailed`."""
         component = self.make(substep)
-        component.u[0] = self.inputs[0, 0]
-        component.initialize(0.0)
-        rows, step, h = np.empty((self.steps + 1, component.y.size)), component.step, self.step
-        rows[0] = component.y
-        start_time = process_time()
-        for k, polynomial in enumerate(self.inputs):
-            component.u[:] = polynomial
-            step(k * h, h)
-            rows[k + 1] = component.y
-        return Solved(self._history(component, rows), process_time() - start_time, component.work)
+        rows, seconds = integrated(component, self.inputs, self.step)
+        return Solved(self._history(component, rows), seconds, component.work)
 
     def by_scipy(self, method: str, tolerance: float, patience: float = inf, longest: float = inf) -> Solved:
         """The outputs by `solve_ivp` with the component's right-hand side; raises `StepFailed` where that gives up.
@@ -163,13 +177,7 @@ def component_accuracy(
             "nothing that is integrated with steps to choose",
             "a component with a parameter substep, or a differential equation",
         )
-    truth, second = once(
-        "solutions",
-        one.key,
-        lambda: _solutions(one, usual, on_message),
-        lambda kept: [Solution(**{**s, "history": TimeHistory(**s["history"])}) for s in kept],
-        lambda several: [asdict(s) for s in several],
-    )
+    truth, second = _solutions(one, usual, on_message)
     quantities = [
         Quantity(f"{n}, time history", n, "time history", 0.0, 0.0, v.nominal, v.unit)
         for n in probe.outputs
@@ -181,7 +189,7 @@ def component_accuracy(
     def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
         on_message(f"{series}, {size:.3g}")
         key = (*one.key, budget, repeats, series, size)
-        points.append(once("point", key, partial(measured, series, size, solve), lambda kept: Point(**kept)))
+        points.append(once("point", key, partial(measured, series, size, solve), Point))
 
     def measured(series: str, size: float, solve: Callable[[], Solved]) -> Point:
         axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
@@ -226,18 +234,23 @@ def component_accuracy(
 def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str], None]) -> list[Solution]:
     """The reference and a second solution; raises `BadInput` where there are no two."""
     solutions: list[Solution] = []
-    for method, tolerance in (REFERENCE, SECOND) if one.kernel is not None else ():
+
+    def solve(method: str, by: Callable[[], Solved], *shares: str) -> None:
+        def history() -> TimeHistory | None:
+            with suppress(StepFailed):
+                return by().history
+            return None
+
         on_message(f"reference: {method}")
-        try:
-            history = one.by_scipy(method, tolerance, 30.0, one.step).history
-        except StepFailed:
-            continue
-        solutions.append(Solution(f"SciPy {method}, tolerance {tolerance:g}", history, (EQUATIONS,)))
+        if (solved := once("solution", (*one.key, method), history, TimeHistory)) is not None:
+            solutions.append(Solution(method, solved, (EQUATIONS, *shares)))
+
+    for method, tolerance in (REFERENCE, SECOND) if one.kernel is not None else ():
+        solve(f"SciPy {method}, tolerance {tolerance:g}", partial(one.by_scipy, method, tolerance, 30.0, one.step))
     for factor in FINER if usual is not None else ():
         if len(solutions) < 2 and usual is not None:
-            on_message(f"reference: substep / {factor:g}")
-            history = one.own(min(usual, one.step) / factor).history
-            solutions.append(Solution(f"its own integrator, substep / {factor:g}", history, (EQUATIONS, INTEGRATORS)))
+            name = f"its own integrator, substep / {factor:g}"
+            solve(name, partial(one.own, min(usual, one.step) / factor), INTEGRATORS)
     if len(solutions) < 2:
         raise BadInput(f"component:{one.cls.__name__}", "no two solutions to compare", "a component with a parameter substep")
     return solutions[:2]

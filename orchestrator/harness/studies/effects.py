@@ -281,7 +281,7 @@ class _Bench:
             try:
                 self._trials[dropped] = self._trial(self.model.without(dropped))
             except BadInput as error:
-                self._trials[dropped] = Trial({}, "refused", str(error))
+                self._trials[dropped] = Trial("refused", str(error))
         return self._trials[dropped]
 
     def _error(self, without: Trial) -> tuple[float, str]:

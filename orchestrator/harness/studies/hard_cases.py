@@ -28,13 +28,15 @@ from ..journal import once
 class Verdict:
     """One claim of one case.
 
-    reached, limit: how much of what was allowed; NaN for a refusal.  margin: limit over reached, infinite where nothing was
-    reached; of a refusal the factor between what is refused and what is accepted, NaN where no number says it.
+    case, text: its name, and what is hard in it.  reached, limit: how much of what was allowed; NaN for a refusal.
+    margin: limit over reached, infinite where nothing was reached; of a refusal the factor between what is refused and what is
+    accepted, NaN where no number says it.
     message: the message of a refusal or of what went wrong.
     """
 
     component: str
-    case: HardCase
+    case: str
+    text: str
     claim: str
     reached: float
     limit: float
@@ -57,7 +59,7 @@ class HardCases:
     @property
     def summary(self) -> str:
         """How many there are, and how many do not hold."""
-        cases = {(v.component, v.case.name) for v in self.verdicts}
+        cases = {(v.component, v.case) for v in self.verdicts}
         components = {v.component for v in self.verdicts}
         failed = f"{len(self.failed)} of them do not hold" if self.failed else "all hold"
         return f"{len(self.verdicts)} claims of {len(cases)} hard cases of {len(components)} components: {failed}"
@@ -69,7 +71,7 @@ class HardCases:
             directory,
             "stability.csv",
             header,
-            [(v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts],
+            [(v.component, v.case, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts],
         )
 
 
@@ -98,13 +100,7 @@ def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> Har
         tuple(
             verdict
             for name, case in tasks
-            for verdict in once(
-                "hard case",
-                (component_class(name), case.name),
-                partial(verdicts, name, case),
-                lambda kept, case=case: [Verdict(case=case, **one) for one in kept],  # type: ignore[misc]
-                lambda several: [{key: value for key, value in vars(one).items() if key != "case"} for one in several],
-            )
+            for verdict in once("hard case", (component_class(name), case.name), partial(verdicts, name, case), Verdict)
         )
     )
 
@@ -124,13 +120,15 @@ def _verdicts(name: str, case: HardCase) -> list[Verdict]:
         component = _initial_component(name, case, {})
         rows = _run(component, case, case.holds)
     except (BadInput, StepFailed) as error:
-        return [Verdict(name, case, claim.label, math.nan, claim.limit, math.nan, False, str(error)) for claim in case.holds]
+        why = math.nan, False, str(error)
+        return [Verdict(name, case.name, case.text, claim.label, math.nan, claim.limit, *why) for claim in case.holds]
     times = np.array([t for t, *_ in rows])
     verdicts = []
     for k, claim in enumerate(case.holds):
         reached = claim.reached(component, times, np.array([values[k] for _, values in rows]))
         margin = claim.limit / reached if reached > 0.0 else math.inf if reached == 0.0 else math.nan
-        verdicts.append(Verdict(name, case, claim.label, reached, claim.limit, margin, reached <= claim.limit))
+        holds = reached <= claim.limit
+        verdicts.append(Verdict(name, case.name, case.text, claim.label, reached, claim.limit, margin, holds))
     return verdicts
 
 
@@ -201,7 +199,7 @@ def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:
         other, problem = _accepted(name, case, refused.accepted, when)
         margin, holds = other, holds and not problem
         message = f"{message}; and what should be accepted: {problem}" if problem else message
-    return Verdict(name, case, refused.label, math.nan, math.nan, margin, holds, message)
+    return Verdict(name, case.name, case.text, refused.label, math.nan, math.nan, margin, holds, message)
 
 
 def _accepted(name: str, case: HardCase, instead: Mapping[str, Any], when: str) -> tuple[float, str]:

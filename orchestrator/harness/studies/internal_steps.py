@@ -97,7 +97,7 @@ def internal_steps(
     for one in chosen:
         key = (cls, one, dict(parameters or {}), preset, steps)
         measure = partial(_measured, cls, one, parameters or {}, preset, steps)
-        limits.append(once("internal step", key, measure, lambda kept: InternalStep(**kept)))
+        limits.append(once("internal step", key, measure, InternalStep))
     return InternalSteps(name, cls.title, tuple(limits))
 
 

@@ -20,7 +20,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....components.core.errors import BadInput
-from ...run import run
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
 from ...shorter_steps import refined, with_mesh
@@ -28,6 +27,7 @@ from ..journal import once
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
 from .settings_axes import DEGREES, coupling_changes
+from .trial import trial
 
 METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two that come to the end
 PATIENCE = 60.0  # s, for one solution, while there are others to try
@@ -175,11 +175,8 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
         for method, tolerance in METHODS:
             if len(solutions) < 2:
                 on_message(f"reference: SciPy {method}")
-                history = _kept(
-                    "ode",
-                    (scene, signals, finest, method, tolerance),
-                    partial(solved_as_ode, scene, signals, finest, method, tolerance),
-                )
+                how = scene, signals, finest, method, tolerance
+                history = once("solution", how, partial(solved_as_ode, *how), TimeHistory)
                 if history is not None:
                     text = f"one differential equation, SciPy {method}, tolerance {tolerance:g}"
                     solutions.append(Solution(text, history, (EQUATIONS,)))
@@ -252,38 +249,15 @@ def _finer(
 
 def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
     """What a run will take, s, by its first steps; 0 where these cannot be made, which the run itself will tell."""
-    return once("expected", (scene, dict(changes)), lambda: _probed(scene, changes), float, float)
-
-
-def _probed(scene: Scene, changes: Mapping[str, Any]) -> float:
     stop = min(scene.stop_time, PROBED * changes["master.step"])
-    times = []
-    try:
-        for _ in range(2):  # the first one compiles
-            result = run(scene.with_changes({**changes, "stop_time": stop}), in_process=True).unless_stopped()
-            times.append(result.info["timing"]["run"])
-    except BadInput:
-        return 0.0
-    return min(times) * scene.stop_time / stop
+    first = trial(scene, {**changes, "stop_time": stop}, repeats=1)
+    return first.seconds * scene.stop_time / stop if first.times else 0.0
 
 
 def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
-    """What the scene with changes records, kept in a study's journal; None where it does not start, or not come to its end."""
-
-    def solve() -> TimeHistory | None:
-        try:
-            result = run(scene.with_changes(changes), in_process=True).unless_stopped()
-        except BadInput:  # an algorithm that cannot step these units
-            return None
-        return TimeHistory(result.time, result.columns) if result.outcome == "done" else None
-
-    return _kept("solution", (scene, dict(changes)), solve)
-
-
-def _kept(kind: str, of: tuple[Any, ...], solve: Callable[[], TimeHistory | None]) -> TimeHistory | None:
-    return once(
-        kind, of, solve, lambda kept: None if kept is None else TimeHistory(**kept), lambda history: history and vars(history)
-    )
+    """What the scene with changes records; None where it does not start, or does not come to its end."""
+    one = trial(scene, changes, repeats=1)
+    return one.history if one.done else None
 
 
 def _monolith(

@@ -142,10 +142,10 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
         place = tuple(point.values())
         if place not in own:
-            own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: IntrinsicGrowth(**kept))
+            own[place] = once("own growth", (one, steps), partial(_own, one, steps), IntrinsicGrowth)
             messages |= dict.fromkeys(_remarks(one, own[place]))
         measure = partial(_measured, point, one, scheme, own[place], steps)
-        limits.append(once("limit", (one, scheme, steps), measure, lambda kept: Limit(**kept)))
+        limits.append(once("limit", (one, scheme, steps), measure, Limit))
     return Stability(scene, varied, tuple(limits), tuple(messages))
 
 

@@ -7,12 +7,14 @@ lengthened by programs that take turns on the processor, but by those that share
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from math import inf, nan
-from statistics import median as median_of
+from statistics import median
 from time import perf_counter
 from typing import Any
+
+import numpy as np
 
 from ....components.core.errors import BadInput
 from ...results import Result
@@ -27,27 +29,35 @@ ATTEMPTS = 6  # measurements until a time is refused
 
 @dataclass(frozen=True)
 class Timing:
-    """Measured times of one thing, s. seconds: the smallest.  spread: largest minus smallest.
+    """Measured times of one thing, s, at least one."""
 
-    scatter: the second smallest over the smallest, minus 1. Both are NaN for a single measurement, which nothing confirms.
-    """
+    times: tuple[float, ...]
 
-    seconds: float
-    median: float
-    spread: float
-    scatter: float
+    @property
+    def seconds(self) -> float:
+        """The smallest."""
+        return min(self.times)
+
+    @property
+    def median(self) -> float:
+        """Half of them are longer."""
+        return median(self.times)
+
+    @property
+    def spread(self) -> float:
+        """Largest minus smallest; NaN for a single measurement, which nothing confirms."""
+        return max(self.times) - self.seconds if len(self.times) > 1 else nan
+
+    @property
+    def scatter(self) -> float:
+        """The second smallest over the smallest, minus 1; NaN for a single measurement."""
+        first, *rest = sorted(self.times)
+        return (rest[0] / first - 1.0 if first > 0.0 else inf) if rest else nan
 
     @property
     def confirmed(self) -> bool:
         """Whether two measurements agree within `SCATTER`."""
         return self.scatter <= SCATTER
-
-
-def timing_of(times: Sequence[float]) -> Timing:
-    """Of at least one measured time, s."""
-    first, *rest = sorted(times)
-    scatter = (rest[0] / first - 1.0 if first > 0.0 else inf) if rest else nan
-    return Timing(first, median_of(times), max(times) - first if rest else nan, scatter)
 
 
 def repeated(measure: Callable[[], float], *, repeats: int, patience: float = inf, confirm: bool = True) -> Timing:
@@ -60,11 +70,11 @@ def repeated(measure: Callable[[], float], *, repeats: int, patience: float = in
     def needed() -> bool:
         if not times or (len(times) < repeats and sum(times) < patience):
             return True
-        return confirm and (len(times) < 2 or (len(times) < ATTEMPTS and not timing_of(times).confirmed))
+        return confirm and (len(times) < 2 or (len(times) < ATTEMPTS and not Timing(tuple(times)).confirmed))
 
     while needed():
         times.append(measure())
-    return timing_of(times)
+    return Timing(tuple(times))
 
 
 REPEATS = 3  # timed runs
@@ -77,19 +87,18 @@ _warm: set[tuple[Any, ...]] = set()  # kernels that this process has compiled or
 class Trial:
     """What one setting gave.
 
-    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in
-    the run, or unstable) or "refused" (before it);
-    reason: why.  timing: of warm runs' stepping, CPU time; where units have processes of their own, elapsed time. None without a
-    run.  work: counted in one run, by `WORK`.  recorded: signals of the last run, partial after a failure, None where it was
-    refused.  elapsed: real time that all of it took, s.
+    outcome: "done", "failed" (in the run, or unstable) or "refused" (before it), with the reason.  times: of warm runs' stepping,
+    CPU time, s; where units have processes of their own, elapsed time.  work: counted in one run, by `WORK`.  time, columns: the
+    recorded signals of the last run, partial after a failure, nothing where it was refused.  elapsed: real time that all of it
+    took, s.
     """
 
-    changes: Mapping[str, Any]
     outcome: str
     reason: str
-    timing: Timing | None = None
+    times: tuple[float, ...] = ()
     work: Mapping[str, int] = field(default_factory=dict)
-    recorded: TimeHistory | None = None
+    time: np.ndarray | None = None
+    columns: Mapping[str, np.ndarray] = field(default_factory=dict)
     elapsed: float = 0.0
 
     @property
@@ -98,15 +107,20 @@ class Trial:
         return self.outcome == "done"
 
     @property
+    def timing(self) -> Timing | None:
+        """None without a run."""
+        return Timing(self.times) if self.times else None
+
+    @property
     def seconds(self) -> float:
         """The smallest time of a run; NaN without one."""
-        return self.timing.seconds if self.timing else nan
+        return min(self.times, default=nan)
 
     @property
     def history(self) -> TimeHistory:
         """The recorded signals; only of a trial that has run."""
-        assert self.recorded is not None
-        return self.recorded
+        assert self.time is not None
+        return TimeHistory(self.time, self.columns)
 
 
 class _Ended(Exception):
@@ -126,67 +140,34 @@ def trial(
     confirm: more often, until two times agree; see `repeated`. What has to be compiled is compiled first, by a run of a few
     steps that does not count. Failures are kept with their reason, and a study's journal keeps the trial.
     """
-    changes = dict(changes or {})
     try:
         changed = scene.with_changes(changes) if changes else scene
     except BadInput as error:
-        return Trial(changes, "refused", str(error))
-    return once(
-        "trial",
-        (changed, repeats, patience, confirm),
-        lambda: _trial(changed, changes, repeats, patience, confirm),
-        lambda kept: _restored(changes, kept),
-        _plain,
-    )
+        return Trial("refused", str(error))
+    return once("trial", (changed, repeats, patience, confirm), lambda: _trial(changed, repeats, patience, confirm), Trial)
 
 
-def _plain(trial: Trial) -> dict[str, Any]:
-    return {
-        "outcome": trial.outcome,
-        "reason": trial.reason,
-        "timing": trial.timing and asdict(trial.timing),
-        "work": trial.work,
-        "recorded": trial.recorded and vars(trial.recorded),
-        "elapsed": trial.elapsed,
-    }
-
-
-def _restored(changes: Mapping[str, Any], kept: Mapping[str, Any]) -> Trial:
-    timing, recorded = kept["timing"], kept["recorded"]
-    return Trial(
-        changes,
-        kept["outcome"],
-        kept["reason"],
-        Timing(**timing) if timing else None,
-        kept["work"],
-        TimeHistory(**recorded) if recorded else None,
-        kept["elapsed"],
-    )
-
-
-def _trial(changed: Scene, changes: Mapping[str, Any], repeats: int, patience: float, confirm: bool) -> Trial:
+def _trial(scene: Scene, repeats: int, patience: float, confirm: bool) -> Trial:
     start = perf_counter()
     results: list[Result] = []
     try:
-        _warm_up(changed)
-        measured = "run" if any(unit.isolation != "none" for unit in changed.units.values()) else "cpu"
+        _warm_up(scene)
+        measured = "run" if any(unit.isolation != "none" for unit in scene.units.values()) else "cpu"
 
         def measure() -> float:
-            results[:] = [run(changed, in_process=True).unless_stopped()]
+            results[:] = [run(scene, in_process=True).unless_stopped()]
             if results[0].outcome != "done":
                 raise _Ended
             return float(results[0].info["timing"][measured])
 
-        timing = repeated(measure, repeats=repeats, patience=patience, confirm=confirm)
+        times = repeated(measure, repeats=repeats, patience=patience, confirm=confirm).times
     except BadInput as error:
-        return Trial(changes, "refused", str(error), elapsed=perf_counter() - start)
+        return Trial("refused", str(error), elapsed=perf_counter() - start)
     except _Ended:
-        timing = timing_of([results[0].info["timing"][measured]])
+        times = (float(results[0].info["timing"][measured]),)
     last = results[0]
     outcome = "done" if last.outcome == "done" else "failed"
-    return Trial(
-        changes, outcome, last.message, timing, work_of(last), TimeHistory(last.time, last.columns), perf_counter() - start
-    )
+    return Trial(outcome, last.message, times, work_of(last), last.time, last.columns, perf_counter() - start)
 
 
 def _warm_up(scene: Scene) -> None:

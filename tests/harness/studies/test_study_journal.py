@@ -120,7 +120,7 @@ def test_an_accuracy_study_keeps_runs_times_and_the_reference(tmp_path, monkeypa
 
 def test_a_damaged_or_foreign_piece_is_computed_again(tmp_path):
     def value(scene, number):
-        return once("number", (scene, number), lambda: computed.append(number) or float(number), float, float)
+        return once("number", (scene, number), lambda: computed.append(number) or float(number))
 
     def study():
         return [value(scene, 1), value(scene, 2), value(scene, 1)]

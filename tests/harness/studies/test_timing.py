@@ -4,7 +4,7 @@ import math
 
 import pytest
 from cosimo.orchestrator.harness.studies.accuracy import Point, front_of
-from cosimo.orchestrator.harness.studies.trial import ATTEMPTS, repeated, timing_of
+from cosimo.orchestrator.harness.studies.trial import ATTEMPTS, Timing, repeated
 
 
 def measuring(*times):
@@ -47,4 +47,4 @@ def test_times_that_never_agree_are_refused():
 def test_patience_ends_repetition_but_not_confirmation():
     assert repeated(measuring(1.0, 1.0), repeats=9, patience=0.5).scatter == 0.0
     assert math.isnan(repeated(measuring(1.0, 1.0), repeats=9, patience=0.5, confirm=False).scatter)
-    assert not timing_of([1.0]).confirmed
+    assert not Timing((1.0,)).confirmed

@@ -50,7 +50,7 @@ def test_what_cannot_start_is_kept_as_refused(changes, word):
     found = trial(SCENE, changes)
     assert found.outcome == "refused"
     assert word in found.reason
-    assert found.recorded is None
+    assert found.time is None
     assert math.isnan(found.seconds)
 
 

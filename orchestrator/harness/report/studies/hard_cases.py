@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from .....components.catalogue import component_class
-from .....components.core.hard_cases import Refused
 from ...charts.blocks import Block, Cells, Figure, Text
 from ...charts.style import BLUE, INK, MUTED, VERMILION, axis, label, layout, markers, rows_axis, vertical
 from ...studies.hard_cases import HardCases, Verdict
@@ -27,7 +26,7 @@ def for_hard_cases(study: HardCases, directory: str | Path) -> Path:
         by_component.setdefault(verdict.component, []).append(verdict)
     blocks: list[Block] = [_margins(by_component)]
     if study.failed:
-        blocks.insert(0, Text([f"{v.component}, {v.case.name}: {v.message or _numbers(v)}" for v in study.failed], "warning"))
+        blocks.insert(0, Text([f"{v.component}, {v.case}: {v.message or _numbers(v)}" for v in study.failed], "warning"))
     sections = [Section("What stays stable", blocks), Section("Cases", [_table(n, v) for n, v in by_component.items()])]
     lead = study.summary + ". Each component declares where it is at its limits, and what has to hold there."
     return write_page(Page("Hard cases", lead, sections), Path(directory) / "report.html")
@@ -46,8 +45,8 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
     names = list(by_component)
     rows = {name: len(names) - 1 - k for k, name in enumerate(names)}  # the first at the top
     every = [v for verdicts in by_component.values() for v in verdicts]
-    claims = [v for v in every if v.holds and not isinstance(v.case.holds, Refused)]
-    refusals = [v for v in every if v.holds and isinstance(v.case.holds, Refused)]
+    claims = [v for v in every if v.holds and not isnan(v.limit)]
+    refusals = [v for v in every if v.holds and isnan(v.limit)]
     data = [
         _marks("holds", claims, rows, BLUE, "circle"),
         _marks("refused, with a remedy", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
@@ -74,7 +73,7 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
 
 
 def _marks(name: str, verdicts: Sequence[Verdict], rows: dict[str, int], colour: str, symbol: str) -> dict[str, Any]:
-    texts = [f"{v.case.name}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts]
+    texts = [f"{v.case}<br>{v.claim}<br>{_numbers(v)}" for v in verdicts]
     x, y = [_place(v) for v in verdicts], [rows[v.component] for v in verdicts]
     return markers(x, y, name, colour, symbol, 9, hover="%{text}<extra>%{fullData.name}</extra>", text=texts, opacity=0.75)
 
@@ -94,12 +93,12 @@ def _numbers(verdict: Verdict) -> str:
 def _table(name: str, verdicts: Iterable[Verdict]) -> Cells:
     rows, before = [], ""
     for v in verdicts:
-        first = v.case.name != before
-        before = v.case.name
+        first = v.case != before
+        before = v.case
         rows.append(
             (
-                v.case.name if first else "",
-                v.case.text if first else "",
+                v.case if first else "",
+                v.text if first else "",
                 v.claim,
                 "" if isnan(v.reached) else f"{v.reached:.3g}",
                 "" if isnan(v.limit) else f"{v.limit:.3g}",
