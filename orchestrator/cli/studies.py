@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import os
 import sys
-from math import inf, isnan
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, app, print_table, print_written, scene_of, status_spinner, study, warn
+from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
 from .completion import anything, scenes
 from .options import (
     COMPONENT,
@@ -105,26 +105,12 @@ def accuracy(
 
 
 def _print_front(measured: Accuracy) -> None:
-    """The front over CPU time, the scene's own settings, and how well the reference is known."""
+    """The fronts, the scene's own settings, and how well the reference is known."""
+    from ..harness.report.studies.accuracy import front_cells
     from ..harness.studies.quantities import percent
 
-    own = measured.own
-    fronts = {name: measured.front(cost) for name, cost in (("time", "seconds"), ("work", "calls"))}
-    print_table(
-        f"{measured.title}: what accuracy costs",
-        ("setting", "size", "error", "CPU time, s", "calls", "front"),
-        [
-            (
-                p.series,
-                f"{p.size:.3g}",
-                percent(p.error_with_finer),
-                p.seconds,
-                p.work.get("calls", ""),
-                ", ".join(name for name, front in fronts.items() if p in front),
-            )
-            for p in (own, *(p for p in fronts["time"] if p is not own))
-        ],
-    )
+    print(measured.title)
+    print_cells(front_cells(measured))
     print(f"reference: {measured.reference}; it shares {measured.shares} with the runs")
     print(
         f"  its own error, part of every error above: {percent(max(measured.agreement.values()))} by {measured.second_solution}"
@@ -189,29 +175,11 @@ def effects(
 
 def _print_effects(result: Effects) -> None:
     """Every effect that was measured or is required, then what the models cost."""
+    from ..harness.report.studies.effects import effect_cells
     from ..harness.studies.quantities import percent
 
-    def yes(value: bool) -> str:
-        return "yes" if value else "no"
-
-    order = sorted((f for f in result.findings if f.status != "left out"), key=lambda f: (not f.chosen, -f.actual))
-    print_table(
-        f"{result.scene.title or result.scene.name}: effects within {percent(result.tolerance)}",
-        ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
-        [
-            (
-                f.name,
-                yes(f.given),
-                percent(f.predicted),
-                percent(f.actual),
-                f.states,
-                f.calls,
-                yes(f.chosen),
-                f.why(result.tolerance),
-            )
-            for f in order
-        ],
-    )
+    print(f"{result.scene.title or result.scene.name}: effects within {percent(result.tolerance)}")
+    print_cells(effect_cells(result))
     if left := [f.name for f in result.findings if f.status == "left out"]:
         print(f"not in the full model: {', '.join(left)}")
     for name, cost in (("all effects", result.full), ("the scene's own effects", result.given), ("smallest set", result.least)):
@@ -277,8 +245,8 @@ def stability(
         _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), steps, output, resume)
         return
     refuse({"--effects": effects}, "none for a scene, which names its own")
-    from ..harness.report.studies.stability import for_stability
-    from ..harness.studies.stability import STEPS, limit_text, schemes_of
+    from ..harness.report.studies.stability import for_stability, limit_cells
+    from ..harness.studies.stability import STEPS, schemes_of
     from ..harness.studies.stability import stability as measure
     from ..settings.algorithms import ALGORITHMS
 
@@ -290,21 +258,8 @@ def stability(
     with study(output, resume):  # the directory now, not after a long study
         measured = measure(scene, schemes_of(scene, algorithms, extrapolation or []), steps=steps or STEPS, progress=True)
         written = [measured.save(output), for_stability(measured, output)]
-    print_table(
-        f"{scene.title or scene.name}: longest stable macro step",
-        (*measured.varied, "algorithm", "degree", "s", "closed form, s", "what the next longer step did"),
-        [
-            (
-                *limit.point.values(),
-                limit.algorithm,
-                limit.extrapolation,
-                limit_text(limit.longest, limit.tried),
-                _number(limit.closed),
-                limit.seen,
-            )
-            for limit in measured.limits
-        ],
-    )
+    print(scene.title or scene.name)
+    print_cells(limit_cells(measured))
     for remark in measured.remarks:
         print(remark)
     print_written(written)
@@ -313,29 +268,16 @@ def stability(
 def _internal_steps(
     name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path, resume: bool
 ) -> None:
-    from ..harness.report.studies.stability import for_internal_steps
+    from ..harness.report.studies.stability import for_internal_steps, step_cells
     from ..harness.studies.internal_steps import STEPS, internal_steps
-    from ..harness.studies.stability import limit_text
 
     on = listed("--effects", effects) if effects else None
     parameters = parameters_of(values)
     with study(output, resume):
         measured = internal_steps(name, effects=on, parameters=parameters, preset=preset, steps=steps or STEPS, progress=True)
         written = [measured.save(output), for_internal_steps(measured, output)]
-    print_table(
-        f"{measured.title}: longest stable internal step",
-        ("effects", "s", "own limit, s", "margin", "what the next longer step did"),
-        [
-            (
-                ", ".join(s.effects) or "none",
-                limit_text(s.longest, s.tried),
-                "none" if s.own == inf else s.own,
-                _number(s.margin),
-                s.seen,
-            )
-            for s in measured.steps
-        ],
-    )
+    print(measured.title)
+    print_cells(step_cells(measured))
     print_written(written)
 
 

@@ -60,8 +60,8 @@ def effects_on(scene: Scene) -> dict[str, tuple[str, ...]]:
     return effects
 
 
-def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
-    """The scene with exactly these effects; numbers of those that are off, and those that others replace, go with them.
+def effect_changes(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """The changes to exactly these effects; numbers of those that are off, and those that others replace, go with them.
 
     A preset that has effects which are not wanted is replaced by its numbers.
     """
@@ -82,6 +82,12 @@ def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
             k: v for k, v in parameters.items() if k.partition(".")[0].partition("[")[0] not in gone
         }
         changes[f"units.{name}.effects"] = [e for e in on if preset is None or e not in preset.effects]
+    return changes
+
+
+def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
+    """The scene with exactly these effects, see `effect_changes`."""
+    changes = effect_changes(scene, wanted)
     return scene.with_changes(changes) if changes else scene
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
 from ...shorter_steps import meshes, refined, with_mesh
+from .full_model import effect_changes, effects_on
 
 DEGREES = ("held", "linear", "quadratic")
 ADAPTIVE = (1e-2, 1e-3, 1e-4, 1e-5)  # tolerances of the step control
@@ -112,14 +113,8 @@ def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:
 
 def without_effects(scene: Scene) -> Iterator[Setting]:
     """The scene's own settings without one of its effects, each in turn; what needs that effect refuses to start."""
-    for name, unit in scene.units.items():
-        for effect in unit.effects if unit.component else ():
-            yield Setting(
-                f"without {name}.{effect}",
-                "effect",
-                scene.master.step,
-                {
-                    f"units.{name}.effects": [e for e in unit.effects if e != effect],
-                    f"units.{name}.parameters": {k: v for k, v in unit.parameters.items() if not k.startswith(f"{effect}.")},
-                },
-            )
+    every = effects_on(scene)
+    for name, on in every.items():
+        for effect in on:
+            changes = effect_changes(scene, every | {name: tuple(e for e in on if e != effect)})
+            yield Setting(f"without {name}.{effect}", "effect", scene.master.step, changes)

@@ -26,6 +26,7 @@ OTHERS = (
 FAILED = 2.0  # where crosses stand on an axis of errors
 ASKED = (0.1, 0.01, 1e-3)  # errors for which the page names the quickest setting
 ORDERS = (1, 2, 3, 4)
+SHOWN = 8  # quantities in the table of the fronts
 WORK = ("macro_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")  # columns of the table of all points
 
 
@@ -46,7 +47,7 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
     ]
     sections = [
         Section("What accuracy costs", [Text(_advice(measured)), *figures]),
-        Section("Settings", [_front_table(measured), _all_points(measured)]),
+        Section("Settings", [front_cells(measured, SHOWN), _all_points(measured)]),
         Section("Reference", [Facts("What errors are measured against", _reference(measured))]),
     ]
     return write_page(Page(measured.title, _lead(measured), sections), Path(directory) / "report.html")
@@ -228,11 +229,13 @@ def _triangles(largest: float, least: float, orders: Sequence[int]) -> tuple[lis
     return shapes, notes
 
 
-def _front_table(measured: Accuracy) -> Cells:
+def front_cells(measured: Accuracy, most: int = 0) -> Cells:
+    """The scene's own settings and the fronts; with the errors of so many quantities."""
     quantities = list(measured.agreement)
-    shown = quantities[:8]
+    shown = quantities[:most]
+    fronts = {name: measured.front(cost) for name, cost in (("time", "seconds"), ("work", "calls"))}
     chosen = [measured.own]
-    chosen += [p for p in measured.points if p is not measured.own and (p in measured.front() or p in measured.front("calls"))]
+    chosen += [p for p in measured.points if p is not measured.own and any(p in front for front in fronts.values())]
     rows = [
         (
             p.series,
@@ -240,18 +243,21 @@ def _front_table(measured: Accuracy) -> Cells:
             percent(p.error_with_finer),
             _seconds(p),
             str(p.work.get("calls", "")),
+            ", ".join(name for name, front in fronts.items() if p in front),
             *(percent(p.errors.get(q, float("nan"))) for q in shown),
         )
         for p in sorted(chosen, key=lambda p: p.work.get("calls", 0))
     ]
-    hidden = len(quantities) > len(shown)
+    hidden = len(quantities) > len(shown) > 0
     more = f" Of {len(quantities)} quantities the first {len(shown)} are shown; all are in accuracy.csv." if hidden else ""
     return Cells(
         "The scene's own settings, and the fronts over CPU time and over counted work",
-        ("setting", "size", "error", "CPU time", "calls", *shown),
+        ("setting", "size", "error", "CPU time", "calls", "on the front of", *shown),
         rows,
-        "Size: macro step in s, or tolerance. Columns of quantities: distance from the reference alone." + more,
-        frozenset(range(1, 5 + len(shown))),
+        "Size: macro step in s, or tolerance."
+        + (" Columns of quantities: distance from the reference alone." if shown else "")
+        + more,
+        frozenset({1, 2, 3, 4, *range(6, 6 + len(shown))}),
     )
 
 

@@ -32,7 +32,7 @@ def for_effects(study: Effects, directory: str | Path) -> Path:
     ]
     sections = [
         Section("Which effects matter", blocks),
-        Section("Effects", [_table(study), *_others(study)]),
+        Section("Effects", [effect_cells(study), *_others(study)]),
         Section("Study", [Facts("What was compared", compared)]),
     ]
     return write_page(Page(study.scene.title or study.scene.name, _lead(study), sections), Path(directory) / "report.html")
@@ -135,8 +135,10 @@ def _size(error: float) -> str:
     return "the run fails" if error == inf else percent(error)
 
 
-def _table(study: Effects) -> Cells:
-    order = sorted((f for f in study.findings if f.status in ("measured", "required")), key=lambda f: (not f.chosen, -f.actual))
+def effect_cells(study: Effects) -> Cells:
+    """Every effect that was in the full model, or was to be in it, with its size, what it adds, and why it is chosen."""
+    looked_at = (f for f in study.findings if f.status != "left out")
+    order = sorted(looked_at, key=lambda f: (not f.chosen, isnan(f.actual), -f.actual))
     rows = [
         (
             f.name,
@@ -145,7 +147,6 @@ def _table(study: Effects) -> Cells:
             percent(f.predicted),
             _size(f.actual),
             f.worst,
-            percent(f.breaking),
             str(f.states),
             str(f.calls),
             _seconds(f),
@@ -154,17 +155,17 @@ def _table(study: Effects) -> Cells:
         for f in order
     ]
     costs = ("states", "calls", "CPU time")
-    errors = ("predicted", "actual", "largest in", "error of the set without it")
+    errors = ("predicted", "actual", "largest in")
     header = ("effect", "in the scene", "chosen", *errors, *costs, "why")
     return Cells(
         "Effects of the full model",
         header,
         rows,
         "States, calls and CPU time: what the effect adds. –: less than the times scatter.",
-        frozenset({3, 4, 6, 7, 8, 9}),
+        frozenset({3, 4, 6, 7, 8}),
     )
 
 
 def _others(study: Effects) -> list[Block]:
-    rows = [(f.name, f.why(study.tolerance)) for f in study.findings if f.status in ("left out", "unable")]
+    rows = [(f.name, f.why(study.tolerance)) for f in study.findings if f.status == "left out"]
     return [Facts("Not in the full model", rows, folded=len(rows) > 20)] if rows else []

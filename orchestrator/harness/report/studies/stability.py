@@ -28,7 +28,7 @@ from ...charts.style import (
     rows_axis,
     vertical,
 )
-from ...studies.internal_steps import InternalSteps
+from ...studies.internal_steps import InternalStep, InternalSteps
 from ...studies.stability import Limit, Scheme, Stability, limit_text
 from ..page import Page, Section, write_page
 
@@ -57,7 +57,7 @@ def for_stability(study: Stability, directory: str | Path) -> Path:
     ]
     sections = [
         Section("What stays stable", figures),
-        Section("Limits", [_table(study)]),
+        Section("Limits", [limit_cells(study)]),
         Section("Settings", [Facts("The scene", settings)]),
     ]
     return write_page(Page(study.scene.title or study.scene.name, lead, sections), Path(directory) / "report.html")
@@ -65,28 +65,35 @@ def for_stability(study: Stability, directory: str | Path) -> Path:
 
 def for_internal_steps(study: InternalSteps, directory: str | Path) -> Path:
     """`report.html` of a component's limits."""
-    names = [", ".join(s.effects) or "no effects" for s in study.steps]
     figure = _rows_figure(
         "Longest stable internal step",
         "internal step, s",
-        names,
+        [_set_text(s) for s in study.steps],
         [("measured", [s.longest for s in study.steps]), ("the component's own limit", [s.own for s in study.steps])],
         "A measured limit left of the component's own: the component claims too much. Without a mark: no limit was found, or "
         "the component has none; see the table.",
     )
-    table = Cells(
-        "",
+    lead = "The longest internal step at which a small disturbance does not grow, inputs held; the numbers are in stability.csv."
+    sections = [Section("What stays stable", [figure, step_cells(study)])]
+    return write_page(Page(f"{study.title}: internal steps", lead, sections), Path(directory) / "report.html")
+
+
+def step_cells(study: InternalSteps) -> Cells:
+    """The limit of a component with each set of effects."""
+    return Cells(
+        "Longest stable internal step",
         ("effects", "measured, s", "own limit, s", "margin", "what the next longer step did"),
         [
-            (name, limit_text(s.longest, s.tried), _step_text(s.own, "none"), _step_text(s.margin), s.seen)
-            for name, s in zip(names, study.steps, strict=True)
+            (_set_text(s), limit_text(s.longest, s.tried), _step_text(s.own, "none"), _step_text(s.margin), s.seen)
+            for s in study.steps
         ],
         "Margin: measured over own limit.",
         frozenset((1, 2, 3)),
     )
-    lead = "The longest internal step at which a small disturbance does not grow, inputs held; the numbers are in stability.csv."
-    page = Page(f"{study.title}: internal steps", lead, [Section("What stays stable", [figure, table])])
-    return write_page(page, Path(directory) / "report.html")
+
+
+def _set_text(step: InternalStep) -> str:
+    return ", ".join(step.effects) or "no effects"
 
 
 def _step_text(step: float, without_limit: str = "any") -> str:
@@ -107,7 +114,8 @@ def _ratio(limit: Limit) -> float:
     return limit.longest / limit.closed if known else np.nan
 
 
-def _table(study: Stability) -> Cells:
+def limit_cells(study: Stability) -> Cells:
+    """The limit of each scheme at each point."""
     names = _labels(study)
     rows = [
         (
@@ -122,7 +130,7 @@ def _table(study: Stability) -> Cells:
     ]
     n = len(names)
     return Cells(
-        "",
+        TITLE,
         (*names, "algorithm, inputs", "longest stable step, s", "closed form, s", "ratio", "what the next longer step did"),
         rows,
         "Closed form: the shortest limit of all pairs of units for which it is known. The measured limit is that of the "
