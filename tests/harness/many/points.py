@@ -15,6 +15,7 @@ class Doubler(Component):
     value = parameter(1.0, "m", "what is doubled")
     pause = parameter(0.0, "s", "real time that a step takes")
     fatal = parameter(-1.0, "m", "the value with which it kills its process")
+    fatal_once = parameter(-1.0, "m", "the value with which it does so as long as the file KILLED_ONCE is missing")
     twice = output("m", "two times the value")
 
     def _initialize(self, t):
@@ -23,7 +24,10 @@ class Doubler(Component):
 
     def _step(self, t, h):
         time.sleep(self.parameters["pause"])
-        if self.parameters["value"] == self.parameters["fatal"]:
+        once = self.parameters["value"] == self.parameters["fatal_once"] and not os.path.exists(os.environ["KILLED_ONCE"])
+        if once:
+            open(os.environ["KILLED_ONCE"], "w").close()
+        if once or self.parameters["value"] == self.parameters["fatal"]:
             os.kill(os.getpid(), signal.SIGKILL)
         hold_inputs(self.u, h)
         self._outputs(t + h)
