@@ -19,6 +19,7 @@ from ...output import write_table
 from ...run import run
 from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
+from ..studies.effects import select
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
 from .columns import column_name, for_columns
@@ -279,18 +280,16 @@ def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:
             alone[where] = _changes(spreads, reference, _row(model.without(model.dependents(where)), task))
         except BadInput as error:
             messages.append(f"{'.'.join(where)} was not left out: {error}")
-    left: set[Place] = set()
-    largest = 0.0
-    for where in sorted(alone, key=lambda w: max(alone[w].values(), default=0.0)):
-        if max(alone[where].values()) > share:
-            break
-        more = left | model.dependents(where)
+
+    def change(dropped: frozenset[Place]) -> float:
         try:
-            now = max(_changes(spreads, reference, _row(model.without(more), task)).values())
+            return max(_changes(spreads, reference, _row(model.without(dropped), task)).values())
         except BadInput:
-            continue
-        if now <= share:
-            left, largest = more, now
+            return np.inf
+
+    sizes_alone = {where: max(changes.values()) for where, changes in alone.items()}
+    selection = select(sizes_alone, {where: model.dependents(where) for where in alone}, change, share)
+    left, largest = selection.dropped, selection.error
     needed = tuple(".".join(p) for p in model.places if p not in left)
     sizes = tuple(
         EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)

@@ -238,7 +238,7 @@ class _Bench:
         if run.times:
             self.left -= run.elapsed
             self._last[setting.series] = (setting.size, run.seconds)
-        self.points.append(self._judged(point, run))
+        self.points.append(judged(point, run, self._quantities, self._truth.history, self._truth.uncertainty))
 
     def _expected(self, setting: Setting) -> float:
         """What a run will take, s: by the last one of its series, or by a short part of the first."""
@@ -250,23 +250,23 @@ class _Bench:
         probe = trial(self._scene, {**setting.changes, "stop_time": PROBED * self._scene.stop_time}, repeats=1)
         return probe.seconds / PROBED if probe.done else 0.0
 
-    def _judged(self, point: Point, run: Trial) -> Point:
-        point = replace(point, outcome=run.outcome, reason=run.reason, work=run.work).timed(run.timing)
-        return judged(point, self._quantities, run.history, self._truth.history, self._truth.uncertainty) if run.done else point
-
 
 def judged(
-    point: Point, quantities: Sequence[Quantity], history: TimeHistory, reference: TimeHistory, uncertainty: Mapping[str, float]
+    point: Point, run: Trial, quantities: Sequence[Quantity], reference: TimeHistory, uncertainty: Mapping[str, float]
 ) -> Point:
-    """The point with the errors of its history; "useless" where one is above `USELESS`. uncertainty: of the reference."""
+    """The point with what its run gave, and its errors; "useless" where one is above `USELESS`. uncertainty: of the reference."""
+    point = replace(point, outcome=run.outcome, reason=run.reason, work=run.work)
+    if not run.done:
+        return point.timed(run.timing)
+    history = run.history
     distances = errors(quantities, history, reference)
     each = {name: distance + uncertainty.get(name, 0.0) for name, distance in distances.items()}
     worst = max(each, key=lambda name: each[name])
     largest = max(q.largest(history, reference) for q in quantities)
     point = replace(point, errors=distances, error=each[worst], largest=largest)
-    if each[worst] <= USELESS:
-        return point
-    return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * each[worst]:.3g} %")
+    if not each[worst] <= USELESS:
+        point = replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * each[worst]:.3g} %")
+    return point.timed(run.timing)
 
 
 def with_finer_errors(points: Iterable[Point]) -> list[Point]:

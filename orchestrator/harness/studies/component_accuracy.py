@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
 from time import perf_counter, process_time
@@ -26,7 +25,7 @@ from .accuracy import OWN, PATIENCE, Accuracy, Point, judged, machine_name, vers
 from .coupled_ode import rate_kernel
 from .quantities import Quantity, TimeHistory, errors
 from .reference import EQUATIONS, INTEGRATORS, Solution
-from .trial import REPEATS, WORK, repeated
+from .trial import REPEATS, WORK, Trial, repeated_trial
 
 SUBSTEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # times the component's own
 FINER = (32.0, 16.0)  # the internal steps of the reference and of the second solution, where the component solves itself
@@ -37,15 +36,6 @@ WAVES = 2.0  # of the inputs, in the time simulated
 SHARE = 0.05  # of an input's nominal value: the wave's amplitude
 STEPS = 2000  # most macro steps of a run
 BUDGET = 30.0  # s
-
-
-@dataclass(frozen=True)
-class Solved:
-    """A solution of a component alone. seconds: CPU time.  work: its counters."""
-
-    history: TimeHistory
-    seconds: float
-    work: Mapping[str, int]
 
 
 def waves(start: np.ndarray, sizes: np.ndarray, stop: float, t: np.ndarray) -> np.ndarray:
@@ -108,13 +98,13 @@ class ComponentRun:
         more = {} if substep is None else {"substep": substep}
         return self.cls(self.effects, {**self.parameters, **more}, preset=self.preset)
 
-    def own(self, substep: float | None = None) -> Solved:
+    def own(self, substep: float | None = None) -> Trial:
         """The outputs by the component's own integrator; raises `BadInput` and `StepFailed`."""
         component = self.make(substep)
         rows, seconds = integrated(component, self.inputs, self.step)
-        return Solved(self._history(component, rows), seconds, component.work)
+        return self._trial(component, rows, seconds, component.work)
 
-    def by_scipy(self, method: str, tolerance: float, patience: float = inf, longest: float = inf) -> Solved:
+    def by_scipy(self, method: str, tolerance: float, patience: float = inf, longest: float = inf) -> Trial:
         """The outputs by `solve_ivp` with the component's right-hand side; raises `StepFailed` where that gives up.
 
         longest: s, of its steps; one macro step keeps the kinks of the inputs out of them.
@@ -148,11 +138,12 @@ class ComponentRun:
             component.u[0] = inputs[k, 0] if k <= last else inputs[last, 0] + h * (inputs[last, 1] + h * inputs[last, 2])
             component.refresh()
             rows[k] = component.y
-        calls = {"derivative_calls": int(solved.nfev), "calls": int(solved.nfev)}
-        return Solved(self._history(component, rows), seconds, calls)
+        return self._trial(component, rows, seconds, {"derivative_calls": int(solved.nfev)})
 
-    def _history(self, component: Component, rows: np.ndarray) -> TimeHistory:
-        return TimeHistory(np.linspace(0.0, self.stop, self.steps + 1), dict(zip(component.outputs, rows.T, strict=True)))
+    def _trial(self, component: Component, rows: np.ndarray, seconds: float, counters: Mapping[str, int]) -> Trial:
+        work = {n: int(counters.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(counters.values())}
+        time = np.linspace(0.0, self.stop, self.steps + 1)
+        return Trial("done", "", (seconds,), work, time, dict(zip(component.outputs, rows.T, strict=True)))
 
 
 def component_accuracy(
@@ -185,27 +176,13 @@ def component_accuracy(
     ]
     agreement = errors(quantities, second.history, truth.history)
     points: list[Point] = []
+    timed: dict[str, Any] = {"repeats": repeats, "patience": PATIENCE * budget, "confirm": repeats > 1}
 
-    def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
+    def measure(series: str, size: float, solve: Callable[[], Trial]) -> None:
         on_message(f"{series}, {size:.3g}")
-        key = (*one.key, budget, repeats, series, size)
-        points.append(once("point", key, partial(measured, series, size, solve), Point))
-
-    def measured(series: str, size: float, solve: Callable[[], Solved]) -> Point:
         axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
-        point, solved = Point(series, axis, size, {}, "done"), list[Solved]()
-
-        def seconds() -> float:
-            solved[:] = [solve()]
-            return solved[0].seconds
-
-        try:
-            timing = repeated(seconds, repeats=repeats, patience=PATIENCE * budget, confirm=repeats > 1)
-        except (BadInput, StepFailed) as error:
-            return replace(point, outcome="refused" if isinstance(error, BadInput) else "failed", reason=str(error))
-        work = solved[0].work
-        counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
-        return judged(replace(point, work=counted), quantities, solved[0].history, truth.history, agreement).timed(timing)
+        run = once("component", (*one.key, timed, budget, series, size), partial(repeated_trial, solve, **timed), Trial)
+        points.append(judged(Point(series, axis, size, {}, ""), run, quantities, truth.history, agreement))
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)
@@ -235,7 +212,7 @@ def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str
     """The reference and a second solution; raises `BadInput` where there are no two."""
     solutions: list[Solution] = []
 
-    def solve(method: str, by: Callable[[], Solved], *shares: str) -> None:
+    def solve(method: str, by: Callable[[], Trial], *shares: str) -> None:
         def history() -> TimeHistory | None:
             with suppress(StepFailed):
                 return by().history

@@ -8,7 +8,7 @@ lengthened by programs that take turns on the processor, but by those that share
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, nan
 from statistics import median
 from time import perf_counter
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ....components.core.errors import BadInput
+from ....components.core.errors import BadInput, StepFailed
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
@@ -149,25 +149,42 @@ def trial(
 
 def _trial(scene: Scene, repeats: int, patience: float, confirm: bool) -> Trial:
     start = perf_counter()
-    results: list[Result] = []
     try:
         _warm_up(scene)
-        measured = "run" if any(unit.isolation != "none" for unit in scene.units.values()) else "cpu"
-
-        def measure() -> float:
-            results[:] = [run(scene, in_process=True).unless_stopped()]
-            if results[0].outcome != "done":
-                raise _Ended
-            return float(results[0].info["timing"][measured])
-
-        times = repeated(measure, repeats=repeats, patience=patience, confirm=confirm).times
     except BadInput as error:
         return Trial("refused", str(error), elapsed=perf_counter() - start)
+    measured = "run" if any(unit.isolation != "none" for unit in scene.units.values()) else "cpu"
+
+    def once_more() -> Trial:
+        result = run(scene, in_process=True).unless_stopped()
+        outcome = "done" if result.outcome == "done" else "failed"
+        seconds = float(result.info["timing"][measured])
+        return Trial(outcome, result.message, (seconds,), work_of(result), result.time, result.columns)
+
+    tried = repeated_trial(once_more, repeats=repeats, patience=patience, confirm=confirm)
+    return replace(tried, elapsed=perf_counter() - start)
+
+
+def repeated_trial(attempt: Callable[[], Trial], *, repeats: int, patience: float, confirm: bool) -> Trial:
+    """The last of several attempts with the times of all, see `repeated`; what fails is not repeated.
+
+    An attempt that raises `BadInput` is refused, one that raises `StepFailed` has failed.
+    """
+    last: list[Trial] = []
+
+    def measure() -> float:
+        last[:] = [attempt()]
+        if not last[0].done:
+            raise _Ended
+        return last[0].seconds
+
+    try:
+        times = repeated(measure, repeats=repeats, patience=patience, confirm=confirm).times
+    except (BadInput, StepFailed) as error:
+        return Trial("refused" if isinstance(error, BadInput) else "failed", str(error))
     except _Ended:
-        times = (float(results[0].info["timing"][measured]),)
-    last = results[0]
-    outcome = "done" if last.outcome == "done" else "failed"
-    return Trial(outcome, last.message, times, work_of(last), last.time, last.columns, perf_counter() - start)
+        return last[0]
+    return replace(last[0], times=times)
 
 
 def _warm_up(scene: Scene) -> None:
