@@ -184,7 +184,7 @@ def sweep(
             collected = collected_sweep(
                 scene, points, folder, stopped=stopped, kept=kept, computed=missing.size, verify=repeating
             )
-            live.end("stopped" if stopped is not None else "done")
+            live.write("stopped" if stopped is not None else "done")
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
     return collected

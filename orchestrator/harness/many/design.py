@@ -12,7 +12,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
-from ...scene.scene import Scene, read_toml
+from ...scene.scene import Scene
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
 from ..sweep import Sweep
@@ -21,7 +21,7 @@ from .evaluations import Evaluations, Observe, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row, Summarize
-from .plan import other_starts, unit_of, with_vary_in_units
+from .plan import other_starts, read_settings, unit_of
 from .repetition import Repeated
 from .searches import Ask, differences, run_searches
 
@@ -146,13 +146,9 @@ def design(
     runs, are made again with half of every step. Raises `BadInput`, also where the start cannot be
     run, and `Stopped` where a signal has ended it.
     """
-    if isinstance(settings, str | Path):
-        path = Path(settings)
-        settings = with_rows(
-            validated(DesignSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent
-        )
-    given = with_vary_in_units(settings, scene, "design")
-    wanted = with_rows(validated(DesignSettings, given, "design"), table=limits, conditions=conditions)
+    data, name, folder = read_settings(settings, "design", scene)
+    wanted = with_rows(validated(DesignSettings, data, name), folder)
+    wanted = with_rows(wanted, table=limits, conditions=conditions)
     several = len(wanted.aims) > 1
     if several:
         check_pymoo()
@@ -284,10 +280,7 @@ class _Searching:
 
     def _scaled(self, row: Row) -> np.ndarray:
         """Aim and limited columns, (1 + c,); NaN where the run failed."""
-        if row.outcome != "done":
-            return np.full(1 + len(self.sizes), np.nan)
-        columns = [row.numbers.get(c, np.nan) / s for c, s in zip(self.limits, self.sizes, strict=True)]
-        return np.array([self.sign * row.numbers.get(self.quantity, np.nan) / self.scale, *columns])
+        return row.values([self.quantity, *self.limits]) / [self.sign * self.scale, *self.sizes]
 
     def _bad(self) -> np.ndarray:
         """What a failed run has in their places: worse than the start, and clearly out of the limits."""
@@ -301,11 +294,11 @@ def _outside(limit: LimitSettings, size: float) -> float:
 
 
 def _step(p: np.ndarray, row: Row, aims: Sequence[str], limits: Mapping[str, LimitSettings]) -> Step:
-    values = tuple(row.numbers.get(c, float("nan")) for c in limits)
-    sizes = tuple(row.numbers.get(name, float("nan")) for name in aims)
+    values, sizes = row.values(limits).tolist(), row.values(aims)
     inside = all(limit.keeps(v, FEASIBLE * limit.size) for v, limit in zip(values, limits.values(), strict=True))
-    good = row.outcome == "done" and bool(np.isfinite(sizes).all()) and inside
-    return Step(tuple(p.tolist()), sizes, values, good, row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}")
+    good = bool(np.isfinite(sizes).all()) and inside
+    outcome = row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}"
+    return Step(tuple(p.tolist()), tuple(sizes.tolist()), tuple(values), good, outcome)
 
 
 def _undecided(steps: Sequence[Step], limits: Mapping[str, LimitSettings], repeated: Repeated) -> list[str]:

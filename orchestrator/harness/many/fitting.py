@@ -11,7 +11,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
-from ...scene.scene import Scene, read_toml
+from ...scene.scene import Scene
 from ...settings.answers import FitSettings
 from ...settings.messages import validated
 from ...settings.plan import KeepSettings
@@ -24,7 +24,7 @@ from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, Observe, evaluations
 from .measures import Row, Summarize
-from .plan import changes, other_starts, unit_of, with_vary_in_units
+from .plan import changes, other_starts, read_settings, unit_of
 from .repetition import OF_DEVIATION
 from .searches import Ask, differences, run_searches
 
@@ -94,11 +94,8 @@ def fit(
     tells how large its numerical error is beside that of the measurements. Raises `BadInput`, also where the start
     cannot be run, and `Stopped` where a signal has ended it.
     """
-    if isinstance(settings, str | Path):
-        path = Path(settings)
-        wanted, folder = validated(FitSettings, with_vary_in_units(read_toml(path), scene, path.name), path.name), path.parent
-    else:
-        wanted, folder = validated(FitSettings, with_vary_in_units(settings, scene, "fit"), "fit"), Path(folder)
+    data, name, folder = read_settings(settings, "fit", scene, Path(folder))
+    wanted = validated(FitSettings, data, name)
     for curve in wanted.curves:
         read_curve(curve, folder)
     for spectrum in wanted.spectra:
@@ -257,17 +254,10 @@ def _others(best: Fit, others: Sequence[Fit], width: np.ndarray) -> list[str]:
 
 def _in_units(unit: Fit, low: np.ndarray, width: np.ndarray) -> Fit:
     """A fit over shares of the ranges as one in the parameters' units."""
-    return Fit(
-        unit.names,
-        low + unit.values * width,
-        unit.deviations * width,
-        unit.covariance * np.outer(width, width),
-        unit.correlation,
-        low[:, None] + unit.intervals * width[:, None],
-        unit.residuals,
-        unit.variance,
-        unit.condition,
-        unit.evaluations,
-        unit.converged,
-        unit.messages,
+    return replace(
+        unit,
+        values=low + unit.values * width,
+        deviations=unit.deviations * width,
+        covariance=unit.covariance * np.outer(width, width),
+        intervals=low[:, None] + unit.intervals * width[:, None],
     )

@@ -67,12 +67,11 @@ def _judged(
     row: Row, aims: Sequence[str], sign: np.ndarray, limits: Mapping[str, LimitSettings]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Aims (m,), all to be small, and how far the run is out of its limits (1 + 2 c,), negative inside; the first: it failed."""
-    values = sign * np.array([row.numbers.get(name, np.nan) for name in aims])
-    if row.outcome != "done" or not np.isfinite(values).all():
+    values = sign * row.values(aims)
+    if not np.isfinite(values).all():
         return np.zeros(len(aims)), np.full(1 + 2 * len(limits), FAILED)
     outside = [0.0]
-    for name, limit in limits.items():
-        x = row.numbers.get(name, np.nan)
+    for x, limit in zip(row.values(limits), limits.values(), strict=True):
         for end, way in ((limit.low, -1.0), (limit.high, 1.0)):
             outside.append(-1.0 if end is None else way * (x - end) / limit.size if np.isfinite(x) else FAILED)
     return values, np.array(outside)

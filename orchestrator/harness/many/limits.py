@@ -20,7 +20,7 @@ Limits = Mapping[str, LimitSettings]
 def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: Sequence[str] = ()) -> S:
     """A plan or a design with the rows of its table among its limits, and what gives their measures among what is kept.
 
-    `folder`: of a table's file.  `table`, `conditions`: in the place of the settings' own.  Raises `BadInput`.
+    `folder`: of a table's file.  `table`, `conditions`: another table than that of the settings.  Raises `BadInput`.
     """
     wanted_rows = RowsSettings(table=table, conditions=tuple(conditions)) if table else settings.rows
     if conditions and not table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import sys
+from collections import Counter
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from time import perf_counter, time
@@ -32,7 +33,7 @@ class Live:
         self.done, self.failed = before, 0
         self.seconds = 0.0  # of real time in runs, of all workers
         self.workers = 1
-        self._reasons: dict[str, int] = {}
+        self._reasons: Counter[str] = Counter()
         self._since, self._page_at = perf_counter(), -PAGE_EVERY
         self._stack, self._bar = ExitStack(), None
         if progress and sys.stderr.isatty():
@@ -40,7 +41,7 @@ class Live:
             self._task = self._bar.add_task(title, total=total, completed=before, failed="")
 
     def __enter__(self) -> Live:
-        self._write("running")
+        self.write("running")
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -50,29 +51,23 @@ class Live:
         """A batch has ended, of so many workers."""
         self.workers = workers
         self.seconds += rows.seconds
-        for outcome, reason in zip(
-            rows.table.column("outcome").to_pylist(), rows.table.column("reason").to_pylist(), strict=True
-        ):
-            if outcome == "done":
-                self.done += 1
-            else:
-                self.failed += 1
-                self._reasons[reason] = self._reasons.get(reason, 0) + 1
+        ends = zip(rows.table.column("outcome").to_pylist(), rows.table.column("reason").to_pylist(), strict=True)
+        reasons = [reason for outcome, reason in ends if outcome != "done"]
+        self._reasons.update(reasons)
+        self.failed += len(reasons)
+        self.done += rows.table.num_rows - len(reasons)
         if self._bar is not None:
             self._bar.update(self._task, completed=self.done + self.failed, failed=f"{self.failed} failed" if self.failed else "")
         if perf_counter() - self._page_at >= PAGE_EVERY:
-            self._write("running")
+            self.write("running")
 
     def repeating(self) -> None:
         """All points have ended; some of them are run again."""
         if self._bar is not None:
             self._bar.update(self._task, description="Repeating some points with half of every step")
 
-    def end(self, state: str) -> None:
-        """The last page, which no longer reloads itself."""
-        self._write(state)
-
-    def _write(self, state: str) -> None:
+    def write(self, state: str) -> None:
+        """The page; one that is not "running" no longer reloads itself."""
         self._page_at = perf_counter()
         spent = max(perf_counter() - self._since, 1e-9)
         ended, total = self.done + self.failed, max(self._total, 1)
@@ -86,8 +81,7 @@ class Live:
             ("workers", f"{self.workers}, {100.0 * self.seconds / (spent * self.workers):.0f} % of their time in runs"),
         ]
         table = "".join(f"<tr><td>{name}<td>{value}" for name, value in rows)
-        common = sorted(self._reasons.items(), key=lambda item: -item[1])[:SHOWN_REASONS]
-        reasons = "".join(f"<tr><td>{n}<td>{html.escape(text)}" for text, n in common)
+        reasons = "".join(f"<tr><td>{n}<td>{html.escape(text)}" for text, n in self._reasons.most_common(SHOWN_REASONS))
         page = PAGE.format(
             refresh='<meta http-equiv="refresh" content="3">' if state == "running" else "",
             percent=100.0 * ended / total,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -49,6 +49,10 @@ class Row:
     time: np.ndarray = field(default_factory=lambda: np.zeros(0))
     signals: dict[str, np.ndarray] = field(default_factory=dict)
     stopped: Signals | None = None
+
+    def values(self, names: Iterable[str]) -> np.ndarray:
+        """(n,) numbers of columns; NaN where there is none, and where the run is not done."""
+        return np.array([self.numbers.get(name, np.nan) if self.outcome == "done" else np.nan for name in names])
 
 
 @dataclass(frozen=True)

@@ -113,24 +113,24 @@ def plan_settings(
     scene: by whose parameters numbers with their units are converted, "250 km/h"; None where there are none.
     sampled: whether the plan's own method counts; one that does not may be left out.
     """
-
-    def checked(data: Any, name: str) -> PlanSettings:
-        if not sampled and isinstance(data, Mapping) and "method" not in data:
-            data = {"method": "sobol", "points": 1, **data}
-        return validated(PlanSettings, with_vary_in_units(data, scene, name), name)
-
-    if not isinstance(data, str | Path):
-        return checked(data, name)
-    path = Path(data)
-    settings = with_rows(checked(read_toml(path), path.name), path.parent)
-    return settings.model_copy(update={"table": str(path.parent / settings.table)}) if settings.table else settings
+    given, name, folder = read_settings(data, name, scene)
+    if not sampled and isinstance(given, Mapping) and "method" not in given:
+        given = {"method": "sobol", "points": 1, **given}
+    settings = with_rows(validated(PlanSettings, given, name), folder)
+    return settings.model_copy(update={"table": str(folder / settings.table)}) if settings.table else settings
 
 
-def with_vary_in_units(data: Any, scene: Scene | None, name: str) -> Any:
-    """The data of a plan, a fit or a design with numbers in the place of texts with their units in [vary]."""
-    if scene is None or not isinstance(data, Mapping) or not isinstance(data.get("vary"), Mapping):
-        return data
-    return {**data, "vary": axes_with_numbers(data["vary"], scene.settings()["units"], f"{name}: vary")}
+def read_settings(data: Any, name: str, scene: Scene | None, folder: Path = Path()) -> tuple[Any, str, Path]:
+    """(the data of a plan, a fit or a design, with numbers in the place of texts with units in [vary]; their name; their folder).
+
+    data: plain, or a TOML file, which gives name and folder.
+    """
+    if isinstance(data, str | Path):
+        path = Path(data)
+        data, name, folder = read_toml(path), path.name, path.parent
+    if scene is not None and isinstance(data, Mapping) and isinstance(data.get("vary"), Mapping):
+        data = {**data, "vary": axes_with_numbers(data["vary"], scene.settings()["units"], f"{name}: vary")}
+    return data, name, folder
 
 
 def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None) -> Points:
