@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from signal import Signals
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -40,6 +40,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
+
+
+class How(TypedDict, total=False):
+    """Who computes the runs of an answer, and what is kept and shown of them: as `sweep` has it."""
+
+    jobs: int | None
+    scheduler: str
+    progress: bool
+    summarize: Summarize | None
+    verify: bool
 
 
 @dataclass(frozen=True)

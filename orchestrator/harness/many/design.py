@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -17,10 +17,10 @@ from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
 from ..sweep import Sweep
 from .columns import column_name, keep_for
-from .evaluations import Evaluations, Observe, evaluations
+from .evaluations import Evaluations, How, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
-from .measures import Row, Summarize
+from .measures import Row
 from .plan import other_starts, read_settings, unit_of
 from .repetition import Repeated
 from .searches import Ask, differences, run_searches
@@ -129,22 +129,18 @@ def design(
     settings: DesignSettings | Mapping[str, Any] | str | Path,
     directory: str | Path | None = None,
     *,
-    jobs: int | None = 1,
-    scheduler: str = "",
-    summarize: Summarize | None = None,
-    observe: Observe = lambda n: None,
     limits: str = "",
     conditions: Sequence[str] = (),
     verify: bool = True,
+    **how: Unpack[How],
 ) -> Design:
     """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts. Of several
     quantities a front, by NSGA-II.
 
-    `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
-    of differences, and of several starts, as in a sweep; they change no number. `limits`, `conditions`: a
-    validation table whose rows are constraints as well, and which of them. `verify`: whether the best run, of a front some of its
-    runs, are made again with half of every step. Raises `BadInput`, also where the start cannot be
-    run, and `Stopped` where a signal has ended it.
+    `directory`: where the runs are kept; those of an earlier call are not run again. `limits`, `conditions`: a validation table
+    whose rows are constraints as well, and which of them. `verify`: whether the best run, of a front some of its runs, are made
+    again with half of every step. `how`: who computes the runs of differences, of several starts and of a generation; no number
+    depends on it. Raises `BadInput`, also where the start cannot be run, and `Stopped` where a signal has ended it.
     """
     data, name, folder = read_settings(settings, "design", scene)
     wanted = with_rows(validated(DesignSettings, data, name), folder)
@@ -154,10 +150,7 @@ def design(
         check_pymoo()
     keep = keep_for([*wanted.aims, *wanted.constraints], wanted.keep)
     needed = {"design": wanted.aims, "design: constraints": wanted.constraints}
-    searching = evaluations(
-        scene, wanted.vary, keep, needed, directory, jobs=jobs, scheduler=scheduler, summarize=summarize, observe=observe
-    )
-    with searching as runs:
+    with evaluations(scene, wanted.vary, keep, needed, directory, **how) as runs:
         start = runs.start()
         (first,) = runs([start])
         if first.outcome != "done":

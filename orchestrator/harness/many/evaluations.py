@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 import numpy as np
 
@@ -20,7 +21,14 @@ from .plan import Column, Points, changes, place, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store, StoredPlan
 
-Observe = Callable[[int], None]  # is told how many runs there were
+
+class How(TypedDict, total=False):
+    """Who computes the runs of a search, as of a sweep. observe: is told how many there were."""
+
+    jobs: int | None
+    scheduler: str
+    summarize: Summarize | None
+    observe: Callable[[int], None]
 
 
 @contextmanager
@@ -30,25 +38,22 @@ def evaluations(
     keep: KeepSettings,
     columns: Mapping[str, Iterable[str]],
     directory: str | Path | None,
-    *,
-    jobs: int | None,
-    scheduler: str,
-    summarize: Summarize | None,
-    observe: Observe,
+    **how: Unpack[How],
 ) -> Iterator[Evaluations]:
-    """Runs at values of parameters within bounds. columns: that the search needs, by what names them.  The others as of a sweep.
+    """Runs at values of parameters within bounds. columns: that the search needs, by what names them.
 
     Raises `BadInput` for bounds that the scene refuses, and for columns that no run has.
     """
     for name in vary:
         place(scene, name)
-    task = Task.of(scene, keep, summarize)
+    task = Task.of(scene, keep, how.get("summarize"))
     for where, needed in columns.items():
         check_columns(task, needed, where)
     own = task.scene()
     for end in ("low", "high"):  # before a long search
         check_analysis(own.with_changes(changes(own, {name: getattr(bounds, end) for name, bounds in vary.items()})))
-    computing = Computing(jobs, scheduler, lambda rows, workers: observe(computing.computed))
+    observe = how.get("observe", lambda n: None)
+    computing = Computing(how.get("jobs", 1), how.get("scheduler", ""), lambda rows, workers: observe(computing.computed))
     with points_directory(directory, "cosimo-search-") as folder, computing:
         yield Evaluations(scene, vary, task, computing, folder, directory is not None)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -22,8 +22,8 @@ from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
-from .evaluations import Evaluations, Observe, evaluations
-from .measures import Row, Summarize
+from .evaluations import Evaluations, How, evaluations
+from .measures import Row
 from .plan import changes, other_starts, read_settings, unit_of
 from .repetition import OF_DEVIATION
 from .searches import Ask, differences, run_searches
@@ -78,21 +78,18 @@ def fit(
     directory: str | Path | None = None,
     *,
     folder: str | Path = ".",
-    jobs: int | None = 1,
-    scheduler: str = "",
-    summarize: Summarize | None = None,
-    observe: Observe = lambda n: None,
     verify: bool = True,
+    **how: Unpack[How],
 ) -> SceneFit:
     """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 
     Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
     on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured frequencies.
     Samples count as independent, which makes the deviations too small where they are not. `directory`: where the runs are kept;
-    those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs of a Jacobian, and of several starts,
-    as in a sweep; they change no number. `verify`: whether the fitted run is made again with half of every step, which
-    tells how large its numerical error is beside that of the measurements. Raises `BadInput`, also where the start
-    cannot be run, and `Stopped` where a signal has ended it.
+    those of an earlier call are not run again. `verify`: whether the fitted run is made again with half of every step, which tells
+    how large its numerical error is beside that of the measurements. `how`: who computes the runs of a Jacobian, and of several
+    starts; no number depends on it. Raises `BadInput`, also where the start cannot be run, and `Stopped` where a signal has
+    ended it.
     """
     data, name, folder = read_settings(settings, "fit", scene, Path(folder))
     wanted = validated(FitSettings, data, name)
@@ -104,10 +101,7 @@ def fit(
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
     needed = {"fit: targets": [t.quantity for t in wanted.targets]}
-    searching = evaluations(
-        scene, wanted.vary, keep, needed, directory, jobs=jobs, scheduler=scheduler, summarize=summarize, observe=observe
-    )
-    with searching as runs:
+    with evaluations(scene, wanted.vary, keep, needed, directory, **how) as runs:
         return _Fitting(scene, wanted, folder, runs).answer(verify)
 
 

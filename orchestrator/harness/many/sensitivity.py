@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -21,9 +21,8 @@ from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
-from ..sweep import Sweep, sweep
+from ..sweep import How, Sweep, sweep
 from .columns import column_name, for_columns
-from .measures import Summarize
 from .plan import SMALLEST, plan_settings
 from .repetition import blurred
 
@@ -106,16 +105,13 @@ def sensitivity(
     quantities: Sequence[str] = (),
     method: str = "sobol",
     samples: int = 128,
-    jobs: int | None = 1,
-    scheduler: str = "",
-    progress: bool = False,
-    summarize: Summarize | None = None,
-    verify: bool = True,
+    **how: Unpack[How],
 ) -> Sensitivity:
     """Indices of quantities over what the plan varies; `samples` blocks of d + 2 runs (Sobol) or d + 1 (Morris).
 
     `quantities`: columns of a sweep, by default those of the plan or of the scene's [study]. The plan's own method and number of
-    points do not count. Raises `BadInput`, also for correlated parameters, of which shares of the variance mean nothing.
+    points do not count. `how`: as of a sweep. Raises `BadInput`, also for correlated parameters, of which shares of the variance
+    mean nothing.
     """
     if find_spec("SALib") is None:
         raise BadInput("sensitivity", "no SALib", "an installed SALib", "pip install cosimo[many]")
@@ -132,18 +128,7 @@ def sensitivity(
     problem = {"num_vars": len(settings.vary), "names": list(settings.vary), "bounds": [[0.0, 1.0]] * len(settings.vary)}
     cube = sample(problem, method, samples, settings.seed)
     points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
-    runs = sweep(
-        scene,
-        chosen,
-        directory,
-        jobs=jobs,
-        scheduler=scheduler,
-        progress=progress,
-        summarize=summarize,
-        verify=verify,
-        columns=names,
-        cube=np.clip(points, SMALLEST, 1.0 - SMALLEST),
-    )
+    runs = sweep(scene, chosen, directory, columns=names, cube=np.clip(points, SMALLEST, 1.0 - SMALLEST), **how)
     indices: list[Index] = []
     constant: list[str] = []
     blocks = 0

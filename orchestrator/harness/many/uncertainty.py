@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -21,10 +21,10 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.effects import select
 from ..studies.full_model import Place, full_model
-from ..sweep import Sweep, sweep
+from ..sweep import How, Sweep, sweep
 from .columns import column_name, for_columns
 from .limits import recalled, with_rows
-from .measures import Row, Summarize, Task
+from .measures import Row, Task
 from .plan import plan_settings
 from .point_runs import row_of
 from .repetition import blurred
@@ -202,17 +202,13 @@ def uncertainty(
     quantities: Sequence[str] = (),
     effects: bool = False,
     share: float = 1.0,
-    jobs: int | None = 1,
-    scheduler: str = "",
-    progress: bool = False,
-    summarize: Summarize | None = None,
     limits: str = "",
     conditions: Sequence[str] = (),
-    verify: bool = True,
+    **how: Unpack[How],
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
-    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them.
+    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `how`: as of a sweep.
 
     `effects`: look which effects of the full model are needed so that leaving out the others changes no quantity by more than
     `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
@@ -223,24 +219,14 @@ def uncertainty(
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)
     names, settings = for_columns(scene, settings, quantities, "uncertainty", settings.limits)
-    runs = sweep(
-        scene,
-        settings,
-        directory,
-        jobs=jobs,
-        scheduler=scheduler,
-        progress=progress,
-        summarize=summarize,
-        verify=verify,
-        columns=names,
-    )
+    runs = sweep(scene, settings, directory, columns=names, **how)
     if runs.stopped is not None:
         return Uncertainty(runs, ())
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
     spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
     messages = _messages(runs, spreads, settings.method)
     answer = Uncertainty(runs, spreads, _kept(runs), messages=tuple(messages))
-    return _with_effects(Task.of(scene, settings.keep, summarize), answer, share) if effects else answer
+    return _with_effects(Task.of(scene, settings.keep, how.get("summarize")), answer, share) if effects else answer
 
 
 def spread(name: str, unit: str, values: np.ndarray) -> Spread:
