@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 G = 9.81  # m/s2
 ACCURACY = 0.01
-BUDGET = 10.0  # s of measuring, beside the reference
+BUDGET = 5.0  # s of measuring, beside the reference
 RAILWAY_BUDGET = 60.0  # s; a finer mesh may take a twentieth of it, on a busy machine, too
 FINE = 10_000  # instants of an independent solution beside those of the run
 
@@ -261,7 +261,7 @@ SYSTEMS = {
     "mass-on-spring": (mass_on_spring, lambda: load_scene("mass-on-spring").with_changes({"stop_time": 3.0})),
     "damped-chain": (damped_chain, lambda: load_scene("damped-chain").with_changes({"stop_time": 10.0})),
     "link-split": (link_split, lambda: load_scene("link-split").with_changes({"stop_time": 0.5})),
-    "rov-added-mass": (rov_added_mass, lambda: load_scene("rov-added-mass")),
+    "rov-added-mass": (rov_added_mass, lambda: load_scene("rov-added-mass").with_changes({"stop_time": 2.0})),
     "rov-tumbling": (rov_tumbling, lambda: load_scene("rov-tumbling").with_changes({"stop_time": 10.0})),
     "lumped-catenary": (lumped_catenary, lambda: load_scene("lumped-catenary").with_changes({"stop_time": 2.0, "analysis": {}})),
     "ball-bearing-clearance": (ball_bearing, lambda: load_scene("ball-bearing-clearance").with_changes(BEARING)),

@@ -18,7 +18,7 @@ def code_of(*arguments):
 
 
 def test_a_scene(tmp_path, capsys):
-    assert code_of("mass-on-spring", "--stop", 1.0, "--budget", 10, "-o", tmp_path / "out") == 0
+    assert code_of("mass-on-spring", "--stop", 0.2, "--budget", 1, "-o", tmp_path / "out") == 0
     out = capsys.readouterr().out
     assert "DOP853" in out
     assert (tmp_path / "out" / "accuracy.csv").is_file()

@@ -3,16 +3,17 @@
 import json
 import math
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.cli import choices, main
 from cosimo.orchestrator.cli.choices import is_verified
 from cosimo.orchestrator.harness import code_digests
 from cosimo.orchestrator.harness.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
-from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.fronts import choose, keep, known, scene_digest
 from cosimo.orchestrator.harness.studies.quantities import distances, recording
@@ -221,7 +222,8 @@ def test_a_setting_that_does_not_hold_fails_the_check(cache, tmp_path, capsys):
     assert "NOT verified" in capsys.readouterr().out
 
 
-def test_nothing_known_is_measured_first(cache, tmp_path, capsys):
+def test_nothing_known_is_measured_first(cache, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(choices, "accuracy", partial(accuracy, budget=1.0, repeats=2))
     scene = tmp_path / "short.toml"
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")

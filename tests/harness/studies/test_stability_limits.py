@@ -160,8 +160,8 @@ def test_what_has_no_coupling_that_could_grow_is_refused():
 
 
 def test_the_table_of_a_map(tmp_path):
-    scene = spring().with_changes({"study.stability": {"s.d": [1.0, 2.0, 4.0]}})
-    found = stability(scene, [("jacobi", 0), ("jacobi", 1)], steps=300)
+    scene = spring().with_changes({"study.stability": {"s.d": [1.0, 4.0]}})
+    found = stability(scene, [("jacobi", 0), ("jacobi", 1)], steps=100)
     rows = list(csv.reader(found.save(tmp_path).open(encoding="utf-8")))
     assert rows[0] == [
         "s.d, N.s/m",
@@ -173,6 +173,6 @@ def test_the_table_of_a_map(tmp_path):
         "tried, s",
         "macro steps made",
     ]
-    assert len(rows) == 1 + 3 * 2
-    assert [float(row[0]) for row in rows[1:]] == [1.0, 1.0, 2.0, 2.0, 4.0, 4.0]
+    assert len(rows) == 1 + 2 * 2
+    assert [float(row[0]) for row in rows[1:]] == [1.0, 1.0, 4.0, 4.0]
     assert [float(row[3]) for row in rows[1:]] == [one.longest for one in found.limits]
