@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 from signal import Signals
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -25,21 +25,15 @@ from ...components.core.errors import BadInput
 from ..output import locked
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
-from ..views.data import library
 from .many.columns import check_columns, column_name
 from .many.execute import Computing
-from .many.files import NOT_RUN, collect, write_data_set, write_provenance, write_tables
+from .many.files import Sweep, collect, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
 from .many.live import Live
 from .many.measures import Summarize, Task, check_analysis, own_version
 from .many.plan import changes, plan_of, plan_settings
-from .many.repetition import Repeated, compared, ends_and_some, repeat
-from .many.store import SIGNAL, TIME, Store, StoredPlan, array_of
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
+from .many.repetition import compared, ends_and_some, repeat
+from .many.store import Store, StoredPlan
 
 
 class How(TypedDict, total=False):
@@ -50,72 +44,6 @@ class How(TypedDict, total=False):
     progress: bool
     summarize: Summarize | None
     verify: bool
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """What the points of a sweep gave, in the order of its plan.
-
-    varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind" and the like -> (n,), NaN where a
-    run failed.  outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
-    units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
-    plan: how the points were chosen.  files: what was written.  computed: runs of this call.
-    repeated: what half of every step changes at some points; None where nothing was repeated.
-    points: with their stored rows; None without a directory.
-    """
-
-    scene: Scene
-    varied: Mapping[str, np.ndarray]
-    measures: Mapping[str, np.ndarray]
-    outcomes: tuple[str, ...]
-    section: tuple[np.ndarray, ...]
-    units: Mapping[str, str]
-    stopped: Signals | None = None
-    plan: PlanSettings = field(default_factory=lambda: PlanSettings(vary={"": [0.0]}))
-    files: tuple[Path, ...] = ()
-    remarks: tuple[str, ...] = ()
-    computed: int = 0
-    points: StoredPlan | None = None
-    repeated: Repeated | None = None
-
-    def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """(time, values), (m,) each, of a kept signal at every point, read as they are asked for; empty where a run failed.
-
-        Raises `BadInput` for a signal that was not kept, and for a sweep without a directory.
-        """
-        if self.points is None or name not in self.plan.keep.signals:
-            raise BadInput("signals", repr(name), "a signal that the plan keeps, of a sweep with a directory")
-        return (
-            (array_of(table, TIME, k), array_of(table, SIGNAL + name, k))
-            for some, table in self.points.pieces([TIME, SIGNAL + name], SIGNALS_AT_ONCE)
-            for k in range(some.stop - some.start)
-        )
-
-    def __repr__(self) -> str:
-        """Points, ranges, errors: one line each."""
-        done = int(self.done.sum())
-        lines = [f"<Sweep of {self.scene.name}: {done} of {len(self.outcomes)} points done, {len(self.measures)} columns>"]
-        for name, values in self.varied.items():
-            several = values.dtype.kind not in "fiu" and ", ".join(dict.fromkeys(map(str, values)))
-            unit = f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""
-            lines.append(f"{name}: {several or f'{values.min():g} to {values.max():g}{unit}'}")
-        if self.repeated is not None:
-            lines.append(self.repeated.summary(len(self.outcomes)))
-        return "\n".join(lines)
-
-    def to_pandas(self) -> pd.DataFrame:
-        """A row a point: what varies, every measure, outcome. attrs["units"]: of measure, by column.
-
-        Raises `BadInput` where pandas is missing.
-        """
-        frame = library("pandas").DataFrame({**self.varied, **self.measures, "outcome": self.outcomes})
-        frame.attrs = {"units": dict(self.units)}
-        return frame
-
-    @property
-    def done(self) -> np.ndarray:
-        """(n,) truth values: points that gave their numbers."""
-        return np.array([o == "done" for o in self.outcomes])
 
 
 def sweep_settings(scene: Scene) -> PlanSettings:
@@ -238,12 +166,11 @@ def collected_sweep(
     verify: bool = False,
 ) -> Sweep:
     """The points as they lie in their store, with table and data set where the folder is kept; `verify`: some are run again."""
-    plan = points.plan
     collected = collect(scene, points, folder)
     repeated = None
     if verify:
-        chosen = ends_and_some(plan, collected.outcomes == "done")
-        repeated = compared(chosen, repeat(points, chosen), collected.numbers)
+        chosen = ends_and_some(points.plan, collected.done)
+        repeated = compared(chosen, repeat(points, chosen), collected.measures)
     files: list[Path] = []
     if kept:
         verification = {} if repeated is None else {"verification": repeated.to_json()}
@@ -254,19 +181,12 @@ def collected_sweep(
         }
         data = write_data_set(folder, collected, points, attributes)
         files = [write_tables(folder, collected), *([data] if data is not None else [])]
-    outcomes = (o if o in ("done", NOT_RUN) else r for o, r in zip(collected.outcomes, collected.reasons, strict=True))
-    return Sweep(
-        scene,
-        collected.varied,
-        collected.numbers,
-        tuple(outcomes),
-        collected.section,
-        collected.units,
-        stopped,
-        plan.settings,
-        tuple(files),
-        (*points.store.remarks, *plan.remarks, *(repeated.messages() if repeated is not None else ())),
-        computed,
-        points if kept else None,
-        repeated,
+    return replace(
+        collected,
+        stopped=stopped,
+        files=tuple(files),
+        remarks=(*points.store.remarks, *points.plan.remarks, *(repeated.messages() if repeated is not None else ())),
+        computed=computed,
+        points=points if kept else None,
+        repeated=repeated,
     )

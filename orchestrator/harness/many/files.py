@@ -16,9 +16,11 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from signal import Signals
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,66 +29,127 @@ from ....components.core.store import replaced
 from ....fmus.versions import version
 from ...output import write_json, write_table
 from ...scene.scene import Scene
+from ...settings.plan import PlanSettings
+from ...views.data import library
 from . import store as stores
 from .measures import own_version
 from .plan import unit_of
+from .repetition import Repeated
 from .store import NUMBER, SECTION, SIGNAL, TIME, StoredPlan, array_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DATA_SET = "sweep.zarr"
 NOT_RUN = "not run"
+SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
 CHUNK = 4096  # points of the data set's and the table's pieces
 LARGEST_PIECE = 8_000_000  # numbers that are in memory at a time
 
 
 @dataclass(frozen=True)
-class Collected:
-    """The columns in the plan's order: (n,) each; numbers of many points in a file that the system reads as it is needed.
+class Sweep:
+    """What the points of a sweep gave, in the order of its plan.
 
-    varied: numbers, or texts.  outcomes: of `measures.OUTCOMES`, with their reasons.  units: by column.  signals: names of the kept
-    ones, of `longest` samples at most.  section: (k,) of each point; none of more points than a piece has.
+    plan: how the points were chosen.  varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind"
+    and the like -> (n,), NaN where a run failed; of many points in a file that the system reads as it is needed.  kinds: (n,) of
+    `measures.OUTCOMES`, with their reasons.  section: per point the values of the section's signal, (k,) each; none of more points
+    than a piece has.  units: unit of measure of every column.  longest: samples of the kept signals, at most.
+    stopped: the signal that has ended it before its last point.  files: what was written.  computed: runs of this call.
+    points: with their stored rows; None without a directory.  repeated: what half of every step changes at some points; None where
+    nothing was repeated.
     """
 
+    scene: Scene
+    plan: PlanSettings
     varied: Mapping[str, np.ndarray]
-    numbers: Mapping[str, np.ndarray]
-    outcomes: np.ndarray
+    measures: Mapping[str, np.ndarray]
+    kinds: np.ndarray
     reasons: np.ndarray
     section: tuple[np.ndarray, ...]
     units: Mapping[str, str]
-    signals: tuple[str, ...]
     longest: int
+    points: StoredPlan | None
+    stopped: Signals | None = None
+    files: tuple[Path, ...] = ()
+    remarks: tuple[str, ...] = ()
+    computed: int = 0
+    repeated: Repeated | None = None
+
+    @cached_property
+    def outcomes(self) -> tuple[str, ...]:
+        """(n,) "done" or "not run", or the reason."""
+        return tuple(k if k in ("done", NOT_RUN) else why for k, why in zip(self.kinds, self.reasons, strict=True))
+
+    def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(time, values), (m,) each, of a kept signal at every point, read as they are asked for; empty where a run failed.
+
+        Raises `BadInput` for a signal that was not kept, and for a sweep without a directory.
+        """
+        if self.points is None or name not in self.plan.keep.signals:
+            raise BadInput("signals", repr(name), "a signal that the plan keeps, of a sweep with a directory")
+        return (
+            (array_of(table, TIME, k), array_of(table, SIGNAL + name, k))
+            for some, table in self.points.pieces([TIME, SIGNAL + name], SIGNALS_AT_ONCE)
+            for k in range(some.stop - some.start)
+        )
+
+    def __repr__(self) -> str:
+        """Points, ranges, errors: one line each."""
+        done = int(self.done.sum())
+        lines = [f"<Sweep of {self.scene.name}: {done} of {len(self.outcomes)} points done, {len(self.measures)} columns>"]
+        for name, values in self.varied.items():
+            several = values.dtype.kind not in "fiu" and ", ".join(dict.fromkeys(map(str, values)))
+            unit = f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""
+            lines.append(f"{name}: {several or f'{values.min():g} to {values.max():g}{unit}'}")
+        if self.repeated is not None:
+            lines.append(self.repeated.summary(len(self.outcomes)))
+        return "\n".join(lines)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row a point: what varies, every measure, outcome. attrs["units"]: of measure, by column.
+
+        Raises `BadInput` where pandas is missing.
+        """
+        frame = library("pandas").DataFrame({**self.varied, **self.measures, "outcome": self.outcomes})
+        frame.attrs = {"units": dict(self.units)}
+        return frame
+
+    @property
+    def done(self) -> np.ndarray:
+        """(n,) truth values: points that gave their numbers."""
+        return self.kinds == "done"
 
 
-def collect(scene: Scene, points: StoredPlan, directory: Path) -> Collected:
+def collect(scene: Scene, points: StoredPlan, directory: Path) -> Sweep:
     """The rows of points, column by column; NaN where there is none."""
     import pyarrow.compute as compute
 
     n, plan, columns = points.plan.size, points.plan, points.store.columns
     free = iter(_mapped(directory, sum(name.startswith(NUMBER) for name in columns), n))
     numbers: dict[str, np.ndarray] = {}
-    signals: dict[str, None] = {}
-    outcomes, reasons = np.full(n, NOT_RUN, dtype=object), np.full(n, "", dtype=object)
+    kinds, reasons = np.full(n, NOT_RUN, dtype=object), np.full(n, "", dtype=object)
     texts: dict[str, str] = {}  # each once in memory
     section: list[np.ndarray] = []
     longest = 0
     for some, table in points.pieces():
-        for column, target, missing in (("outcome", outcomes, NOT_RUN), ("reason", reasons, "")):
+        for column, target, missing in (("outcome", kinds, NOT_RUN), ("reason", reasons, "")):
             target[some] = [texts.setdefault(t, t) for t in compute.fill_null(table.column(column), missing).to_pylist()]
         for name in table.column_names:
             if name.startswith(NUMBER):
                 if (key := name.removeprefix(NUMBER)) not in numbers:
                     numbers[key] = next(free)
                 numbers[key][some] = table.column(name).to_numpy()
-            elif name.startswith(SIGNAL):
-                signals[name.removeprefix(SIGNAL)] = None
         if TIME in table.column_names:
             longest = max(longest, compute.max(compute.list_value_length(table.column(TIME))).as_py() or 0)
         if n <= stores.PIECE:
             section = [array_of(table, SECTION, k) for k in range(n)]
     units = {name: unit_of(scene, name) for name in plan.columns}
-    units |= {n: columns[SIGNAL + n] for n in signals} | {n: columns[NUMBER + n] for n in numbers}
+    units |= {n: columns[SIGNAL + n] for n in plan.settings.keep.signals if SIGNAL + n in columns}
+    units |= {n: columns[NUMBER + n] for n in numbers}
     units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
     varied = {name: column.labels for name, column in plan.columns.items()}
-    return Collected(varied, numbers, outcomes, reasons, tuple(section), units, tuple(signals), longest)
+    return Sweep(scene, plan.settings, varied, numbers, kinds, reasons, tuple(section), units, longest, points)
 
 
 def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
@@ -102,24 +165,23 @@ def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
     return values
 
 
-def write_tables(directory: Path, collected: Collected) -> Path:
+def write_tables(directory: Path, sweep: Sweep) -> Path:
     """sweep.csv and sweep.parquet: what varies, what was measured, the outcome with its reason."""
     import pyarrow
     import pyarrow.parquet as parquet
 
-    units = collected.units
-    columns = {**collected.varied, **collected.numbers}
+    columns, units = {**sweep.varied, **sweep.measures}, sweep.units
 
     def rows() -> Iterator[tuple[Any, ...]]:
-        for first in range(0, collected.outcomes.size, CHUNK):
+        for first in range(0, sweep.kinds.size, CHUNK):
             some = slice(first, first + CHUNK)
-            ends = zip(collected.outcomes[some], collected.reasons[some], strict=True)
+            ends = zip(sweep.kinds[some], sweep.reasons[some], strict=True)
             outcome = [o if o in ("done", NOT_RUN) else f"{o}: {reason}" for o, reason in ends]
             yield from zip(*(c[some].tolist() for c in columns.values()), outcome, strict=True)
 
     header = [*(f"{n}, {units[n]}" if units.get(n) else n for n in columns), "outcome"]
     path = write_table(directory, "sweep.csv", header, rows())
-    columns |= {"outcome": collected.outcomes, "reason": collected.reasons}
+    columns |= {"outcome": sweep.kinds, "reason": sweep.reasons}
     kinds = {n: pyarrow.float64() if c.dtype.kind == "f" else pyarrow.string() for n, c in columns.items()}
     schema = pyarrow.schema([pyarrow.field(n, kind, metadata={"unit": units.get(n, "")}) for n, kind in kinds.items()])
     table = pyarrow.table([pyarrow.array(c, type=kinds[n]) for n, c in columns.items()], schema=schema)
@@ -128,37 +190,37 @@ def write_tables(directory: Path, collected: Collected) -> Path:
     return path
 
 
-def write_data_set(directory: Path, collected: Collected, points: StoredPlan, attributes: Mapping[str, Any]) -> Path | None:
+def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes: Mapping[str, Any]) -> Path | None:
     """sweep.zarr, put in place when it is whole; None where xarray or zarr are not installed. Kept signals lie over "time" where
     all were interpolated at multiples of an interval, else over "sample"."""
     if find_spec("xarray") is None or find_spec("zarr") is None:
         return None
     import xarray
 
-    n, longest, interval = collected.outcomes.size, collected.longest, points.plan.settings.keep.interval
+    n, longest, keep = sweep.kinds.size, sweep.longest, sweep.plan.keep
 
     def described(name: str) -> dict[str, str]:
-        return {"long_name": name, "units": collected.units.get(name) or "1"}
+        return {"long_name": name, "units": sweep.units.get(name) or "1"}
 
     def tables() -> Iterator[xarray.Dataset]:
         for first in range(0, n, stores.PIECE):
             some = slice(first, min(first + stores.PIECE, n))
-            variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in collected.numbers.items()}
-            variables |= {"outcome": ("point", collected.outcomes[some]), "reason": ("point", collected.reasons[some])}
-            coordinates = {name: ("point", c[some], described(name)) for name, c in collected.varied.items()}
+            variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in sweep.measures.items()}
+            variables |= {"outcome": ("point", sweep.kinds[some]), "reason": ("point", sweep.reasons[some])}
+            coordinates = {name: ("point", c[some], described(name)) for name, c in sweep.varied.items()}
             yield xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
 
     def signals() -> Iterator[xarray.Dataset]:
-        along = "time" if interval is not None else "sample"
-        columns = {SIGNAL + m: f"{m}, signal" if m in collected.numbers else m for m in collected.signals}
+        along = "time" if keep.interval is not None else "sample"
+        columns = {SIGNAL + m: f"{m}, signal" if m in sweep.measures else m for m in keep.signals}
         for _, table in points.pieces([TIME, *columns], per):
             variables: dict[str, Any] = {
                 name: (("point", along), _padded(table, column, longest), described(column.removeprefix(SIGNAL)))
                 for column, name in columns.items()
             }
             coordinates: dict[str, Any] = {}
-            if interval is not None:
-                coordinates["time"] = ("time", interval * np.arange(longest), {"units": "s"})
+            if keep.interval is not None:
+                coordinates["time"] = ("time", keep.interval * np.arange(longest), {"units": "s"})
             else:
                 variables["time"] = (("point", along), _padded(table, TIME, longest), {"units": "s", "long_name": "time"})
             yield xarray.Dataset(variables, coordinates, dict(attributes))
@@ -167,7 +229,7 @@ def write_data_set(directory: Path, collected: Collected, points: StoredPlan, at
     shutil.rmtree(part, ignore_errors=True)
     _append(part, tables(), (min(CHUNK, n),))
     if longest:
-        per = max(1, min(CHUNK, LARGEST_PIECE // (longest * (1 + len(collected.signals)))))
+        per = max(1, min(CHUNK, LARGEST_PIECE // (longest * (1 + len(keep.signals)))))
         _append(part, signals(), (per, longest))
     shutil.rmtree(target, ignore_errors=True)
     os.replace(part, target)

@@ -45,8 +45,8 @@ def test_a_run_that_is_done_takes_the_place_of_one_that_failed(tmp_path):
         points = stored(rows, 1, 2, 4, 7, 2, 9)  # 7 was not run, 2 is there twice
         assert points.missing().tolist() == [3]
         collected = collect(SCENE, points, tmp_path)
-        np.testing.assert_array_equal(collected.numbers["a"], [10.0, 20.0, 40.0, np.nan, 20.0, 90.0])
-        assert collected.outcomes.tolist() == ["done", "done", "done", "not run", "done", "done"]
+        np.testing.assert_array_equal(collected.measures["a"], [10.0, 20.0, 40.0, np.nan, 20.0, 90.0])
+        assert collected.kinds.tolist() == ["done", "done", "done", "not run", "done", "done"]
 
 
 def test_failed_points_are_missing_where_they_are_to_run_again(tmp_path):
