@@ -194,7 +194,7 @@ def accuracy(
         scene.title or scene.name,
         tuple(with_finer_errors(bench.points)),
         truth.method,
-        "; ".join(s.method for s in truth.second),
+        "; ".join(truth.second),
         truth.agreement,
         machine_name(),
         versions(),

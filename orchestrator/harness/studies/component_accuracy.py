@@ -78,17 +78,16 @@ class ComponentRun:
         effects: tuple[str, ...] = (),
         parameters: Mapping[str, Any] | None = None,
         stop: float | None = None,
-        wave: float = SHARE,
         preset: str = "",
     ):
         self.cls: type[Component] = component_class(name, "component")
         self.effects, self.parameters, self.preset = effects, dict(parameters or {}), preset
-        self.key = (self.cls, effects, self.parameters, stop, wave, preset)  # for a study's journal
+        self.key = (self.cls, effects, self.parameters, stop, preset)  # for a study's journal
         first = self.make()
         self.stop = stop or self.cls.default_stop
         self.steps = max(min(round(self.stop / self.cls.default_step), STEPS), 4)
         self.step = self.stop / self.steps
-        sizes = [wave * first.variables[n].nominal if n not in self.parameters else 0.0 for n in first.inputs]
+        sizes = [SHARE * first.variables[n].nominal if n not in self.parameters else 0.0 for n in first.inputs]
         grid = np.linspace(0.0, self.stop, 2 * self.steps + 1)
         self.inputs = parabolas(waves(first.u[0], np.array(sizes), self.stop, grid), self.step)
         self.kernel = rate_kernel(self.cls)

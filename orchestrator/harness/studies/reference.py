@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import inf, log2, nan
+from math import inf, log2
 from time import perf_counter
 from typing import Any
 
@@ -60,28 +60,16 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class SecondSolution:
-    """Another solution of the same scene. errors: by quantity, against the reference; quantities that it does not have are missing."""
-
-    method: str
-    errors: Mapping[str, float]
-
-    @property
-    def worst(self) -> float:
-        """The largest of them."""
-        return max(self.errors.values(), default=nan)
-
-
-@dataclass(frozen=True)
 class Reference:
     """What errors are measured against. shares: see `Solution`.
 
+    second: other solutions of the scene by their methods, their errors by quantity, of the quantities that they have.
     By quantity, mesh_error: of the mesh that it has; between_samples: of an extreme that falls between two samples.
     """
 
     history: TimeHistory
     method: str
-    second: tuple[SecondSolution, ...]
+    second: Mapping[str, Mapping[str, float]]
     shares: tuple[str, ...] = ()
     mesh_error: Mapping[str, float] = field(default_factory=dict)
     between_samples: Mapping[str, float] = field(default_factory=dict)
@@ -89,11 +77,9 @@ class Reference:
     @property
     def agreement(self) -> dict[str, float]:
         """By quantity the largest distance of a second solution, and of an extreme what may lie between two samples."""
-        names = dict.fromkeys(name for solution in self.second for name in solution.errors)
-        return {
-            name: max(s.errors[name] for s in self.second if name in s.errors) + self.between_samples.get(name, 0.0)
-            for name in names
-        }
+        every = self.second.values()
+        names = dict.fromkeys(name for of in every for name in of)
+        return {n: max(of[n] for of in every if n in of) + self.between_samples.get(n, 0.0) for n in names}
 
     @property
     def uncertainty(self) -> dict[str, float]:
@@ -120,14 +106,14 @@ def reference(
             "Shorten the run, or its macro step.",
         )
     first, *others = solutions
-    second = [SecondSolution(other.method, errors(quantities, other.history, first.history)) for other in others]
+    second = {other.method: errors(quantities, other.history, first.history) for other in others}
     if scene.study.monolith is not None:
-        second.append(_monolith(scene, quantities, first.history, finest, on_message))
+        second |= _monolith(scene, quantities, first.history, finest, on_message)
     method = f"{first.method}, elements x {FINER_MESH:g}" if mesh else first.method
     return Reference(
         first.history,
         method,
-        tuple(second),
+        second,
         (*first.shares, MESH) if mesh else first.shares,
         mesh,
         {q.name: q.between_samples(first.history) for q in quantities},
@@ -262,8 +248,8 @@ def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
 
 def _monolith(
     scene: Scene, quantities: Sequence[Quantity], history: TimeHistory, finest: float, on_message: Callable[[str], None]
-) -> SecondSolution:
-    """What the scene's monolith gives of the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
+) -> dict[str, dict[str, float]]:
+    """Method -> errors of the scene's monolith, in the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
     given = scene.study.monolith
     assert given is not None
     whole = scene.load_other(given.scene).with_changes({"stop_time": scene.stop_time})
@@ -282,4 +268,4 @@ def _monolith(
     solution = solutions[0]
     columns = {ours: solution.history.columns[theirs] for ours, theirs in names.items()}
     kept = [q for q in quantities if q.signal in columns]
-    return SecondSolution(f"{given.scene}: {solution.method}", errors(kept, TimeHistory(solution.history.time, columns), history))
+    return {f"{given.scene}: {solution.method}": errors(kept, TimeHistory(solution.history.time, columns), history)}
