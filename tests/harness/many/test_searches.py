@@ -36,18 +36,23 @@ STIFF = {
 
 
 def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
-    scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
-    settings = {
-        "vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
-        "curves": [measured(tmp_path)],
-        "starts": 2,
-    }
-    one, two = (fit(scene, settings, tmp_path / str(jobs), folder=tmp_path, jobs=jobs) for jobs in (1, 2))
+    targets = [{"quantity": "mass.base_x, maximum", "value": 0.08, "deviation": 0.005}]
+    settings = {"vary": {"spring.stiffness": STIFF["vary"]["spring.stiffness"]}, "targets": targets, "starts": 2}
+    one, two = (fit(OSCILLATOR, settings, tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2))
     assert one.fit.values.tobytes() == two.fit.values.tobytes()
     assert one.fit.covariance.tobytes() == two.fit.covariance.tobytes()
     assert one.runs == one.computed == two.computed == len(one.sweep.outcomes)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
-    again = fit(scene, settings, tmp_path / "2", folder=tmp_path)
+
+
+def test_the_runs_of_a_fit_are_kept_with_their_signals(tmp_path):
+    scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
+    settings = {
+        "vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
+        "curves": [measured(tmp_path)],
+    }
+    one = fit(scene, settings, tmp_path / "out", folder=tmp_path)
+    again = fit(scene, settings, tmp_path / "out", folder=tmp_path)
     assert (again.computed, again.runs) == (0, one.runs)
     assert again.fit.values.tobytes() == one.fit.values.tobytes()
     # the data set has the signals of every run: x = v0/ω sin ωt
