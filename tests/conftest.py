@@ -1,10 +1,18 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
+# ruff: noqa: E402
 import gc
 import os
 import signal
+import sys
 from collections import Counter
 from pathlib import Path
+
+import cosimo
+
+ROOT = Path(__file__).resolve().parents[1]
+if (tested := Path(cosimo.__file__).resolve().parent) != ROOT:  # before anything of another tree is imported
+    sys.exit(f"{ROOT}: these tests would test {tested}; expected the package in their own folder. Run pip install -e . in {ROOT}")
 
 import pytest
 from cosimo.components.core.kernels import COMPILED
