@@ -58,7 +58,8 @@ class Runs(dict[Any, "Result"]):
 class Evidence:
     """What a question measured, with figures, runs worth showing, and sentences.
 
-    measured: number by the `measure` of the table's rows; of a table with several conditions, such numbers by condition.
+    measured: {measure: number} with the `measure` of the table's rows; of a table with several conditions also
+    {condition: {measure: number}}.
     rows: rows of references that the case computes itself.  shown: label -> result.
     claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
     settings: condition -> how its numbers were computed (window, filter).

@@ -1,6 +1,7 @@
 """Reference tables: ranges as data, each row with its provenance and its source, and rows beside what was measured.
 
-A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its title, its text and its sources in words.
+A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its sources in words. It may have a title and a text of its own;
+title and text of a case stand in `Case`.
 """
 
 from __future__ import annotations
@@ -129,7 +130,7 @@ def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[s
 
 @dataclass(frozen=True)
 class Table:
-    """A reference table; `rows` in the order of the source."""
+    """A reference table; `rows` in the order of the source. title: that of its file, or the name of the table."""
 
     name: str
     title: str
@@ -152,9 +153,8 @@ class Table:
 def parse_table(name: str, text: str, lines: str) -> Table:
     """A table from its TOML text and the CSV of its rows; raises `BadInput` for missing or unknown fields and unknown sources."""
     data = tomllib.loads(text)
-    for key in ("title", "text", "sources"):
-        if not data.get(key):
-            raise BadInput(f"table {name}", f"no {key!r}", "title, text and sources")
+    if not data.get("sources"):
+        raise BadInput(f"table {name}", "no 'sources'", "[sources], the text of each key in the column source")
     rows = table_rows(name, read_rows(name, lines), data["sources"])
     claims = read_claims(name, data.get("claims", ()))
     numbers = {claim.number for claim in claims}
@@ -168,7 +168,7 @@ def parse_table(name: str, text: str, lines: str) -> Table:
             )
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
-    return Table(name, data["title"], data["text"], rows, claims, **functions(data))
+    return Table(name, data.get("title", name), data.get("text", ""), rows, claims, **functions(data))
 
 
 def functions(data: Mapping[str, Any]) -> dict[str, str]:

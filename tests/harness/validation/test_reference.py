@@ -71,13 +71,19 @@ ROWS = "quantity,measure,condition,unit,low,high,standing,source\nq,m,c,N,1,2,ve
         ("1,2", "1,two", "row 1, high: 'two'"),
         ("1,2", "1,2,3", "9 cells; expected 8"),
         ("q,m,c,N,1,2,verbatim,s\n", "", "no rows"),
-        ('title = "t"', "", "no 'title'"),
+        ('[sources]\ns = "somewhere public"', "", "no 'sources'"),
     ],
 )
 def test_broken_tables_are_refused(old, new, message):
     assert parse_table("good", TEXT, ROWS).rows[0].high == 2
     with pytest.raises(BadInput, match=message):
         parse_table("bad", TEXT.replace(old, new), ROWS.replace(old, new))
+
+
+def test_title_and_text_are_those_of_the_case_unless_the_table_has_its_own():
+    table = parse_table("plain", TEXT[TEXT.index("[sources]") :], ROWS)
+    assert (table.title, table.text) == ("plain", "")
+    assert parse_table("titled", TEXT, ROWS).title == "t"
 
 
 def test_a_spreadsheet_may_put_semicolons_and_a_mark_of_its_own():
