@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 from cosimo.orchestrator.harness.machine import Machine
 from cosimo.orchestrator.scene.scene import read_toml, scene_files
 from cosimo.orchestrator.systems import SYSTEMS
 
-MODULES = {
-    name: import_module(module)
-    for name, system in SYSTEMS.items()
-    if find_spec(module := f"{system.package}.machines") is not None
-}
+MODULES = {name: module for name, system in SYSTEMS.items() if (module := system.module("machines")) is not None}
 
 
 def of_component(name: str) -> Machine | None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ..settings import AnalysisKeys
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class System:
-    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (questions and tables), figures.py or
-    figures/, motion.py, fronts/*.csv, summary.py, explore.py.
+    """A system as the harness sees it. Its folder has scenes/*.toml, and any of cases/ (questions and tables), figures.py or
+    figures/, machines.py, motion.py, fronts/*.csv, summary.py, explore.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
@@ -32,39 +33,40 @@ class System:
     package: str
     keys: type[AnalysisKeys] = AnalysisKeys
 
+    def module(self, name: str) -> ModuleType | None:
+        """The module or package of that name in its folder, None where there is none."""
+        module = f"{self.package}.{name}"
+        return import_module(module) if find_spec(module) else None
+
     @property
     def cases(self) -> tuple[Case, ...]:
         """Validation cases of this system, in the order of their list in the package `cases`."""
-        return tuple(replace(case, system=self.name) for case in import_module(".cases", self.package).CASES)
+        return tuple(replace(case, system=self.name) for case in m.CASES) if (m := self.module("cases")) else ()
 
     @property
     def figures(self) -> Callable[..., list[Block]]:
         """Blocks of a report: `figures(result, rows)`, for a run of the system and rows of a reference table, if any."""
-        return import_module(".figures", self.package).blocks
+        return m.blocks if (m := self.module("figures")) else lambda result, rows=(): []
 
     @property
     def motions(self) -> Callable[[Result], list[Kinematics]]:
-        """How the machines of a run move: `motions(result)`, none where the folder has no module `motion`."""
-        name = f"{self.package}.motion"
-        return import_module(name).motions if find_spec(name) else lambda result: []
+        """How the machines of a run move: `motions(result)`."""
+        return m.motions if (m := self.module("motion")) else lambda result: []
 
     @property
     def summary(self) -> Callable[[Result], Summary]:
-        """Figures of a run in numbers: `summary(result)`, none where the folder has no module `summary`."""
-        name = f"{self.package}.summary"
-        return import_module(name).summary if find_spec(name) else lambda result: ()
+        """Figures of a run in numbers: `summary(result)`."""
+        return m.summary if (m := self.module("summary")) else lambda result: ()
 
     @property
     def headline(self) -> tuple[str, ...]:
         """Patterns of the quantities that a run of the system is judged by, as in "*_rms"; none for its first ones."""
-        name = f"{self.package}.summary"
-        return getattr(import_module(name), "HEADLINE", ()) if find_spec(name) else ()
+        return getattr(self.module("summary"), "HEADLINE", ())
 
     @property
     def explore(self) -> Any:
         """What it knows of pages that compute its scenes, see `explore.content.Knowledge`: its module `explore`, None without one."""
-        name = f"{self.package}.explore"
-        return import_module(name) if find_spec(name) else None
+        return self.module("explore")
 
 
 Systems = Mapping[str, System]  # by name

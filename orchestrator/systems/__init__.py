@@ -20,7 +20,7 @@ from ..units.description import default_experiment
 if TYPE_CHECKING:
     from ..harness.compare import Comparison
     from ..harness.summary import SummaryTable
-    from ..harness.system import Systems
+    from ..harness.system import System, Systems
     from ..harness.validation.case import Case, CaseResult
     from ..judgement.verification import Wish
     from ..results import Result
@@ -28,7 +28,23 @@ if TYPE_CHECKING:
 
 FMU_ALONE = "fmu"  # the unit of a scene that is one FMU
 NAMES = ("railway", "bearings", "rotor", "rov", "two_axis_joint", "wind_pump", "friction_drive", "pipe_robot", "wrist")
-SYSTEMS: Systems = {name: import_module(f".{name}", __name__).SYSTEM for name in NAMES}
+
+
+def _system(name: str) -> System:
+    """The object of a system's folder; raises `BadInput` for a name that no folder has."""
+    folder = Path(__file__).parent / name
+    if not (folder / "__init__.py").is_file():
+        folders = [path.parent.name for path in folder.parent.glob("*/__init__.py")]
+        raise BadInput(
+            f"NAMES in {__file__}", repr(name), f"a folder with __init__.py in {folder.parent}", nearest(name, folders)
+        )
+    system: System | None = getattr(import_module(f".{name}", __name__), "SYSTEM", None)
+    if system is None or system.name != name:
+        raise BadInput(f"{folder / '__init__.py'}", f"SYSTEM = {system!r}", f"SYSTEM = System({name!r}, ..., __name__)")
+    return system
+
+
+SYSTEMS: Systems = {name: _system(name) for name in NAMES}
 
 
 class _Views:

@@ -1,18 +1,45 @@
-"""The system that `docs/new-system.md` adds: its files, and what it writes into the shared lists."""
+"""The system that `docs/new-system.md` adds: its files, what it writes into the shared lists, and the commands, in their order."""
 
 from __future__ import annotations
 
 import re
+import shlex
+from pathlib import Path
 
 from cosimo.tests.architecture.test_sources import ROOT
 
-BLOCK = re.compile(r"^`([\w./-]+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-FILES = dict(BLOCK.findall((ROOT / "docs" / "new-system.md").read_text(encoding="utf-8")))
-# file -> (before, after): the shared files that know of a system
+PAGE = (ROOT / "docs" / "new-system.md").read_text(encoding="utf-8")
+FILE = re.compile(r"^`([\w./-]+)`:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+COMMANDS = re.compile(r"^```text\n((?:(?:cosimo|pytest) .*\n)+)```$", re.MULTILINE)
+# file -> (pattern, replacement): the shared files that know of a system; whatever stands last, the new one stands behind it
 LISTS = {
-    "components/catalogue.py": (
-        '    "Pantograph": "railway.pantograph",\n',
-        '    "Pantograph": "railway.pantograph",\n    "DuffingOscillator": "duffing.oscillator",\n',
-    ),
-    "orchestrator/systems/__init__.py": ('"pipe_robot", "wrist")', '"pipe_robot", "wrist", "duffing")'),
+    "components/catalogue.py": (r"(?s)(\nCATALOGUE = \{.*?)\n\}", r'\1\n    "DuffingOscillator": "duffing.oscillator",\n}'),
+    "orchestrator/systems/__init__.py": (r"(\nNAMES = \([^)]*?),?\s*\)", r'\1, "duffing")'),
 }
+
+
+def steps() -> list[tuple[str, str]]:
+    """What the page does, from top to bottom: (name of a file, its text), (name of a list, "") or ("", command)."""
+    places = [(m.start(), m[1], m[2]) for m in FILE.finditer(PAGE)]
+    places += [(PAGE.index(f"`{name}`"), name, "") for name in LISTS]
+    places += [(m.start() + k, "", line) for m in COMMANDS.finditer(PAGE) for k, line in enumerate(m[1].splitlines())]
+    return [(name, text) for _, name, text in sorted(places)]
+
+
+def write(root: Path, name: str, text: str) -> None:
+    """A step of the page that is a file or the line of a list, in the tree below `root`."""
+    path = root / name
+    if name in LISTS:
+        pattern, line = LISTS[name]
+        text, count = re.subn(pattern, line, path.read_text(encoding="utf-8"))
+        assert count == 1, name
+    else:
+        assert not path.exists(), name
+        path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def arguments(command: str) -> list[str]:
+    """Those of Python for a command of the page."""
+    name, *others = shlex.split(command)
+    return ["-m", {"cosimo": "cosimo.orchestrator.cli"}.get(name, name), *others]

@@ -4,92 +4,73 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from cosimo.tests.architecture.eleventh_system import FILES, LISTS
+from cosimo.tests.architecture.eleventh_system import LISTS, arguments, steps, write
 from cosimo.tests.architecture.test_sources import shipped_files
 
 ROOT = Path(__file__).resolve().parents[2]
-TESTS = [
-    "tests/systems/duffing",
-    "tests/contract/test_declaration.py",
-    "tests/contract/test_known_answers.py",
-    "tests/contract/test_steps.py",
-    "tests/contract/test_effect_strength.py",
-    "tests/contract/test_hard_case_catalogue.py",
-    "tests/architecture/test_catalogues.py",
-    "tests/architecture/test_imports.py",
-    "tests/architecture/test_rooms.py",
-    "tests/architecture/test_sources.py",
-]
+APART = ("--ignore=tests/architecture/test_eleventh_system.py", "-q", "-n", "0", "-p", "no:cacheprovider")  # none within itself
 
 
-@pytest.fixture(scope="module")
-def tree(tmp_path_factory):
-    """A copy of the project with the system added, and the environment in which `cosimo` is that copy."""
-    top = tmp_path_factory.mktemp("eleventh")
+@pytest.fixture
+def tree(tmp_path):
+    """A copy of the project."""
     for path in shipped_files():
-        copy = top / "cosimo" / path.relative_to(ROOT)
+        copy = tmp_path / "cosimo" / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
-    for name, text in FILES.items():
-        path = top / "cosimo" / name
-        assert not path.exists()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    for name, (before, after) in LISTS.items():
-        text = (top / "cosimo" / name).read_text(encoding="utf-8")
-        assert before in text
-        (top / "cosimo" / name).write_text(text.replace(before, after), encoding="utf-8")
-    return top
+    return tmp_path
 
 
-def python(top, *arguments, **environment):
-    """What `python arguments` prints where `cosimo` is the copy."""
-    done = subprocess.run(
+def python(top, *arguments):
+    """The process `python arguments` where `cosimo` is the copy."""
+    return subprocess.run(
         [sys.executable, *arguments],
         capture_output=True,
         text=True,
         cwd=top / "cosimo",
         timeout=600,
-        env={**os.environ, "PYTHONPATH": str(top), "COSIMO_CACHE": str(top / "cache"), **environment},
+        env={**os.environ, "PYTHONPATH": str(top), "PYTEST_ADDOPTS": " ".join(APART)},
     )
-    assert done.returncode == 0, done.stdout[-5000:] + done.stderr[-5000:]
-    return done.stdout
 
 
 @pytest.mark.full
-def test_scene_case_figure_and_fmu_of_the_new_system(tree):
-    listed = json.loads(python(tree, "-m", "cosimo.orchestrator.cli", "list", "--json"))
+def test_the_page_from_top_to_bottom(tree):
+    printed = {}
+    for name, text in steps():
+        if name:
+            write(tree / "cosimo", name, text)
+            continue
+        done = python(tree, *arguments(text))
+        assert done.returncode == 0, f"{text}\n{done.stdout[-5000:]}{done.stderr[-5000:]}"
+        assert "Traceback" not in done.stderr
+        printed[text] = done.stdout
+    assert [text.split()[0] for text in printed] == ["cosimo"] * 4 + ["pytest"] * 2
+    assert re.search(r"frequency .* 1\.31778 ± <1e-05", printed["cosimo run duffing-free -o out/numbers"])
+    assert all(re.search(r"\d passed", printed[text]) for text in printed if text.startswith("pytest"))
+    out = tree / "cosimo" / "out" / "case"
+    validated = json.loads((out / "validation.json").read_text(encoding="utf-8"))["cases"][0]
+    assert (validated["outcome"], len(validated["rows"])) == ("passed", 2)
+    assert all(row["error"] is not None for row in validated["rows"])
+    assert "Orbit" in (out / "report.html").read_text(encoding="utf-8")
+    listed = json.loads(python(tree, *arguments("cosimo list --json")).stdout)
     assert "DuffingOscillator" in {c["name"] for c in listed["components"]}
     assert "duffing-free" in {s["name"] for s in listed["scenes"]} & {c["name"] for c in listed["cases"]}
-    validated = json.loads(
-        python(tree, "-m", "cosimo.orchestrator.cli", "validate", "duffing-free", "--json", "-o", str(tree / "out"))
-    )
-    assert validated["cases"][0]["outcome"] == "passed"  # through the FMU, built on demand
-    page = (tree / "out" / "report.html").read_text(encoding="utf-8")
-    assert "Orbit" in page
 
 
-@pytest.mark.full
-def test_contract_and_architecture_of_the_new_system(tree):
-    printed = python(
-        tree,
-        "-m",
-        "pytest",
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "no:cacheprovider",
-        "-m",
-        "full or not full",
-        "-k",
-        "DuffingOscillator or duffing or architecture",
-        *TESTS,
-        NUMBA_DISABLE_JIT="1",
-    )
-    assert " passed" in printed
+def test_a_line_of_a_list_stands_behind_whatever_is_last(tmp_path):
+    name, texts = "orchestrator/systems/__init__.py", ('"a", "b")', '"a",\n    "b",\n)')
+    for text in texts:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"\nNAMES = ({text}\nOTHER = ()\n")
+        write(tmp_path, name, "")
+        names = {}
+        exec(path.read_text(), names)
+        assert (names["NAMES"], names["OTHER"]) == (("a", "b", "duffing"), ())
+    assert set(LISTS) == {name, "components/catalogue.py"}

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from cosimo.orchestrator.systems import SYSTEMS
 
 HEAVY = {
     "numpy",
@@ -50,11 +51,8 @@ def test_importing_the_package_imports_none_of_its_parts():
 
 def test_no_part_of_a_run_or_of_its_summary_imports_scipy_before_it_calls_it():
     """Numba looks whether SciPy is there, which loads its root and nothing of its parts."""
-    code = (
-        "import cosimo.orchestrator.run\nfrom cosimo.orchestrator.systems import NAMES\n"
-        "for name in NAMES: exec(f'import cosimo.orchestrator.systems.{name}.summary')"
-    )
-    modules = imported("-c", code)
+    summaries = [f"{system.package}.summary" for system in SYSTEMS.values() if system.module("summary")]
+    modules = imported("-c", f"import cosimo.orchestrator.run, {', '.join(summaries)}")
     assert "cosimo.orchestrator.systems.wrist.summary" in modules
     parts = {name for name in modules if name.startswith("scipy.") and not name.split(".")[1].startswith("_")}
     assert parts <= {"scipy.version"}
