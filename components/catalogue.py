@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
 import traceback
-from importlib import import_module
 from pathlib import Path
 
 from .core.component import Component
@@ -60,25 +60,23 @@ CATALOGUE = {
 
 def component_class(name: str, where: str = "component") -> type[Component]:
     """The class of a catalogue name or of "module:Class"; raises `BadInput` with the near names, or with file and line."""
-    if ":" in name:
-        return _of_module(name, where)
-    if name not in CATALOGUE:
-        raise BadInput(where, f"component {name!r}", "a component of the catalogue, or module:Class", nearest(name, CATALOGUE))
-    return getattr(import_module("." + CATALOGUE[name], __package__), name)
-
-
-def _of_module(name: str, where: str) -> type[Component]:
-    """The class of "module:Class", with its declarations checked."""
-    module, _, class_name = name.partition(":")
+    module, own, class_name = name.partition(":")
+    if not own:
+        if name not in CATALOGUE:
+            raise BadInput(
+                where, f"component {name!r}", "a component of the catalogue, or module:Class", nearest(name, CATALOGUE)
+            )
+        module, class_name = f"{__package__}.{CATALOGUE[name]}", name
     try:
-        loaded = import_module(module)
+        loaded = importlib.import_module(module)
     except Exception as error:  # a module may raise anything while it is imported
         raise _not_imported(name, where, error) from None
     cls = getattr(loaded, class_name, None)
     if not (isinstance(cls, type) and issubclass(cls, Component)):
         classes = [n for n, c in vars(loaded).items() if isinstance(c, type) and issubclass(c, Component)]
         raise BadInput(where, f"component {name!r}", f"a component of {module}", nearest(class_name, classes))
-    check_declaration(cls)
+    if own:  # those of the catalogue are checked by the tests
+        check_declaration(cls)
     return cls
 
 
@@ -92,9 +90,8 @@ def _not_imported(name: str, where: str, error: Exception) -> BadInput:
             "module:Class that can be imported",
             f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.",
         )
-    own = [
-        f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((str(Path(__file__).parent), "<frozen"))
-    ]
+    others = (__file__, str(Path(__file__).parent / "core"), importlib.__file__, "<frozen")
+    own = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith(others)]
     file, line = (own[-1].filename, own[-1].lineno or 1) if own else ("", 1)
     if isinstance(error, SyntaxError):
         file, line = str(error.filename), error.lineno or 1

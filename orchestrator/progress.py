@@ -92,11 +92,11 @@ class Progress(BatchObserver):
     def __init__(self, title: str, stop: float, start: float = 0.0):
         """`start`: s, where a run that is resumed goes on."""
         self._title, self._stop, self._start, self._next = title, stop, start, 0.0
+        self._first: tuple[float, float] | None = None  # (clock, simulated time): before, kernels were compiled or loaded
         self._bar: Any = None
         self._warned = False
 
     def __enter__(self) -> Progress:
-        self._begin = perf_counter()
         if sys.stderr.isatty():
             self._bar = terminal_bar("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left")
             self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
@@ -111,11 +111,15 @@ class Progress(BatchObserver):
         now = perf_counter()
         if now < self._next or t <= self._start:
             return
-        self._next, speed = now + self.REFRESH, (t - self._start) / (now - self._begin)
+        if self._first is None:
+            self._first = (now, t)
+            return
+        begin, reached = self._first
+        self._next, speed = now + self.REFRESH, (t - reached) / (now - begin)
         if self._bar is not None:
             self._bar.update(self._task, completed=t, speed=speed)
         left = (self._stop - t) / speed
-        if not self._warned and now - self._begin >= self.MEASURED and left > self.LONG:
+        if not self._warned and now - begin >= self.MEASURED and left > self.LONG:
             self._warned = True
             show = self._bar.console.print if self._bar is not None else partial(print, file=sys.stderr)
             show(

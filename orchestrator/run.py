@@ -16,7 +16,6 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
 from ..components.core.errors import BadInput, StepFailed
-from ..components.core.kernel_faults import is_typing_fault, typing_fault
 from . import working_directory
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms.energy import EnergyAccount
@@ -264,8 +263,6 @@ class Run:
         except BadInput:
             raise
         except Exception as error:
-            if is_typing_fault(error):
-                raise typing_fault(error, (n for unit in self._own for n in type(unit.component).variables)) from None
             if not (unit := self._raiser(error)):
                 raise
             self.message = f"{unit} failed at t = {self._now:.9g} s: its component has raised {type(error).__name__}: {error}"

@@ -28,6 +28,7 @@ from numba.core.sigutils import normalize_signature
 from numba.core.typed_passes import NopythonTypeInference
 from numba.core.untyped_passes import IRProcessing
 
+from .kernel_faults import typing_fault
 from .kernel_library import ADDRESS, KERNELS, PYTHON, kernel_libraries
 
 
@@ -135,9 +136,9 @@ class KernelDispatcher(CPUDispatcher):
         try:
             with seldom_collected(), kernel_libraries(self.targetctx.codegen()):
                 return super().compile(sig)
-        except NumbaError:
+        except NumbaError as error:
             if self._counts:
-                raise
+                raise typing_fault(error, args) from error
             self._counts = True  # what makes arrays cannot be compiled without
             self._compiler._failed_cache.clear()  # type: ignore[attr-defined]  # Numba does not try again what has failed
             if self._wanted != PYTHON:
@@ -152,8 +153,6 @@ class KernelDispatcher(CPUDispatcher):
             try:
                 self.compile(args)
             except NumbaError:
-                if not self._counts:
-                    raise
                 self.compile(args)
             finally:
                 self._wanted = before

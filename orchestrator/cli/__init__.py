@@ -14,7 +14,6 @@ import sys
 from collections.abc import Sequence
 
 from ...components.core.errors import BadInput
-from ...components.core.kernel_faults import is_typing_fault, typing_fault
 from ..cache import tidy_daily
 from ..output import FULL, NoSpace
 from .application import app
@@ -38,8 +37,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
         place = repr(str(error.filename)) if error.filename is not None else "output"
         print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
         raise SystemExit(FAILED_RUN if error.errno in FULL else BAD_INPUT) from None
-    except Exception as error:
-        if not is_typing_fault(error):
-            raise
-        print(f"cosimo: {typing_fault(error)}", file=sys.stderr)
-        raise SystemExit(BAD_INPUT) from None

@@ -304,11 +304,11 @@ def test_a_run_with_its_report_resolves_the_coupling_once(tmp_path, monkeypatch)
 
 
 def test_a_run_of_hours_is_a_warning_once(monkeypatch, capsys):
-    """After five seconds with a thousandth of the run; a run of minutes has none."""
+    """After five seconds with a thousandth of the run, from the first step on, which compiles; a run of minutes has none."""
     for stop, said in ((1e3, 1), (1e2, 0)):
-        clock = iter([0.0, 1.0, 5.0, 6.0, 7.0])
+        clock = iter([21.0, 22.0, 26.0, 27.0])
         monkeypatch.setattr(progress, "perf_counter", lambda clock=clock: next(clock))
         with progress.Progress("a run", stop) as observer:
-            for t in (0.2, 1.0, 1.2, 1.4):
+            for t in (0.2, 0.4, 1.2, 1.4):
                 observer(0, t)
         assert capsys.readouterr().err.count("at this speed the run takes 1.4 h more") == said

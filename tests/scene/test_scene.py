@@ -6,6 +6,8 @@ from functools import reduce
 import jsonschema
 import numpy as np
 import pytest
+from cosimo.components import catalogue
+from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_
 from cosimo.orchestrator.cli import main
@@ -241,6 +243,17 @@ def test_modules_that_cannot_be_imported_are_bad_input(component, why, tmp_path,
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(BadInput, match=rf"units\.a: component .*; expected module:Class that can be imported\. {why}"):
         read_scene({"stop_time": 1.0, "units": {"a": {"component": component}}, "master": {"step": 0.1}})
+
+
+def test_a_fault_in_a_declaration_of_the_catalogue_has_its_file(tmp_path, monkeypatch):
+    (tmp_path / "misdeclared.py").write_text(
+        "from cosimo import OdeComponent, parameter\n\n\nclass Slip(OdeComponent):\n    rate = parameter(1.0, '1/s^2', 'a rate')\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(CATALOGUE, "Slip", "misdeclared")
+    monkeypatch.setattr(catalogue.importlib, "import_module", lambda name: __import__(name.rpartition(".")[2]))
+    with pytest.raises(BadInput, match=r"misdeclared\.py:5: Slip\.rate: unit '1/s\^2'"):
+        read_scene({"stop_time": 1.0, "units": {"a": {"component": "Slip"}}, "master": {"step": 0.1}})
 
 
 def test_schema_names_every_setting():

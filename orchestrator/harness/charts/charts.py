@@ -91,13 +91,14 @@ def draw_chart(chart: Chart) -> Figure:
         _panel(drawing, panel, "" if i == 0 else str(i + 1), place, chart.x_label if last else "", last)
     legend = {"orientation": "h", "x": 0, "y": 1 + (28 if titled else 8) / inner, "yanchor": "bottom"}
     more = LEGEND_ROW * _further_rows(drawing.shown)  # of the legend: without room for them they run under the figure's buttons
+    above = (62 if len(drawing.shown) > 1 else 34) + more
     figure_layout = layout(
-        inner + 112 + more,
+        inner + 50 + above,
         shapes=drawing.shapes,
         annotations=drawing.notes,
         showlegend=len(drawing.shown) > 1,
         legend=legend,
-        margin={"l": 66, "r": 90 if scaled else 20, "t": 62 + more, "b": 50},
+        margin={"l": 66, "r": 90 if scaled else 20, "t": above, "b": 50},
         **drawing.axes,
     )
     text = chart.text + (" Drawn with fewer points; extremes are kept, zoom in for the rest." if drawing.thinned else "")

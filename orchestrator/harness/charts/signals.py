@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +38,9 @@ def signal_figure(result: Result, signals: str | Iterable[str] | None = None, *,
         label = name if fig is None else f"{name}, {result.scene.name}"
         values = np.asarray(result.columns[name], dtype=float)
         panels.setdefault(result.measures.get(name, ""), []).append(Series(label, result.time, values))
-    chart = Chart(result.scene.title, "time, s", tuple(Panel(_axis(unit, s), tuple(s)) for unit, s in panels.items()))
+    chart = Chart(
+        result.scene.title, "time, s", tuple(Panel(axis_of(unit, [x.name for x in s]), tuple(s)) for unit, s in panels.items())
+    )
     drawn = draw_chart(chart).figure
     drawn = {**drawn, "data": [{k: v for k, v in trace.items() if k != SAMPLES} for trace in drawn["data"]]}
     if fig is None:
@@ -47,12 +49,12 @@ def signal_figure(result: Result, signals: str | Iterable[str] | None = None, *,
     return _added(fig, drawn["data"], list(panels))
 
 
-def _axis(unit: str, series: list[Series]) -> str:
-    """The label of an axis: the unit of measure, with the signal where it is the only one."""
-    if len(series) > 1:
-        return unit if unit not in ("", "1") else "–"
-    name = series[0].name.rpartition(".")[2].replace("_", " ")
-    return name if unit in ("", "1") else f"{name}, {unit}"
+def axis_of(unit: str, names: Sequence[str]) -> str:
+    """The label of an axis of signals: the unit of measure, with the signal where it is the only one; of many without unit none."""
+    measure = unit if unit != "1" else ""
+    if len(names) > 1:
+        return measure
+    return ", ".join(filter(None, (names[0].rpartition(".")[2].replace("_", " "), measure)))
 
 
 def _added(fig: Figure, traces: list[dict[str, Any]], units: list[str]) -> Figure:

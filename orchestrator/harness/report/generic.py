@@ -12,6 +12,7 @@ from ....components.core.errors import BadInput
 from ...run_info import flattened
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
+from ..charts.signals import axis_of
 from ..charts.style import CYCLE, axis, dense_line, layout, number
 from ..summary import with_error
 
@@ -108,9 +109,7 @@ def time_series(result: Result) -> list[Figure]:
     for i, (unit, members) in enumerate(panels):
         k = "" if i == 0 else str(i + 1)
         top = 1 - i * (tall + gap)
-        axes["yaxis" + k] = axis(
-            unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
-        )
+        axes["yaxis" + k] = axis(axis_of(unit, list(members)), grid=True, domain=[max(0.0, top - tall), top], anchor="x")
         for j, name in enumerate(members):
             trace, cut = dense_line(
                 result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k

@@ -55,7 +55,7 @@ def measures_chart(sweep: Sweep) -> Chart | None:
                 label = f"{kind}, {title}" if title else kind
                 series.append(Series(label, sweep.varied[last][members], sweep.measures[name][members], "line"))
         unit = sweep.units[f"{signal}, maximum"]
-        panels.append(Panel(unit if unit not in ("", "1") else "–", tuple(series), title=signal))
+        panels.append(Panel(unit if unit != "1" else "", tuple(series), title=signal))
     return Chart("Extremes of the signals", _label(sweep, last), tuple(panels), "After the transient.", columns=2)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...judgement.thresholds import AIM, WARN
 from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
@@ -44,14 +46,15 @@ def _table(verification: Mapping[str, Any], result: Result) -> Cells:
     rest = f" The other {len(worst) - SHOWN} signals have smaller ones." if len(worst) > SHOWN else ""
     if missing := len({*result.columns, *result.texts} - {*signals}):  # windows show what units exchange
         rest += f" The errors of {missing} recorded signals, which no unit reads, are not known."
+    orders = any(order for *_, order, _ in rows)
     return Cells(
         "Errors of signals",
-        ("signal", "error, rms", "largest", "order", ""),
-        rows,
+        ("signal", "error, rms", "largest", *(["order"] if orders else []), ""),
+        rows if orders else [(*row[:3], row[4]) for row in rows],
         "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
-        f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}. "
-        f"Order: how the difference fell with the step, where three runs were made.{rest}",
-        frozenset({1, 2, 3}),
+        f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}."
+        f"{' Order: how the difference fell with the step, where three runs were made.' if orders else ''}{rest}",
+        frozenset({1, 2, 3} if orders else {1, 2}),
     )
 
 
@@ -74,11 +77,12 @@ def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
     name = given["signal"]
     unit = result.measures.get(name, "")
     lines = (Series("half the steps", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
-    panel = Panel(name + (f", {unit}" if unit not in ("", "1") else ""), lines)
+    measure = f", {unit}" if unit not in ("", "1") else ""
+    difference = Series("difference", given["time"], np.subtract(given["run"], given["finer"]))
     return Chart(
         "Where the two runs differ most",
         "time, s",
-        (panel,),
-        "The signal with the largest error, about the instant of its largest difference: this run, and the one with half the "
-        f"steps, a macro step of {step:g} s.",
+        (Panel(name + measure, lines), Panel("difference" + measure, (difference,))),
+        "The signal with the largest error, about the instant of its largest difference: this run, the one with half the "
+        f"steps, a macro step of {step:g} s, and what this run has more.",
     )

@@ -14,7 +14,7 @@ from ..charts.chart import Chart, Grid
 from ..summary import with_error
 from .claims import ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
-from .reference import Row, compare, load_table
+from .reference import Row, check_measured, compare, load_table
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -133,8 +133,8 @@ class Case:
     def findings(self, options: Options) -> Findings:
         """The evidence of all questions beside the rows of the table. A run that fails ends the case; what was measured stays.
 
-        Two questions that measure the same, and figures of a claim that the table does not have, are defects of the case
-        (ValueError).
+        Two questions that measure the same, figures of a claim that the table does not have, and rows that no question measures
+        are defects of the case (ValueError).
         """
         evidence, failure = _ask(self.questions, self.name, options)
         measured = {measure: number for e in evidence for measure, number in e.measured.items()}
@@ -148,6 +148,8 @@ class Case:
         claims: tuple[ClaimResult, ...] = ()
         if measured:
             table = load_table(self.name)
+            if failure is None:
+                check_measured(self.name, table.rows, measured)
             rows = (*compare(table.rows, measured), *rows)
             if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
                 raise ValueError(f"case {self.name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")

@@ -120,12 +120,22 @@ class Row:
 
 def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[str, float]]) -> tuple[Row, ...]:
     """Rows beside the numbers of their `measure`, which may be those of their condition; NaN, and so not inside, for none."""
+    return tuple(Row(row, float(_numbers(row, measured).get(row.measure, math.nan))) for row in rows)
 
-    def number(row: TableRow) -> Any:
-        of_condition = measured.get(row.condition)
-        return (of_condition if isinstance(of_condition, Mapping) else measured).get(row.measure, math.nan)
 
-    return tuple(Row(row, float(number(row))) for row in rows)
+def check_measured(table: str, rows: tuple[TableRow, ...], measured: Mapping[str, float | Mapping[str, float]]) -> None:
+    """Raises `BadInput` for the first row whose measure is not among the numbers of its condition."""
+    for i, row in enumerate(rows, 1):
+        if row.measure not in (numbers := _numbers(row, measured)):
+            actual = f"measure {row.measure!r} of condition {row.condition!r}"
+            near = nearest(row.measure, sorted(k for k, v in numbers.items() if not isinstance(v, Mapping)))
+            raise BadInput(f"table {table}, row {i}", actual, "a number that a question of the case gives", near)
+
+
+def _numbers(row: TableRow, measured: Mapping[str, float | Mapping[str, float]]) -> Mapping[str, Any]:
+    """The numbers of a row's condition, or those of all where conditions have none of their own."""
+    of_condition = measured.get(row.condition)
+    return of_condition if isinstance(of_condition, Mapping) else measured
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,12 @@
 import json
 import math
 
+from dataclasses import replace
+
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.validation.reference import check_measured
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
 from cosimo.orchestrator.harness.validation.questions import Evidence, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
@@ -69,6 +72,15 @@ def test_what_was_not_measured_is_not_inside():
 def case_result(rows, complete=True):
     case = Case("a-case", "A case", "text", ())
     return CaseResult(case, Findings(tuple(rows), complete=complete))
+
+
+def test_a_row_that_no_question_measures_is_named():
+    given = replace(row(0).reference, measure="std", condition="20 Hz")
+    check_measured("t", (given,), {"std": 3.0})
+    check_measured("t", (given,), {"20 Hz": {"std": 3.0}})
+    for measured in ({"stdd": 3.0}, {"20 Hz": {"stdd": 3.0}, "std": 3.0}):
+        with pytest.raises(BadInput, match=r"table t, row 1: measure 'std' of condition '20 Hz'.* did you mean 'stdd'"):
+            check_measured("t", (given,), measured)
 
 
 def test_a_broken_run_fails_the_case():
