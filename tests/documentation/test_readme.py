@@ -147,7 +147,10 @@ def test_every_scene_and_component_is_in_the_documentation_of_its_system():
     everywhere = "".join(pages.values())
     scenes = [(file.parent.parent.name, name) for name, file in scene_files().items()]
     components = [(component_class(name).system, name) for name in CATALOGUE]
-    assert [(s, n) for s, n in scenes + components if f"| `{n}` |" not in pages.get(s, everywhere)] == []
+    missing = [
+        f"docs/systems/{s}.md: no row | `{n}` |" for s, n in scenes + components if f"| `{n}` |" not in pages.get(s, everywhere)
+    ]
+    assert missing == []
     table = README.read_text(encoding="utf-8")
     assert [s for s in pages if f"(docs/systems/{s}.md)" not in table] == []
     assert {s for s, _ in scenes} <= pages.keys()
