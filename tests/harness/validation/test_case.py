@@ -2,16 +2,14 @@
 
 import json
 import math
-
 from dataclasses import replace
 
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.reference import check_measured
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
 from cosimo.orchestrator.harness.validation.questions import Evidence, Question
-from cosimo.orchestrator.harness.validation.reference import TableRow
+from cosimo.orchestrator.harness.validation.reference import TableRow, check_measured
 from cosimo.orchestrator.systems import cases, validate
 
 
