@@ -23,7 +23,7 @@ def shipped_files() -> list[Path]:
         listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         found = [ROOT / name for name in listed.split("\0") if name]
     except (OSError, subprocess.CalledProcessError):
-        folders = [ROOT / name for name in ("components", "fmus", "orchestrator", "tests", ".ci")]
+        folders = [ROOT / name for name in ("components", "docs", "fmus", "orchestrator", "tests", ".ci", ".github")]
         found = [*ROOT.iterdir(), *(p for f in folders for p in f.rglob("*") if "__pycache__" not in p.parts)]
     return [path for path in found if path.is_file()]
 
