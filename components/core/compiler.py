@@ -138,7 +138,7 @@ class KernelDispatcher(CPUDispatcher):
                 return super().compile(sig)
         except NumbaError as error:
             if self._counts:
-                raise typing_fault(error, args) from error
+                raise typing_fault(error, args) from None
             self._counts = True  # what makes arrays cannot be compiled without
             self._compiler._failed_cache.clear()  # type: ignore[attr-defined]  # Numba does not try again what has failed
             if self._wanted != PYTHON:
