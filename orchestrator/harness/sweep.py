@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from signal import Signals
 from tempfile import TemporaryDirectory
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from ..output import locked
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
 from .many.columns import check_columns, column_name
-from .many.execute import Computing
+from .many.execute import Computing, WorkerOptions
 from .many.files import Sweep, collect, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
 from .many.live import Live
@@ -36,13 +36,10 @@ from .many.repetition import compared, ends_and_some, repeat
 from .many.store import Store, StoredPlan
 
 
-class How(TypedDict, total=False):
-    """Who computes the runs of an answer, and what is kept and shown of them: as `sweep` has it."""
+class AnswerOptions(WorkerOptions, total=False):
+    """Who computes the runs of an answer, and what is shown and repeated of them: as `sweep` has it."""
 
-    jobs: int | None
-    scheduler: str
     progress: bool
-    summarize: Summarize | None
     verify: bool
 
 

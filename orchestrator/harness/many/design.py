@@ -17,7 +17,7 @@ from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
 from ..sweep import Sweep
 from .columns import column_name, keep_for
-from .evaluations import Evaluations, How, evaluations
+from .evaluations import Evaluations, SearchOptions, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
@@ -132,7 +132,7 @@ def design(
     limits: str = "",
     conditions: Sequence[str] = (),
     verify: bool = True,
-    **how: Unpack[How],
+    **how: Unpack[SearchOptions],
 ) -> Design:
     """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts. Of several
     quantities a front, by NSGA-II.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypedDict, Unpack
+from typing import Unpack
 
 import numpy as np
 
@@ -15,19 +15,16 @@ from ...settings.plan import KeepSettings
 from ..journal import Stopped
 from ..sweep import Sweep, collected_sweep, points_directory
 from .columns import check_columns
-from .execute import Computing
-from .measures import Row, Summarize, Task, check_analysis
+from .execute import Computing, WorkerOptions
+from .measures import Row, Task, check_analysis
 from .plan import Column, Points, changes, place, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store, StoredPlan
 
 
-class How(TypedDict, total=False):
-    """Who computes the runs of a search, as of a sweep. observe: is told how many there were."""
+class SearchOptions(WorkerOptions, total=False):
+    """Who computes the runs of a search. observe: is told how many there were."""
 
-    jobs: int | None
-    scheduler: str
-    summarize: Summarize | None
     observe: Callable[[int], None]
 
 
@@ -38,7 +35,7 @@ def evaluations(
     keep: KeepSettings,
     columns: Mapping[str, Iterable[str]],
     directory: str | Path | None,
-    **how: Unpack[How],
+    **how: Unpack[SearchOptions],
 ) -> Iterator[Evaluations]:
     """Runs at values of parameters within bounds. columns: that the search needs, by what names them.
 

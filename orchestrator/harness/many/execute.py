@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from math import inf
 from signal import Signals
 from time import perf_counter
+from typing import TypedDict
 
 import numpy as np
 
 from ....components.core.errors import BadInput
 from ...progress import Interrupt
 from .executors import BatchRows, Cluster, Executor, Here, Pool, Threads, cores
-from .measures import Row
+from .measures import Row, Summarize
 from .point_runs import in_threads
 from .store import StoredPlan, table_of
 
@@ -26,6 +27,14 @@ LOOK = 0.2  # s between two looks at signals
 ALONE = 4.0  # s of runs in this process before it starts others
 KILLED = "the process that ran this point ended without an answer: it crashed, or was killed, such as for want of memory"
 Observe = Callable[[BatchRows, int], None]  # what is told of every batch that has ended, and how many processes there are
+
+
+class WorkerOptions(TypedDict, total=False):
+    """Who computes the runs of a search or a sweep."""
+
+    jobs: int | None
+    scheduler: str
+    summarize: Summarize | None
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
-from .evaluations import Evaluations, How, evaluations
+from .evaluations import Evaluations, SearchOptions, evaluations
 from .measures import Row
 from .plan import changes, other_starts, read_settings, unit_of
 from .repetition import OF_DEVIATION
@@ -79,7 +79,7 @@ def fit(
     *,
     folder: str | Path = ".",
     verify: bool = True,
-    **how: Unpack[How],
+    **how: Unpack[SearchOptions],
 ) -> SceneFit:
     """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 

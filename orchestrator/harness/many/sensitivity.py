@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
-from ..sweep import How, Sweep, sweep
+from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
 from .plan import SMALLEST, plan_settings
 from .repetition import blurred
@@ -105,7 +105,7 @@ def sensitivity(
     quantities: Sequence[str] = (),
     method: str = "sobol",
     samples: int = 128,
-    **how: Unpack[How],
+    **how: Unpack[AnswerOptions],
 ) -> Sensitivity:
     """Indices of quantities over what the plan varies; `samples` blocks of d + 2 runs (Sobol) or d + 1 (Morris).
 

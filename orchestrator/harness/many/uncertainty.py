@@ -21,7 +21,7 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.effects import select
 from ..studies.full_model import Place, full_model
-from ..sweep import How, Sweep, sweep
+from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
 from .limits import recalled, with_rows
 from .measures import Row, Task
@@ -204,7 +204,7 @@ def uncertainty(
     share: float = 1.0,
     limits: str = "",
     conditions: Sequence[str] = (),
-    **how: Unpack[How],
+    **how: Unpack[AnswerOptions],
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
