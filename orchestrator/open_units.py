@@ -11,6 +11,7 @@ from ..components.core.component import Component
 from ..components.core.contract import KernelComponent
 from .engine.algorithms import master_of
 from .engine.algorithms.contact import ContactSimulator
+from .engine.algorithms.step_control import counts_alone
 from .engine.coupling import Endpoint
 from .engine.stepping.adaptive import clock_for
 from .engine.stepping.faults import edges
@@ -23,18 +24,18 @@ if TYPE_CHECKING:
     from .units.native import NativeFmu
 
 
-def recorded_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
-    """Recorded outputs that the master reads in every step, and goes by at the start, although no connection may need them."""
-    record, master = scene.record, scene.master
-    each = record.interval is None or (record.interval == master.step and master.control is None)
-    return scene.coupling.signals if each else ()
+def _judging_steps(scene: Scene) -> tuple[Endpoint, ...]:
+    """Outputs whose errors the control of the macro step goes by although nobody may take them, recorded or not."""
+    if scene.master.control is None or scene.master.control.method != "doubling":
+        return ()
+    interfaces = scene.coupling.interfaces
+    return tuple((u, n) for u, one in interfaces.items() for n, s in one.outputs.items() if counts_alone(n, s))
 
 
 class OpenScene:
     """A scene whose units are started, with the master on them and the clock: for one run, or for many that differ in numbers.
 
-    units: by name, and the contacts, which are units of the graph.  recorded: outputs that the master reads in every step
-    because they are recorded then.
+    units: by name, and the contacts, which are units of the graph.
     """
 
     def __init__(
@@ -49,20 +50,19 @@ class OpenScene:
         """`stack` closes the units.
 
         rescue: called with what has happened where an FMU ends this process.  native: native FMUs of components.
-        watched: outputs that the master reads in every step; None: those that a run of the scene needs.
+        watched: outputs that the master reads in every step; None: those that a run of the scene needs, which has all that is
+        recorded there, however seldom: the interval of the rows must not change what stands in them.
         """
-        intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
         self.scene = scene
-        self.clock = clock_for(scene, scene.coupling, *intervals, *edges(scene.faults))
+        self.clock = clock_for(scene, scene.coupling, *edges(scene.faults))
         stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
         self.units: dict[str, Simulator] = {}
         for name, unit in scene.units.items():
             self.units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name))
             stack.callback(self.units[name].close)
         self.units |= {contact.name: ContactSimulator(contact, scene.master.extrapolation) for contact in scene.contacts}
-        self.recorded = recorded_in_every_step(scene)
         if watched is None:
-            watched = (*self.recorded, *scene.coupling.events)
+            watched = (*scene.coupling.signals, *scene.coupling.events, *_judging_steps(scene))
         self.master = master_of(scene, self.units, scene.coupling, watched)
         self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -17,21 +18,29 @@ Sample = Callable[[], list[float]]
 
 
 class Recorder(BatchObserver):
-    """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
+    """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end.
+
+    The ticks of a run do not depend on the interval, which therefore need not be a whole number of them.
+    """
 
     def __init__(
-        self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False, columns: slice | None = None
+        self, sample: Sample, width: int, interval: Fraction, end: int, *, of_master: bool = False, columns: slice | None = None
     ):
         """`of_master`: the sample is the master's own. `columns`: where in the outputs of batches it stands, if it does."""
-        self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
+        self._sample, self._width, self._end, self._of_master = sample, width, end, of_master
+        self._interval: Fraction | int = int(interval) if interval == int(interval) else interval
         self._due, self._last, self._columns = 0, -math.inf, columns
         self._times, self._values = array("d"), array("d")
 
     def __call__(self, tick: int, t: float) -> None:
         if tick >= self._due or tick == self._end:
-            self._due = tick - tick % self._interval + self._interval
+            self._due = self._next(tick)
             self._times.append(t)
             self._values.fromlist(self._sample())
+
+    def _next(self, tick: int) -> int:
+        """The first tick that is not before the next multiple of the interval."""
+        return math.ceil((tick // self._interval + 1) * self._interval)
 
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`."""
@@ -52,8 +61,7 @@ class Recorder(BatchObserver):
             due = slice(k, None if self._interval <= ticks.step else k + 1)  # every step, or one
             self._times.frombytes(times[due].tobytes())
             self._values.frombytes(rows[due].tobytes())
-            last = ticks[due][-1]
-            self._due = last - last % self._interval + self._interval
+            self._due = self._next(ticks[due][-1])
 
     def close(self, t: float, sample: Sample | None = None) -> None:
         """A last row where a unit has ended the run at t, s, between two steps; by `sample` where the own one is out of date."""
@@ -107,7 +115,7 @@ class Recorder(BatchObserver):
 class TextRecorder(Recorder):
     """Rows of texts: what is kept of each is its place in the list of all different ones."""
 
-    def __init__(self, sample: Callable[[], list[str]], width: int, interval: int, end: int):
+    def __init__(self, sample: Callable[[], list[str]], width: int, interval: Fraction, end: int):
         self._places: dict[str, float] = {}
         places = self._places
         super().__init__(lambda: [places.setdefault(text, float(len(places))) for text in sample()], width, interval, end)

@@ -9,6 +9,7 @@ import traceback
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
+from fractions import Fraction
 from math import isfinite
 from pathlib import Path
 from signal import SIGINT
@@ -136,12 +137,7 @@ class Run:
         scene, coupling, stack = self.scene, self.coupling, self.stack
         if (open_scene := self._open_scene) is None:
             open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
-        self.clock, self.units, self.master, self._recorded = (
-            open_scene.clock,
-            open_scene.units,
-            open_scene.master,
-            open_scene.recorded,
-        )
+        self.clock, self.units, self.master = open_scene.clock, open_scene.units, open_scene.master
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
         correction = scene.master.energy_correction
@@ -167,13 +163,12 @@ class Run:
         intervals = (scene.record.interval, scene.record.snapshot_interval)
         end = self.clock.ticks(scene.stop_time)
         step = scene.master.step
-        every, snapshot_every = (self.clock.multiple(i, step) if i else 1 for i in intervals)  # each macro step ends at a tick
+        every, snapshot_every = (
+            self.clock.multiple(i, step) if i else Fraction(1) for i in intervals
+        )  # each macro step ends at a tick
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
-        watched = bool(self._recorded)
-        self._ends = tuple(master.positions) if watched else coupling.signals
-        sample = master.sample if watched else reading(self.units, self._ends)
-        of_batches = None if watched else self.stepping.watch(self._ends)
-        signals = Recorder(sample, len(self._ends), every, end, of_master=watched, columns=of_batches)
+        self._ends = tuple(master.positions)
+        signals = Recorder(master.sample, len(self._ends), every, end, of_master=True)
         texts: TextRecorder | None = None
         if ends := coupling.recorded_texts:
             texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)

@@ -15,7 +15,7 @@ from ...fmus.native.instance import Model
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.stepping.faults import Faults
-from ..open_units import OpenScene, recorded_in_every_step
+from ..open_units import OpenScene
 from ..scene.scene import Scene
 from ..units.component import ComponentSimulator
 from .layout import Layout
@@ -57,7 +57,7 @@ def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
     refuse_what_needs_python(scene)
     shown = scene.coupling.shown.values()
     with ExitStack() as stack:
-        watched = (*recorded_in_every_step(scene), *(each.end for each in shown if each.causality == "output"))
+        watched = (*scene.coupling.signals, *(each.end for each in shown if each.causality == "output"))
         open_scene = OpenScene(scene, stack, in_process=True, watched=watched)
         master = open_scene.master
         if not master.in_batches:

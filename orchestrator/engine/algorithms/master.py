@@ -72,6 +72,7 @@ class Master:
         moving_places: Literal["linear", "held"] = "linear",
         end: float = inf,
     ):
+        self.handed_over = frozenset(link.source for link in coupling.links)  # initialization and step control go by these alone
         read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
         # in the order of the units' own outputs, which they can hand over in one piece
         ranks = {(u, n): (i, k) for i, u in enumerate(units) for k, n in enumerate(coupling.interfaces[u].outputs)}
@@ -86,7 +87,7 @@ class Master:
         self.nodes = [self._node(units[name], read, order) for name in order]
         self.node_of = {node.unit.name: node for node in self.nodes}
         self.texts = Texts(units, coupling) if coupling.texts else None  # behind the nodes, which wire the units
-        self._plan = self._following(read) if feedthrough == "immediate" else []
+        self._plan = self._following() if feedthrough == "immediate" else []
         self.loops = [part for part in self._plan if isinstance(part, LoopSolver)]
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
@@ -201,7 +202,7 @@ class Master:
             estimates,
         )
 
-    def _following(self, read: Sequence[Endpoint]) -> list[LoopSolver | list[Node]]:
+    def _following(self) -> list[LoopSolver | list[Node]]:
         """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""
         interfaces = self.coupling.interfaces
         plan: list[LoopSolver | list[Node]] = []
@@ -214,7 +215,8 @@ class Master:
                 plan.append([self.node_of[step]])
         for node in dict.fromkeys(node for part in plan if isinstance(part, list) for node in part):
             interface = interfaces[node.unit.name]
-            at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
+            # of all outputs, read or not: when a unit is updated must not depend on what is recorded of it
+            at_once = {i for output in interface.outputs.values() for i in output.feedthrough or ()}
             exact = interface.input_degree >= self.degree
             for k, link in enumerate(node.links):
                 if link.target[1] in at_once:
@@ -383,7 +385,8 @@ class Master:
 
     def _answers(self, group: Sequence[Node]) -> list[tuple[int, bool, float]]:
         """Of each output of a group its cell, whether a sweep depends on it, and the least value that a change is compared with."""
-        ends = {cell: end for end, cell in self.cells.items() if end[0] in {node.unit.name for node in group}}
+        names = {node.unit.name for node in group}
+        ends = {cell: end for end, cell in self.cells.items() if end[0] in names and end in self.handed_over}
         given: set[int] = set()
         needed: set[int] = set()  # cells that a sweep reads before it writes them: it depends on no others
         for node in group:
@@ -399,7 +402,7 @@ class Master:
         without, such as the place of a contact.
         """
         outputs = self.coupling.interfaces[node.unit.name].outputs
-        direct = [outputs[n].feedthrough != () for u, n in self.positions if u == node.unit.name]
+        direct = [outputs[n].feedthrough != () for u, n in self.handed_over if u == node.unit.name]
         return sum(direct) / max(len(direct), 1)
 
     def counters(self) -> dict[str, Any]:

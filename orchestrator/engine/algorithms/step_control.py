@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ...settings import ControlSettings
+from ...units.interface import Signal
 from ..coupling import Coupling
 from ..coupling.graph import is_discrete
 from .energy import EnergyAccount
@@ -98,12 +99,14 @@ class Doubling:
     """From a step and the same step in two halves, which are kept; needs units that save their state.
 
     Their difference over 2^(p+1) - 1 is the halves' error, with inputs of degree p (Richardson). It counts in every output
-    that is handed over, but for those that change at instants only, and costs three steps of the units for two.
+    that is handed over or a number of its own, whether it is recorded or not, but for those that change at instants only. It costs
+    three steps of the units for two.
     """
 
     def __init__(self, master: Master, coupling: Coupling, settings: ControlSettings):
         self._master, self._settings = master, settings
-        ends = [(k, coupling.interfaces[u].outputs[n]) for (u, n), k in master.positions.items()]
+        known = [(end, k, coupling.interfaces[end[0]].outputs[end[1]]) for end, k in master.positions.items()]
+        ends = [(k, one) for end, k, one in known if end in master.handed_over or counts_alone(end[1], one)]
         self._at = np.array([k for k, signal in ends if not is_discrete(signal)], dtype=int)
         self._nominal = np.array([signal.nominal for _, signal in ends if not is_discrete(signal)])
         self._counts = 1
@@ -117,6 +120,11 @@ class Doubling:
         halves = np.array(self._master.signals)[self._at]
         allowed = self._settings.absolute * self._nominal + self._settings.relative * np.abs(halves)
         return float(np.max(np.abs(halves - whole) / allowed, initial=0.0)) / (2.0**self._counts - 1.0), self._counts + 1
+
+
+def counts_alone(name: str, signal: Signal) -> bool:
+    """Whether an output is a number of its own: no text, and no element of an array."""
+    return not signal.is_text and "[" not in name
 
 
 class Residual:

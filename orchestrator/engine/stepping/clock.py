@@ -41,11 +41,11 @@ class Clock:
         """Whole ticks in a duration (s); exact for those the clock was made for."""
         return int(_written(duration) * self.denominator / self.numerator)
 
-    def multiple(self, duration: float, unit: float) -> int:
-        """`ticks` of a duration (s), or of the whole multiple of a unit (s) that it is but for rounding."""
+    def multiple(self, duration: float, unit: float) -> Fraction:
+        """Ticks in a duration (s), which need not be whole, or in the multiple of a unit (s) that it is but for rounding."""
         count = round(duration / unit)
         near = count and abs(duration - count * unit) <= NEAR_MULTIPLE * duration
-        return count * self.ticks(unit) if near else self.ticks(duration)
+        return (count * _written(unit) if near else _written(duration)) * self.denominator / self.numerator
 
     def not_before(self, t: float) -> int:
         """The first tick that is not before a time (s)."""

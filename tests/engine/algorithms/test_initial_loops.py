@@ -80,7 +80,7 @@ def test_pantographs_on_each_others_heads_settle_where_both_hang_free():
     )
     result = run(scene, in_process=True)
     assert result["p.head_height"][0] == pytest.approx(120.0 / 50.0, rel=1e-9)
-    assert result["p.contact_force"][0] == 0.0
+    assert result["p.contact_force"][0] == pytest.approx(0.0, abs=1e-6)  # a stiffness times what the sweeps leave of the height
 
 
 def test_nonlinear_circles_settle_too():
