@@ -22,6 +22,7 @@ import numpy as np
 from ..engine.coupling.graph import is_discrete
 from ..results import Result
 from ..units.interface import Signal
+from .instants import at_instants
 from .thresholds import (
     APART,
     BULK,
@@ -122,7 +123,7 @@ def differences(first: Result, second: Result) -> dict[str, Difference]:
             compared[name] = _of_shares(a != second[name][before])
             continue
         stepwise = there is not None or is_discrete(signal)
-        b = second[name][before] if stepwise else np.interp(first.time, second.time, second[name])
+        b = second[name][before] if stepwise else at_instants(first.time, second.time, second[name])
         compared[name] = difference(a, b, signal.nominal, angle=signal.unit == "rad")
     return compared
 

@@ -12,14 +12,14 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
-from ...settings.answers import FitSettings
+from ...settings.answers import FitSettings, FittedCurve
 from ...settings.messages import validated
 from ...settings.plan import KeepSettings
 from ..analysis.least_squares import Fit
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
-from ..validation.curves import compare_curve, read_curve
+from ..validation.curves import Comparison, Measured, compare_curve, read_curve
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
@@ -83,18 +83,18 @@ def fit(
 ) -> SceneFit:
     """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 
-    Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
-    on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured frequencies.
-    Samples count as independent, which makes the deviations too small where they are not. `directory`: where the runs are kept;
-    those of an earlier call are not run again. `verify`: whether the fitted run is made again with half of every step, which tells
-    how large its numerical error is beside that of the measurements. `how`: who computes the runs of a Jacobian, and of several
-    starts; no number depends on it. Raises `BadInput`, also where the start cannot be run, and `Stopped` where a signal has
-    ended it.
+    Residuals are (simulated - measured) / standard deviation; of a curve one of each sample, where the run is evaluated. A curve is
+    filtered on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured
+    frequencies. Samples count as independent, which makes the deviations too small where they are not.
+
+    `directory`: where the runs are kept; those of an earlier call are not run again. `verify`: whether the fitted run is made again
+    with half of every step, which tells how large its numerical error is beside that of the measurements. `how`: who computes the
+    runs of a Jacobian, and of several starts; no number depends on it. Raises `BadInput`, also where the start cannot be run, and
+    `Stopped` where a signal has ended it.
     """
     data, name, folder = read_settings(settings, "fit", scene, Path(folder))
     wanted = validated(FitSettings, data, name)
-    for curve in wanted.curves:
-        read_curve(curve, folder)
+    curves = [(curve, read_curve(curve, folder)) for curve in wanted.curves]
     for spectrum in wanted.spectra:
         read_spectrum(spectrum, folder)
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
@@ -102,7 +102,7 @@ def fit(
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
     needed = {"fit: targets": [t.quantity for t in wanted.targets]}
     with evaluations(scene, wanted.vary, keep, needed, directory, **how) as runs:
-        return _Fitting(scene, wanted, folder, runs).answer(verify)
+        return _Fitting(scene, wanted, curves, folder, runs).answer(verify)
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,10 @@ class _KeptRun:
 class _Fitting:
     """One fit: its residuals over the unit cube, from the rows of its runs."""
 
-    def __init__(self, scene: Scene, wanted: FitSettings, folder: Path, runs: Evaluations):
-        self.scene, self.wanted, self.folder, self.runs = scene, wanted, folder, runs
+    def __init__(
+        self, scene: Scene, wanted: FitSettings, curves: Sequence[tuple[FittedCurve, Measured]], folder: Path, runs: Evaluations
+    ):
+        self.scene, self.wanted, self.curves, self.folder, self.runs = scene, wanted, curves, folder, runs
         self.low, self.width = runs.low, runs.high - runs.low
         self.size = 0  # residuals: as many as at the start
 
@@ -152,8 +154,11 @@ class _Fitting:
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
         messages += self._blurred(best, row) if verify else []
         fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
+        comparisons = self._compared(fitted, row)
+        messages += [c.counted for c in comparisons if c.incomplete]
+        messages += [text for c in comparisons if (text := _between(c))]
         charts = [
-            *(compare_curve(c, self.folder, _KeptRun(fitted, row)).chart() for c in self.wanted.curves),
+            *(c.chart() for c in comparisons),
             *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra),
         ]
         targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
@@ -214,8 +219,7 @@ class _Fitting:
         if row.outcome != "done":
             return np.full(max(self.size, 1), np.nan)
         parts: list[np.ndarray] = []
-        for curve in self.wanted.curves:
-            comparison = compare_curve(curve, self.folder, _KeptRun(self.runs.scene, row))
+        for (curve, _), comparison in zip(self.curves, self._compared(self.runs.scene, row), strict=True):
             parts.append((comparison.simulated - comparison.measured) / (curve.deviation or 1.0))
         parts += [compare_spectrum(s, self.folder, _KeptRun(self.runs.scene, row)).residuals for s in self.wanted.spectra]
         parts += [np.array([(self._target(row, t.quantity) - t.value) / t.deviation]) for t in self.wanted.targets]
@@ -229,8 +233,25 @@ class _Fitting:
             )
         return whole
 
+    def _compared(self, scene: Scene, row: Row) -> list[Comparison]:
+        """Every curve beside a run."""
+        return [compare_curve(curve, measured, _KeptRun(scene, row)) for curve, measured in self.curves]
+
     def _target(self, row: Row, quantity: str) -> float:
         return row.numbers[column_name(row.numbers, quantity, "fit: targets")]
+
+
+def _between(comparison: Comparison) -> str:
+    """What a user should know where the rows of the run are too far apart for the instants of a measurement."""
+    deviation = comparison.curve.deviation if isinstance(comparison.curve, FittedCurve) else None
+    noise = deviation or float(np.std(comparison.simulated - comparison.measured))
+    share = float(np.sqrt(np.mean(comparison.between**2))) / noise if noise > 0.0 else 0.0
+    if share <= OF_DEVIATION:
+        return ""
+    return (
+        f"{comparison.curve.signal} between the rows of the run is known to {100.0 * share:.2g} % of the standard deviation of "
+        f"{comparison.curve.file}: reduce record.interval"
+    )
 
 
 def _others(best: Fit, others: Sequence[Fit], width: np.ndarray) -> list[str]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
+from ...judgement.instants import at_instants
 from ...settings.case import CurveSettings
 from ..analysis.signals import Filter, amplitude_spectrum, uniform
 from ..charts.chart import Chart, Panel, Series
@@ -25,7 +26,13 @@ STATISTICS: Mapping[str, Callable[[np.ndarray], Any]] = {
     "maximum": np.max,
     "minimum": np.min,
 }
+EMPTY, OUTSIDE = "without a number", "outside of the run"
 LEAST = 8  # samples of both within the stretch that is compared
+COARSER = 3.0  # a spacing twice as wide changes a curve with kinks by at least so many times what the spacing itself leaves open
+SHOWN = (
+    0.9  # of half the samples a second: what a measurement shows at the frequency where it is (an anti-aliasing filter's reach)
+)
+SHARP = 12  # order of the filter that takes the rest away
 
 
 class Recorded(Protocol):
@@ -44,11 +51,21 @@ class Recorded(Protocol):
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """A measured curve and the simulated one over the stretch where both exist, on the same even instants.
+class Measured:
+    """A measured curve. abscissa, ordinate: (n,), the former rising.  empty: lines of the file that have no number."""
 
-    time: (n,) s of the run.  abscissa: (n,) what the measurement is over.  measured, simulated: (n,), filtered alike.
-    rate: Hz.
+    abscissa: np.ndarray
+    ordinate: np.ndarray
+    empty: int = 0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A measured curve and the run at the measured instants, where both exist.
+
+    time: (n,) s of the run, rising.  abscissa: (n,) what the measurement is over.  measured, simulated: (n,), filtered alike.
+    between: (n,) estimate of what the run may be off there because it is recorded at rows only.  left_out: why -> how many
+    samples of the file are not compared.
     """
 
     curve: CurveSettings
@@ -57,7 +74,8 @@ class Comparison:
     abscissa: np.ndarray
     measured: np.ndarray
     simulated: np.ndarray
-    rate: float
+    between: np.ndarray
+    left_out: Mapping[str, int]
 
     @property
     def numbers(self) -> Mapping[str, tuple[float, float, float]]:
@@ -68,112 +86,144 @@ class Comparison:
         numbers = {kind: (measured, simulated, abs(measured)) for kind, (measured, simulated) in both.items()}
         return numbers | {"difference": (0.0, float(np.sqrt(np.mean((s - m) ** 2))), spread)}
 
+    @property
+    def incomplete(self) -> bool:
+        """Whether samples are not compared that the settings do not leave out."""
+        return bool(self.left_out[EMPTY] or self.left_out[OUTSIDE])
+
+    @property
+    def counted(self) -> str:
+        """How many samples are compared, and why the others are not."""
+        left = {why: count for why, count in self.left_out.items() if count}
+        whole = self.time.size + sum(left.values())
+        why = "".join(f"{', ' if k else ': '}{count} {reason}" for k, (reason, count) in enumerate(left.items()))
+        return f"{self.time.size} of {whole} samples of {self.curve.file} are compared{why}."
+
     def chart(self) -> Chart:
         """Both over the abscissa, and their amplitude spectra."""
         c = self.curve
         label = f"{c.signal}, {self.unit}"
         lines = (Series("measured", self.abscissa, self.measured), Series("simulated", self.abscissa, self.simulated))
         history = Panel(label, lines, x_label=c.over or "time, s")
-        series, highest = [], c.cutoff or 0.5 * self.rate
-        for name, values in (("measured", self.measured), ("simulated", self.simulated)):
-            f, a = amplitude_spectrum(values, self.rate)
+        rate, _, both = uniform(self.time, self.measured, self.simulated)
+        series, highest = [], c.cutoff or 0.5 * rate
+        for name, values in zip(("measured", "simulated"), both, strict=True):
+            f, a = amplitude_spectrum(values, rate)
             shown = (f > 0.0) & (f <= 1.5 * highest)
             series.append(Series(name, f[shown], a[shown]))
         spectrum = Panel(f"amplitude, {self.unit}", tuple(series), x_label="frequency, Hz")
         how = str(Filter(c.cutoff)) if c.cutoff else "unfiltered"
-        text = f"Measured: {c.file}. Both {how}, from {self.time[0]:.4g} to {self.time[-1]:.4g} s of the run."
+        span = f"from {self.time[0]:.4g} to {self.time[-1]:.4g} s of the run"
+        text = f"Measured: {c.file}. Both {how}, at the measured instants {span}. {self.counted}"
         where = f", {c.condition}" if c.condition else ""
         return Chart(f"{c.signal} against the measurement{where}", "", (history, spectrum), text, columns=1, height=260)
 
 
-def compare_curve(curve: CurveSettings, folder: Path, result: Recorded) -> Comparison:
-    """The comparison of a curve with a run.
+def compare_curve(curve: CurveSettings, measured: Measured, result: Recorded) -> Comparison:
+    """The comparison of a measured curve with a run, which is evaluated at the measured instants: a run is dense and without noise.
 
-    Raises `BadInput` where the file or the signal cannot be used, or both share no stretch.
+    A filter goes over both sequences of samples alike, so that neither their spacing nor a gap makes a difference. Before it the run
+    loses what the measurement's spacing cannot show. Raises `BadInput` where the signal cannot be used, or both share no stretch.
     """
     where = f"curve {curve.file}"
-    x, y = read_curve(curve, folder)
-    simulated = np.asarray(result[curve.signal], dtype=float)
-    if curve.over:
-        way = np.asarray(result[curve.over], dtype=float)
-        if not (np.diff(way) > 0.0).all():
-            raise BadInput(where, f"over = {curve.over!r}, which does not rise throughout the run", "a signal that rises")
-        inside = (x >= way[0]) & (x <= way[-1])
-        at = np.interp(x[inside], way, result.time)
-        y = y[inside]
-    else:
-        way, at = result.time, x
-    if at.size < LEAST:
-        raise BadInput(where, f"{at.size} samples within the run", f"{LEAST} or more", "Look at abscissa, shift and over.")
-    rate, instants, (even,) = uniform(result.time, simulated)
-    measured_rate, measured_at, (measured,) = uniform(at, y)
-    if curve.cutoff is not None:
-        for name, r in (("the run", rate), ("the file", measured_rate)):
-            if not curve.cutoff < 0.5 * r:
-                raise BadInput(
-                    where, f"a cut-off of {curve.cutoff:g} Hz at {r:g} samples a second of {name}", f"less than {0.5 * r:g} Hz"
-                )
-        low_pass = Filter(curve.cutoff)
-        even, measured = low_pass.apply(even, rate), low_pass.apply(measured, measured_rate)
+    time, simulated = result.time, np.asarray(result[curve.signal], dtype=float)
+    way = np.asarray(result[curve.over], dtype=float) if curve.over else time
+    if not (np.diff(way) > 0.0).all():
+        raise BadInput(where, f"over = {curve.over!r}, which does not rise throughout the run", "a signal that rises")
+    x = measured.abscissa
+    rounding = 1e-9 * (way[-1] - way[0])
+    inside = (x >= way[0] - rounding) & (x <= way[-1] + rounding)
+    at, y = at_instants(x[inside], way, time), measured.ordinate[inside]
     trim = EDGE / curve.cutoff if curve.cutoff else 0.0
-    begin = max(measured_at[0] + trim, instants[0] + trim, result.scene.analysis.transient)
-    end = min(measured_at[-1], instants[-1]) - trim
-    kept = (instants >= begin) & (instants <= end)
+    begin, end = (at[0] + trim, at[-1] - trim) if at.size else (np.inf, -np.inf)
+    kept = (at >= max(begin, result.scene.analysis.transient)) & (at <= end)
     if kept.sum() < LEAST:
         raise BadInput(
             where,
-            f"measured {measured_at[0]:.4g} to {measured_at[-1]:.4g} s, simulated {instants[0]:.4g} to {instants[-1]:.4g} s",
-            "a stretch that both have, without the transient and the ends of the filter",
+            f"measured from {x[0]:.4g} to {x[-1]:.4g}, simulated from {way[0]:.4g} to {way[-1]:.4g}: {kept.sum()} samples",
+            f"a stretch that both have, with {LEAST} samples or more without the transient and the ends of the filter",
             "Look at abscissa, shift and over.",
         )
-    t = instants[kept]
-    return Comparison(
-        curve,
-        result.measures.get(curve.signal, ""),
-        t,
-        np.interp(t, result.time, way),
-        np.interp(t, measured_at, measured),
-        even[kept],
-        rate,
-    )
+    if curve.cutoff is not None:
+        time, simulated = _as_sampled(curve.cutoff, at, time, simulated, where)
+    s = at_instants(at, time, simulated)
+    between = np.abs(s - at_instants(at, time[::2], simulated[::2])) / COARSER
+    if curve.cutoff is not None:
+        y, s = (_filtered(curve.cutoff, at, values) for values in (y, s))
+    left_out = {
+        EMPTY: measured.empty,
+        OUTSIDE: int(x.size - at.size),
+        "within the transient or the ends of the filter": int(at.size - kept.sum()),
+    }
+    unit = result.measures.get(curve.signal, "")
+    return Comparison(curve, unit, at[kept], x[inside][kept], y[kept], s[kept], between[kept], left_out)
 
 
-def read_curve(curve: CurveSettings, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """(abscissa (n,), ordinate (n,)) of the file, scaled and shifted; faults are one `BadInput` with file and line."""
-    x, y = read_columns(folder / curve.file, curve.abscissa, curve.ordinate, curve.separator)
-    return x + curve.shift, y * curve.scale + curve.offset
+def _as_sampled(cutoff: float, at: np.ndarray, time: np.ndarray, values: np.ndarray, where: str) -> tuple[np.ndarray, np.ndarray]:
+    """(even times, values) of the run without what samples at these instants would show at other frequencies."""
+    run_rate, even, (values,) = uniform(time, values)
+    rate = 1.0 / float(np.median(np.diff(at)))
+    for name, r in (("the run", run_rate), ("the file", rate)):
+        if not cutoff < 0.5 * r:
+            raise BadInput(where, f"a cut-off of {cutoff:g} Hz at {r:g} samples a second of {name}", f"less than {0.5 * r:g} Hz")
+    highest = SHOWN * 0.5 * rate
+    return even, Filter(highest, SHARP).apply(values, run_rate) if cutoff < highest < 0.45 * run_rate else values
 
 
-def read_columns(path: Path, abscissa: str, ordinate: str, separator: str) -> tuple[np.ndarray, np.ndarray]:
-    """Two columns (n,) of a CSV by their names, the first one rising; faults are one `BadInput` with file and line."""
+def _filtered(cutoff: float, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Samples (n,) at these instants after the low-pass filter."""
+    rate, even, (values,) = uniform(at, values)
+    return np.interp(at, even, Filter(cutoff).apply(values, rate))
+
+
+def read_curve(curve: CurveSettings, folder: Path) -> Measured:
+    """The file's two columns, scaled and shifted; faults are one `BadInput` with file and line."""
+    measured = read_columns(folder / curve.file, curve.abscissa, curve.ordinate, curve.separator)
+    return Measured(measured.abscissa + curve.shift, measured.ordinate * curve.scale + curve.offset, measured.empty)
+
+
+def read_columns(path: Path, abscissa: str, ordinate: str, separator: str) -> Measured:
+    """Two columns of a CSV by their names, the first one rising; faults are one `BadInput` with file and line.
+
+    A line whose cell is empty or NaN in either column is left out and counted: loggers write so what they have not measured.
+    """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = csv.reader(file, delimiter=separator)
             names = [name.strip() for name in next(lines, [])]
-            places = []
+            columns = {}
             for name in (abscissa, ordinate):
                 if name not in names:
                     raise BadInput(str(path), f"no column {name!r}", "a column of the first line", nearest(name, names))
-                places.append(names.index(name))
-            pairs = [_numbers(line, places, f"{path}:{lines.line_num}") for line in lines if any(cell.strip() for cell in line)]
+                columns[name] = names.index(name)
+            rows = [
+                (lines.line_num, *(_number(line, *column, f"{path}:{lines.line_num}") for column in columns.items()))
+                for line in lines
+                if any(cell.strip() for cell in line)
+            ]
     except OSError as error:
         raise BadInput("curve", repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise BadInput(str(path), f"what is no CSV in UTF-8 ({error})", "a CSV file") from None
-    if len(pairs) < LEAST:
-        raise BadInput(str(path), f"{len(pairs)} lines of numbers", f"{LEAST} or more")
-    x, y = np.array(pairs).T
+    table = np.array(rows, dtype=float).reshape(len(rows), -1)
+    table = table[~np.isnan(table).any(axis=1)]
+    if len(table) < LEAST:
+        raise BadInput(str(path), f"{len(table)} lines of numbers", f"{LEAST} or more")
+    line, x, y = table.T[0], table.T[1], table.T[-1]
     if not (np.diff(x) > 0.0).all():
-        line = int(np.argmin(np.diff(x) > 0.0)) + 3
-        raise BadInput(f"{path}:{line}", f"{abscissa} that does not rise", "rising numbers")
-    return x, y
+        k = int(np.argmin(np.diff(x) > 0.0)) + 1
+        what = f"{x[k]:.9g} behind {x[k - 1]:.9g} of line {line[k - 1]:.0f}"
+        raise BadInput(f"{path}:{line[k]:.0f}", f"{abscissa} that does not rise: {what}", "rising numbers")
+    return Measured(x, y, len(rows) - len(table))
 
 
-def _numbers(line: list[str], places: list[int], where: str) -> tuple[float, float]:
+def _number(line: list[str], name: str, place: int, where: str) -> float:
+    """A cell; NaN of an empty one. Raises `BadInput`."""
+    text = line[place].strip() if place < len(line) else ""
     try:
-        x, y = (float(line[place]) for place in places)
-    except (ValueError, IndexError):
-        raise BadInput(where, repr(",".join(line))[:80], "a number in both columns", "Decimals have a point.") from None
-    if not np.isfinite((x, y)).all():
-        raise BadInput(where, "a number that is not finite", "finite numbers")
-    return x, y
+        value = float(text) if text else float("nan")
+    except ValueError:
+        raise BadInput(f"{where}, column {name!r}", repr(text)[:80], "a number", "Decimals have a point.") from None
+    if np.isinf(value):
+        raise BadInput(f"{where}, column {name!r}", "a number that is not finite", "finite numbers")
+    return value

@@ -114,14 +114,15 @@ def _measure(
     """Of the run of a condition: its rows beside the numbers of its summary, its curves beside the measured ones."""
     result = runs[condition]
     numbers = summarize(result)
-    comparisons = [compare_curve(curve, folder, result) for curve in curves]
+    comparisons = [compare_curve(curve, read_curve(curve, folder), result) for curve in curves]
     curve_rows = (row for c in comparisons for row in _curve_rows(c, sources[c.curve.source]))
     judged = judge(result, numbers)
     limit_rows = (
         replace(row, reference=replace(row.reference, condition=": ".join(filter(None, (condition, row.reference.condition)))))
         for row in (judged[0].findings.rows if judged else ())
     )
-    notes = (*result.info["warnings"], *(judged[0].findings.notes if judged else ()))
+    uncompared = [c.counted for c in comparisons if c.incomplete]
+    notes = (*result.info["warnings"], *uncompared, *(judged[0].findings.notes if judged else ()))
     return Evidence(
         rows=(*compare(rows, named_numbers(rows, result, numbers)), *curve_rows, *limit_rows),
         charts=tuple(c.chart() for c in comparisons),

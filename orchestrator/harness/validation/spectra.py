@@ -81,7 +81,8 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -
 def read_spectrum(wanted: SpectrumSettings, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """(frequency (n,) Hz, spectrum (n,)) of the file between `low` and `high`; faults are one `BadInput`."""
     path = folder / wanted.file
-    f, y = read_columns(path, wanted.frequency, wanted.ordinate, wanted.separator)
+    columns = read_columns(path, wanted.frequency, wanted.ordinate, wanted.separator)
+    f, y = columns.abscissa, columns.ordinate
     kept = (f > 0.0) & (f >= wanted.low) & (f <= (np.inf if wanted.high is None else wanted.high))
     f, y = f[kept], y[kept] * wanted.scale
     if f.size < LEAST:

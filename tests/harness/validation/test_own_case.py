@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.curves import compare_curve
+from cosimo.orchestrator.harness.validation.curves import compare_curve, read_curve
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.settings.case import CurveSettings
@@ -121,11 +121,11 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         cutoff=20.0,
         source="s",
     )
-    comparison = compare_curve(curve, tmp_path, simulated)
+    comparison = compare_curve(curve, read_curve(curve, tmp_path), simulated)
     assert comparison.time[0] == pytest.approx(0.5 + 2.0 / 20.0, abs=0.01)
     difference, spread = comparison.numbers["difference"][1], comparison.numbers["standard deviation"][1]
     assert difference < 0.05 * spread
-    raw = compare_curve(curve.model_copy(update={"cutoff": None}), tmp_path, simulated)
+    raw = compare_curve(curve.model_copy(update={"cutoff": None}), read_curve(curve, tmp_path), simulated)
     assert raw.numbers["difference"][1] == pytest.approx(30.0 / np.sqrt(2.0), rel=0.02)
 
 
@@ -162,7 +162,7 @@ def test_what_cannot_be_used_is_one_message(old, new, named, folder):
         (["t;x_mm", "0;1", "1;2"], "2 lines"),
         (["t;x_mm", *(f"{k};1" for k in range(9)), "4;1"], "measured.csv:11.*does not rise"),
         (["t;x_mm", *(f"{k};1" for k in range(9)), "9;1,5"], "measured.csv:11.*Decimals have a point"),
-        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;nan"], "not finite"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;inf"], "not finite"),
         ([], "no column 't'"),
     ],
 )
