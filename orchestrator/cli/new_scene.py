@@ -15,7 +15,6 @@ from ...components.core.measure import is_quantity, number_in
 from .common import is_scene, print_written
 from .new import new
 from .options import Conditions, InProcess, Limits, limits_of
-from .options import share as share_of
 
 File = Annotated[Path, Argument(metavar="FILE.toml", help="file to write")]
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
@@ -288,31 +287,34 @@ def case(
 def table(
     file: File,
     scene: Annotated[str, Argument(help="a shipped scene or a scene file, which is run once")],
-    share: Annotated[str, Option(help="Width of each range on either side of the number of the run.")] = "10%",
     in_process: InProcess = True,
 ) -> None:
     """Write a table of limits with a row for each figure of a scene. Example: cosimo new table my-limits.toml my-scene.toml
 
-    Ranges lie about the numbers of one run: change them, with where they come from. Then: cosimo run my-scene.toml --limits my-limits.toml
+    Every row is missing its range, and nothing passes by it; the number of one run stands beside it. Fill in low, high, standing and
+    source. Then: cosimo run my-scene.toml --limits my-limits.toml
     """
+    from ..harness.validation.reference import MISSING, STANDINGS
     from ..systems import run
 
-    width = share_of("--share", share)
     result = run(scene, in_process=in_process, verify="no")
     if result.outcome != "done":
         raise BadInput("new table", f"a run that {result.outcome}: {result.message}", "a scene that reaches its end")
     rows = [row for row in result.summary if isfinite(row.value)]
     if not rows:
         raise BadInput("new table", f"{result.scene.name}, which has no figures", "a scene whose [analysis] has a system")
+    standings = ", ".join(standing for standing in STANDINGS if standing != MISSING)
     parts = [
+        f"# Fill in of each row low, high or both, its standing ({standings}; recalled needs a confidence), and source, a key of",
+        "# [sources]. Remove rows that nothing limits. A number of a run is no source of a limit for it.",
+        "",
         "[sources]",
-        f'run = "one run of {result.scene.name} by cosimo, and {share} on either side: to be replaced by the source of each range"',
+        '# sheet = "where ranges are from: document, page, date"',
         "",
     ]
     for row in rows:
-        ends = sorted((row.value * (1.0 - width), row.value * (1.0 + width)))
         parts += ["[[rows]]", f'quantity = "{row.text}"', f'measure = "{row.name}"', f'unit = "{row.unit}"']
-        parts += [f"low = {ends[0]:.6g}", f"high = {ends[1]:.6g}", 'standing = "computed"', 'source = "run"', ""]
+        parts += [f'standing = "{MISSING}"  # {row.value:.6g} in one run of {result.scene.name}', ""]
     _write(file, "\n".join(parts))
     print_written([file])
-    print(f"{len(rows)} rows; next: cosimo run {scene} --limits {file}")
+    print(f"{len(rows)} rows without ranges: fill them in; next: cosimo run {scene} --limits {file}")

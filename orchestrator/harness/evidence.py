@@ -19,7 +19,7 @@ from ..scene.scene import Scene
 from ..scene_fmu.variables import names_of
 from .studies.accuracy import versions
 from .studies.component_accuracy import SHARE, WAVES, integrated, parabolas, waves
-from .studies.quantities import Quantity, TimeHistory, errors, quantities_of, recording
+from .studies.quantities import Quantity, TimeHistory, errors, quantities_to_judge, recording
 from .studies.stability import limit_text, stability
 from .studies.trial import trial
 
@@ -39,7 +39,7 @@ def scene_evidence(scene: Scene) -> Evidence:
     signals = [".".join(end) for end in dict.fromkeys((*scene.coupling.signals, *shown))]
     every = {"record.interval": None, "record.snapshots": (), "record.snapshot_interval": None, "record.signals": signals}
     whole = recording(scene.with_changes(every))
-    quantities = quantities_of(scene)
+    quantities = quantities_to_judge(scene)
     runs = {factor: trial(whole, {"master.step": factor * step}, repeats=1) for factor in (*FACTORS, FINEST)}
     if failed := [run for factor, run in runs.items() if factor in (1.0, 0.5, 2.0 * FINEST, FINEST) and not run.done]:
         raise BadInput(

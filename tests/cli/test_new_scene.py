@@ -75,10 +75,39 @@ def test_a_copy_of_a_shipped_scene_is_the_scene(tmp_path, name):
     assert command("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 2  # overwrites nothing
 
 
-def test_a_table_of_a_scenes_figures_is_kept_by_the_scene(tmp_path):
+def test_nothing_passes_by_a_table_of_a_scenes_own_figures_until_a_row_has_a_source(tmp_path, capsys):
     limits = tmp_path / "limits.toml"
     assert command("new", "table", limits, "lumped-catenary") == 0
-    assert command("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits) == 0
+    run = ("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits)
+    assert command(*run) == 0
+    rows = limits.read_text(encoding="utf-8").count("[[rows]]")
+    assert f"No pass: {rows} of {rows} rows not judged" in capsys.readouterr().out
+    text = limits.read_text(encoding="utf-8")
+    first = 'standing = "missing"  # 116.391 in one run of lumped-catenary'
+    for ends, standing, source, told in (
+        ("low = 1.0\n", "missing", "", "a range that is missing"),
+        ("low = 1.0\n", "verbatim", "", "source = None"),
+        ("low = 1.0\n", "verbatim", 'source = "run"', "a key of [sources]"),
+        ("low = 1.0\n", "verbatim", 'source = "sheet"', "1 of 1 rows inside the range"),
+        ("", "verbatim", 'source = "sheet"', "no low and no high"),
+    ):
+        assert first in text
+        filled = text.replace(first, f'{ends}standing = "{standing}"\n{source}').replace("# sheet =", "sheet =")
+        limits.write_text(filled, encoding="utf-8")
+        code = command(*run)
+        shown = capsys.readouterr()
+        assert told in shown.out + shown.err
+        assert code == (0 if "inside the range" in told else 2)
+        assert "Passed" not in shown.out
+    assert command("sweep", "lumped-catenary", "--over", "pantograph.speed=60,70", "--limits", limits) == 2
+    # a table as 0.7 wrote it: its only source are the numbers that it judges
+    old = '[sources]\nrun = "one run of lumped-catenary by cosimo, and 10% on either side: to be replaced by the source of each range"\n'
+    row = (
+        '[[rows]]\nquantity = "mean"\nmeasure = "pantograph.mean"\nunit = "N"\nlow = 1.0\nstanding = "computed"\nsource = "run"\n'
+    )
+    limits.write_text(old + row, encoding="utf-8")
+    assert command(*run) == 2
+    assert "where the range was read" in capsys.readouterr().err
 
 
 def test_two_supports_are_a_line_and_one_is_none(folder, capsys):

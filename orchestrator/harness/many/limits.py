@@ -10,7 +10,7 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
-from ..validation.reference import Table, TableRow, functions, load_table, rows_of, table_rows
+from ..validation.reference import MISSING, Table, TableRow, functions, load_table, rows_of, table_rows
 from .columns import as_column, column_name
 
 S = TypeVar("S", PlanSettings, DesignSettings)
@@ -30,6 +30,13 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     given = table_of(wanted_rows.table, Path() if table else folder)
     function = given.measures
     chosen = rows_under(given.rows, wanted_rows)
+    if missing := [r.quantity for r in chosen if r.standing == MISSING]:
+        raise BadInput(
+            f"rows: table {wanted_rows.table}",
+            f"{len(missing)} of {len(chosen)} rows without a range, such as {missing[0]!r}",
+            "a range with its source in every row",
+            "Fill in these rows, or remove them.",
+        )
     field = "limits" if isinstance(settings, PlanSettings) else "constraints"
     own: Limits = getattr(settings, field)
     limits = {as_column(r.measure): _limit(r) for r in chosen}
@@ -96,10 +103,10 @@ def table_of(name: str, folder: Path = Path()) -> Table:
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
     data = read_toml(folder / name)
     for key, kind in (("sources", Mapping), ("rows", list | str)):
-        if not isinstance(data.get(key), kind) or not data[key]:
+        if not isinstance(data.get(key, {} if key == "sources" else None), kind) or (key == "rows" and not data[key]):
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
     given = rows_of(name, data, (folder / name).parent)
-    rows = table_rows(name, [{"condition": "", **row} for row in given], data["sources"])
+    rows = table_rows(name, [{"condition": "", **row} for row in given], data.get("sources", {}))
     return Table(name, str(data.get("title", name)), "", rows, (), **functions(data))
 
 

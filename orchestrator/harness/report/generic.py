@@ -38,7 +38,7 @@ def range_row(row: Row) -> RangeRow:
     r = row.reference
     low, high = r.low, r.high
     place = None
-    if np.isfinite(row.measured):
+    if np.isfinite(row.measured) and not row.missing:
         if low is not None and high is not None:
             place = (row.measured - low) / (high - low) if high > low else 0.5 + np.sign(row.measured - low)
         else:  # open: in the middle at the end of the range, and as far inside as the margin is of the end's size
@@ -49,8 +49,8 @@ def range_row(row: Row) -> RangeRow:
     unit = "" if r.unit == "1" else r.unit
     ends = [number(e, low, high) if e is not None else "" for e in (low, high)]
     text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
-    if low == high and low is not None:
-        text = ends[0]
+    if low == high:
+        text = ends[0] if low is not None else "missing"
     digits = ".0f" if 100.0 <= abs(row.margin) < 1e6 else ".2g"
     margin = f"{row.margin:{digits}}".replace("-", "−") if np.isfinite(row.margin) else "–"
     return RangeRow(
@@ -63,7 +63,7 @@ def range_row(row: Row) -> RangeRow:
         low is None,
         high is None,
         row.inside,
-        row.undecided,
+        row.undecided or row.missing,
         r.standing,
         r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""),
         r.source,

@@ -260,10 +260,14 @@ def judged(
         return point.timed(run.timing)
     history = run.history
     distances = errors(quantities, history, reference)
+    lacking = [q.name for q in quantities if q.name not in distances]
+    if not distances:
+        return replace(point, outcome="refused", reason=f"has none of the quantities: {', '.join(lacking)}").timed(run.timing)
     each = {name: distance + uncertainty.get(name, 0.0) for name, distance in distances.items()}
     worst = max(each, key=lambda name: each[name])
-    largest = max(q.largest(history, reference) for q in quantities)
-    point = replace(point, errors=distances, error=each[worst], largest=largest)
+    largest = max(q.largest(history, reference) for q in quantities if q.name in distances)
+    reason = f"without {', '.join(lacking)}, which it does not have" if lacking else point.reason
+    point = replace(point, errors=distances, error=each[worst], largest=largest, reason=reason)
     if not each[worst] <= USELESS:
         point = replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * each[worst]:.3g} %")
     return point.timed(run.timing)

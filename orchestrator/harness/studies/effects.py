@@ -289,6 +289,9 @@ class _Bench:
         if not without.done:
             return inf, ""
         each = errors(self.quantities, without.history, self._trials[frozenset()].history)
+        lost = [q.name for q in self.quantities if q.name not in each]
+        if lost and (self.model.scene.study.quantities or not each):  # asked for, and an output of an effect that is left out
+            return inf, lost[0]
         worst = max(each, key=lambda name: each[name])
         return each[worst], worst if each[worst] else ""
 

@@ -19,6 +19,7 @@ from ....components.core.errors import BadInput
 from ...results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
+from ...units.interface import Signal
 from ..analysis.records import KINDS
 from ..analysis.signals import Filter, amplitude_at, uniform
 
@@ -149,10 +150,17 @@ def moving(reference: np.ndarray) -> np.ndarray:
 
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
-    """The quantities that the scene names, or else the history and the maximum of every recorded signal."""
+    """The quantities that the scene names, or else the history and the maximum of every recorded signal that is physical.
+
+    Flags, counts and texts are none: of an instant that is a step late a history of 0 and 1 makes an error as large as its range.
+    A scene that asks for the share of time of a flag names its mean.
+    """
     coupling = scene.coupling
     texts = [wanted(text) for text in scene.study.quantities] or [
-        Wanted(".".join(end), kind) for end in coupling.signals for kind in ("time history", "maximum")
+        Wanted(".".join(end), kind)
+        for end in coupling.signals
+        if _is_physical(coupling.interfaces[end[0]].outputs.get(end[1]))
+        for kind in ("time history", "maximum")
     ]
     transient = scene.analysis.transient
     quantities = []
@@ -165,9 +173,20 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     return tuple(quantities)
 
 
+def _is_physical(signal: Signal | None) -> bool:
+    return signal is not None and signal.kind == "real"
+
+
 def quantities_to_judge(scene: Scene) -> tuple[Quantity, ...]:
-    """As `quantities_of`; raises `BadInput` where transient and the ends of a filter leave nothing of the run."""
+    """As `quantities_of`; raises `BadInput` without any, or where transient and the ends of a filter leave nothing of the run."""
     quantities = quantities_of(scene)
+    if not quantities:
+        raise BadInput(
+            f"{scene.name}: study.quantities",
+            "no quantity, and no recorded signal that is a physical one",
+            'quantities = ["unit.output, time history"]',
+            'Of a flag the share of time is "unit.output, mean".',
+        )
     for q in quantities:
         if q.cutoff and scene.stop_time <= (shortest := max(q.transient, EDGE / q.cutoff) + EDGE / q.cutoff):
             raise BadInput(
@@ -187,8 +206,8 @@ def recording(scene: Scene) -> Scene:
 
 
 def errors(quantities: Sequence[Quantity], history: TimeHistory, reference: TimeHistory) -> dict[str, float]:
-    """Error of each quantity by its name."""
-    return {q.name: q.error(history, reference) for q in quantities}
+    """Error by its name of each quantity that the history has: a run without an effect lacks the effect's outputs."""
+    return {q.name: q.error(history, reference) for q in quantities if q.signal in history.columns}
 
 
 def distances(result: Result, finer: Result) -> dict[str, float]:

@@ -14,26 +14,27 @@ from ..charts.chart import Chart, Grid
 from ..summary import with_error
 from .claims import ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
-from .reference import Row, check_measured, compare, load_table
+from .reference import MISSING, Row, check_measured, compare, load_table
 
 if TYPE_CHECKING:
     from ...results import Result
 
 
 FIRM = ("verbatim", "measured", "computed")  # provenance of ranges that decide
+DECIDES_NOTHING = ("recalled", MISSING)
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
     """ "failed" if a row is outside a range that is not just recalled; else "undecided" if the error of one reaches beyond its
-    range; else "recalled" if any range is not firm; else "passed".
+    range, or a range is missing; else "recalled" if any range is not firm; else "passed".
 
     Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure but a warning.
     Firm are ranges that were read or computed. No row, no pass.
     """
-    deciding = [r for r in rows if r.reference.standing != "recalled"]
+    deciding = [r for r in rows if r.reference.standing not in DECIDES_NOTHING]
     if not rows or not all(r.inside for r in deciding):
         return "failed"
-    if any(r.undecided for r in deciding):
+    if any(r.undecided for r in deciding) or any(r.missing for r in rows):
         return "undecided"
     return "passed" if all(r.reference.standing in FIRM for r in rows) else "recalled"
 
@@ -53,7 +54,7 @@ class ClaimResult:
         "contradicted" if a contradicting row is inside its range, "not shown" if no supporting row is, "shown" if all
         supporting rows are, no limiting one is and nothing is missing, else "partly".
         """
-        firm = [r for r in self.rows if r.reference.standing != "recalled"]
+        firm = [r for r in self.rows if r.reference.standing not in DECIDES_NOTHING]
         inside = {role: [r.inside for r in firm if r.reference.role == role] for role in ROLES}
         if any(inside["contradicts"]):
             return "contradicted"
@@ -243,10 +244,13 @@ class CaseResult:
             if some:
                 undecided = f", {n} undecided" if (n := sum(r.undecided for r in some)) else ""
                 parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}{undecided}")
+        missing = sum(r.missing for r in rows)
+        if missing:
+            parts.append(f"{missing} of {len(rows)} rows not judged, as their ranges are missing")
         text = {
             "passed": "Passed",
             "failed": "Failed",
-            "undecided": "Undecided, as errors reach beyond a range",
+            "undecided": "No pass" if missing else "Undecided, as errors reach beyond a range",
             "recalled": "No pass, as not every range was read or computed",
         }
         return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."

@@ -147,7 +147,7 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
         judged, missing = [], [str(error)]
     rows = tuple(Row(j.row, j.value, errors.get(j.name, float("nan"))) for j in judged)
     answers: dict[str, str] = {}
-    for j, row in zip(judged, rows, strict=True):
+    for j, row in ((j, row) for j, row in zip(judged, rows, strict=True) if not row.missing):
         answer = _answer(row)
         if RANKS.index(answer) > RANKS.index(answers.get(j.figure, RANKS[0])):
             answers[j.figure] = answer

@@ -24,7 +24,12 @@ STANDINGS = {
     "computed": "computed with an independent solver or a closed form",
     "inferred": "inferred from public material",
     "recalled": "recalled from the literature, not re-read",
+    "missing": "no range yet",
 }
+MISSING = "missing"  # standing of a row that is there to be filled in: nothing passes by it, nothing fails
+PLACEHOLDER = (
+    "to be replaced by the source of each range"  # ends the source that `cosimo new table` of 0.7 wrote for its own numbers
+)
 CONFIDENCES = ("high", "medium-high", "medium", "low")
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
 NUMBERS = ("low", "high", "value", "tolerance")
@@ -58,6 +63,15 @@ class TableRow:
             raise BadInput(where, f"standing {self.standing!r}", "one of " + ", ".join(STANDINGS))
         if self.role not in ROLES:
             raise BadInput(where, f"role {self.role!r}", "one of " + ", ".join(ROLES))
+        if self.standing == MISSING:
+            if self.low is not None or self.high is not None:
+                raise BadInput(
+                    where,
+                    "a range that is missing",
+                    "standing and source of the range, or neither low nor high",
+                    "Give standing = one of " + ", ".join(s for s in STANDINGS if s != MISSING) + ".",
+                )
+            return
         if self.low is None and self.high is None:
             raise BadInput(where, "no low and no high", "at least one end of a range")
         if self.low is not None and self.high is not None and self.low > self.high:
@@ -66,6 +80,10 @@ class TableRow:
             raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
         if not self.source.strip():
             raise BadInput(where, "no source", "where the range was read")
+        if self.source.strip().endswith(PLACEHOLDER):
+            raise BadInput(
+                where, f"source {self.source!r}", "where the range was read", f'Or standing = "{MISSING}", without low and high.'
+            )
 
 
 @dataclass(frozen=True)
@@ -77,8 +95,15 @@ class Row:
     error: float = math.nan  # of the macro steps; NaN where it is not known
 
     @property
+    def missing(self) -> bool:
+        """Whether there is no range to judge by."""
+        return self.reference.standing == MISSING
+
+    @property
     def margin(self) -> float:
         """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
+        if self.missing:
+            return math.nan
         low = -math.inf if self.reference.low is None else self.reference.low
         high = math.inf if self.reference.high is None else self.reference.high
         return min(self.measured - low, high - self.measured) if math.isfinite(self.measured) else math.nan
@@ -95,8 +120,8 @@ class Row:
 
     @property
     def answer(self) -> str:
-        """ "yes", "NO" or "undecided": whether the number is inside."""
-        return "undecided" if self.undecided else "yes" if self.inside else "NO"
+        """ "yes", "NO", "undecided" or "not judged": whether the number is inside."""
+        return "not judged" if self.missing else "undecided" if self.undecided else "yes" if self.inside else "NO"
 
     def to_json(self) -> dict[str, Any]:
         """The row of the machine-readable output."""
@@ -112,7 +137,7 @@ class Row:
             "standing": r.standing,
             "confidence": r.confidence or None,
             "source": r.source,
-            "inside": self.inside,
+            "inside": None if self.missing else self.inside,
             "undecided": self.undecided,
             **({"claim": r.claim, "role": r.role} if r.claim else {}),
         }
@@ -242,10 +267,11 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
     for key in row:
         if key not in FIELDS + OPTIONAL:
             raise BadInput(where, f"field {key!r}", "a field of a reference row", nearest(key, FIELDS + OPTIONAL))
+    missing = row.get("standing") == MISSING
     for key in FIELDS:
-        if not isinstance(row.get(key), str):
+        if not isinstance(row.get(key, "" if missing and key == "source" else None), str):
             raise BadInput(where, f"{key} = {row.get(key)!r}", "a text")
-    if row["source"] not in sources:
+    if not missing and row["source"] not in sources:
         raise BadInput(where, f"source {row['source']!r}", "a key of [sources]", nearest(row["source"], sources))
     if "value" in row:
         if "tolerance" not in row or "low" in row or "high" in row:
@@ -262,7 +288,7 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
         low,
         high,
         row["standing"],
-        sources[row["source"]],
+        "" if missing else sources[row["source"]],
         row.get("confidence", ""),
         row.get("claim", ""),
         row.get("role", "supports"),

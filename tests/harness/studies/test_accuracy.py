@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.report.studies.accuracy import for_accuracy
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, with_finer_errors
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun, component_accuracy
@@ -207,6 +208,19 @@ def test_an_accuracy_without_results_has_no_front():
 
 
 @pytest.mark.full
+@pytest.mark.parametrize("own", [0.0, 1e-3])
+@pytest.mark.parametrize("outcome", ["done", "failed"])
+def test_a_page_of_runs_without_any_error_is_written(own, outcome, tmp_path):
+    """Errors of zero have no place on an axis of logarithms, and no limit of one."""
+    points = [Point(OWN, "own", 1e-3, {}, "done", error=own, error_with_finer=own, seconds=1.0, work={"calls": 9})]
+    error = 0.0 if outcome == "done" else math.inf
+    points += [
+        Point("jacobi, held", "coupling", h, {}, outcome, error=error, error_with_finer=error, seconds=1.0) for h in (1e-3, 2e-3)
+    ]
+    text = for_accuracy(Accuracy("a", "a", tuple(points), "by hand", "by hand", {"x, end": 0.0}, "here", "now"), tmp_path)
+    assert "Infinity" not in text.read_text(encoding="utf-8").partition("<main")[2].partition("</main")[0]
+
+
 def test_a_scene_without_connections_is_measured():
     """A degree of extrapolation would have no effect there, and a scene with one is refused."""
     link = {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": 0.5}}

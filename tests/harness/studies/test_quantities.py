@@ -1,11 +1,13 @@
 """Quantities of interest: values and errors against numbers worked out by hand, and what a scene may not ask for."""
 
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.records import KINDS
+from cosimo.orchestrator.harness.studies.accuracy import Point, judged
 from cosimo.orchestrator.harness.studies.quantities import (
     Quantity,
     TimeHistory,
@@ -14,8 +16,10 @@ from cosimo.orchestrator.harness.studies.quantities import (
     quantities_to_judge,
     recording,
 )
+from cosimo.orchestrator.harness.studies.trial import Trial
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.units.interface import Signal
 
 TIME = np.linspace(0.0, 4.0, 801)
 SCENE = {
@@ -128,6 +132,42 @@ def test_a_run_that_ends_early_has_an_infinite_error():
 
 def test_without_a_table_course_and_maximum_of_what_is_recorded():
     assert [q.name for q in quantities_of(read_scene(SCENE))] == ["m.x_out, time history", "m.x_out, maximum"]
+
+
+def _with_flags(names):
+    """What `quantities_of` reads of a scene with a signal, a flag and a count, of which these are recorded."""
+    outputs = {n: Signal(n, "1", kind=kind) for n, kind in (("x", "real"), ("stuck", "boolean"), ("jumps", "integer"))}
+    coupling = SimpleNamespace(signals=[("m", n) for n in names], interfaces={"m": SimpleNamespace(outputs=outputs)})
+
+    def scene(*asked):
+        study, analysis = SimpleNamespace(quantities=asked), SimpleNamespace(transient=0.0)
+        split = {f"m.{n}": ("m", n) for n in outputs}.__getitem__
+        return SimpleNamespace(name="s", coupling=coupling, study=study, analysis=analysis, split=split)
+
+    return scene
+
+
+def test_flags_and_counts_are_quantities_only_where_a_scene_asks():
+    scene = _with_flags(["x", "stuck", "jumps"])
+    assert [q.name for q in quantities_of(scene())] == ["m.x, time history", "m.x, maximum"]
+    asked = quantities_of(scene("m.stuck, mean", "m.jumps, end"))
+    assert [q.name for q in asked] == ["m.stuck, mean", "m.jumps, end"]
+    stuck = TimeHistory(TIME, {"m.stuck": np.where(TIME < 1.0, 1.0, 0.0)})
+    assert asked[0].value(stuck) == pytest.approx(0.25, abs=1e-3)  # the share of the time
+    with pytest.raises(BadInput, match="no recorded signal that is a physical one"):
+        quantities_to_judge(_with_flags(["stuck"])())
+
+
+def test_a_run_without_an_effect_is_compared_in_what_it_has():
+    quantities = [quantity("maximum"), Quantity("m.e.force, end", "m.e.force", "end", 0.0, 0.0, 1.0)]
+    full = TimeHistory(TIME, {"m.x": np.sin(TIME), "m.e.force": np.cos(TIME)})
+    assert list(errors(quantities, history(np.sin(TIME)), full)) == ["m.x, maximum"]
+    point, run = Point("without e", "effect", 1e-3, {}, ""), Trial("done", "", time=TIME, columns={"m.x": np.sin(TIME)})
+    one = judged(point, run, quantities, full, {})
+    assert (one.outcome, one.error) == ("done", 0.0)
+    assert one.reason == "without m.e.force, end, which it does not have"
+    none = judged(point, run, quantities[1:], full, {})
+    assert (none.outcome, none.reason) == ("refused", "has none of the quantities: m.e.force, end")
 
 
 def test_a_scene_names_its_quantities_and_records_what_they_need():

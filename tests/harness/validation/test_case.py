@@ -15,6 +15,7 @@ from cosimo.orchestrator.systems import cases, validate
 
 def row(measured, standing="verbatim", low=0.0, high=10.0):
     confidence = "high" if standing == "recalled" else ""
+    low, high = (None, None) if standing == "missing" else (low, high)
     return Row(TableRow("force", "mean", "250 km/h", "N", low, high, standing, "a public table", confidence), measured)
 
 
@@ -30,6 +31,9 @@ def row(measured, standing="verbatim", low=0.0, high=10.0):
         ([row(5, "recalled")], "recalled"),
         ([row(50, "recalled")], "recalled"),
         ([row(5, "inferred")], "recalled"),
+        ([row(5, "missing")], "undecided"),
+        ([row(5), row(5, "missing")], "undecided"),
+        ([row(50), row(5, "missing")], "failed"),
         ([row(50, "inferred"), row(5)], "failed"),
         ([row(math.nan)], "failed"),
         ([], "failed"),

@@ -7,7 +7,7 @@ picture as a cross with its reason.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite, log10
+from math import inf, isfinite, log10
 from pathlib import Path
 from typing import Any
 
@@ -154,8 +154,8 @@ def _crosses(points: Sequence[Point], x: Sequence[float], y: Sequence[float]) ->
 
 
 def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dict[str, Any]:
-    least = min((p.error for p in measured.points if p.error > 0.0), default=1e-6)
-    low = min(least, measured.smallest_known if isfinite(measured.smallest_known) else least)
+    least = min((p.error for p in measured.points if 0.0 < p.error < inf), default=1e-6)
+    low = min(least, measured.smallest_known) if measured.smallest_known > 0.0 else least
     shapes, notes = [], []
     if measured.smallest_known > 0.5 * low:
         shapes.append(rectangle((low * 0.3, measured.smallest_known), (0, 1), MUTED, 0.1, xref="x", yref="paper"))
@@ -196,7 +196,7 @@ def _against_size(measured: Accuracy) -> list[Block]:
     inside = all(p.axis == "substep" for p in seen)
     what = "internal step, s" if inside else "macro step, s"
     sizes, errors = [p.size for p in seen], [p.error for p in seen if p.error > 0.0]
-    shapes, notes = _triangles(max(sizes), min(errors), ORDERS if inside else ORDERS[:3])
+    shapes, notes = _triangles(max(sizes), min(errors), ORDERS if inside else ORDERS[:3]) if errors else ([], [])
     figure_layout = layout(
         430,
         xaxis=axis(what, grid=True, type="log"),
