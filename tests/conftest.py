@@ -76,12 +76,22 @@ def pytest_collection_modifyitems(config, items):
     elsewhere = [
         item
         for item in items
-        if any(kind not in config.option.markexpr and item.get_closest_marker(kind) for kind in ("benchmark", "campaign"))
+        if (COMPILED and item.get_closest_marker("uncompiled"))
+        or any(kind not in config.option.markexpr and item.get_closest_marker(kind) for kind in ("benchmark", "campaign"))
         or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))
     ]
     config.hook.pytest_deselected(items=elsewhere)
     out = set(elsewhere)
     items[:] = [item for item in items if item not in out]
+
+
+def pytest_terminal_summary(terminalreporter):
+    """What was skipped, counted by its reason: nothing that a test needs is missing silently."""
+    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in terminalreporter.stats.get("skipped", ()))
+    if reasons:
+        terminalreporter.section("skipped, by reason")
+        for reason, count in reasons.most_common():
+            terminalreporter.line(f"{count:5d}  {reason}")
 
 
 def pytest_collection_finish(session):

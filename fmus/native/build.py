@@ -202,7 +202,7 @@ def _linked(name: str, target: str, command: list[str], model: str, codes: Seque
             cwd=folder,
             capture_output=True,
             text=True,
-            env=_environment(),
+            env=compiler_environment(),
         )
         if done.returncode:
             lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["no message"]
@@ -215,7 +215,7 @@ def _linked(name: str, target: str, command: list[str], model: str, codes: Seque
         return Path(folder, result).read_bytes()
 
 
-def _environment() -> dict[str, str]:
+def compiler_environment() -> dict[str, str]:
     """Of a compiler: zig keeps what it has compiled in the cache of cosimo, unless the user has set its own variables."""
     folder = Path(cache_root()) / "zig"
     try:

@@ -4,10 +4,10 @@ A minute of macro steps of 1 ms: passes over the part of the line that the scene
 """
 
 import pytest
-from cosimo.tests.fmus.native.machines import possible
+from cosimo.fmus.native.build import own_target
 from cosimo.tests.fmus.native.railway_pair import run_host
 
-pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(not possible, reason="needs Linux and a C compiler")]
+pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(own_target() != "linux64", reason="the host is a program for Linux")]
 STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
 
 

@@ -26,6 +26,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
+from cosimo.tests.c_compiler import shared_library
 from cosimo.tests.campaigns.mutated_files import peak
 
 STEP = 2.0**-8  # s: its multiples are exact
@@ -215,7 +216,7 @@ def unruly(trouble: int, folder: Path) -> Path:
 
     source, path = Path(foreign_fmu.__file__).with_name("unruly.c"), folder / f"unruly-{trouble}.fmu"
     library = path.with_suffix(".so")
-    subprocess.run(["cc", "-shared", "-fPIC", "-w", f"-DTROUBLE={trouble}", "-o", library, source], check=True)
+    shared_library(library, f"-DTROUBLE={trouble}", source)
     with zipfile.ZipFile(path, "w") as file:
         flags = 'canHandleVariableCommunicationStepSize="true"'
         file.writestr("modelDescription.xml", foreign_fmu.DESCRIPTION.format(flags=flags))

@@ -82,6 +82,7 @@ def test_effects_are_described_and_know_each_other(component):
 
 
 @pytest.mark.parametrize(("component", "preset"), in_plain_python((c, p) for c in CATALOGUE for p in component_class(c).presets))
+@pytest.mark.uncompiled
 def test_presets_start_from_rest(component, preset):
     published = component_class(component).presets[preset].parameters
     made = component_class(component)(preset=preset, parameters={n: v for n, v in SMALL[component].items() if n not in published})

@@ -39,6 +39,7 @@ def without(component: str, effects: tuple[str, ...], steps: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("component", "strength"), in_plain_python(full_but((), CASES)))
+@pytest.mark.uncompiled
 def test_a_vanishing_effect_tends_to_no_effect(component, strength):
     parameters, small = FACTS[component].strengths[strength]
     effect = strength.partition(".")[0]

@@ -64,6 +64,7 @@ def test_one_effect_adds_its_own_and_nothing_else(component, effect):
 
 
 @pytest.mark.parametrize("component", in_plain_python(CATALOGUE))
+@pytest.mark.uncompiled
 def test_off_is_the_component_without_the_declaration_to_the_last_bit(component):
     cls = component_class(component)
     here, bare = cls(parameters=SMALL[component]), stripped(cls, *cls.effects)(parameters=SMALL[component])
@@ -87,6 +88,7 @@ def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
 
 
 @pytest.mark.parametrize("component", in_plain_python(CATALOGUE))
+@pytest.mark.uncompiled
 def test_effects_take_part_once_they_are_on(component):
     """The counterpart of the tests above: they would pass, too, if effects never did anything."""
     cls = component_class(component)

@@ -52,6 +52,7 @@ def calls_of(component) -> tuple[Counter, list[bytes]]:
 
 
 @pytest.mark.parametrize(("component", "effect"), in_plain_python(full_but((), SINGLE)))
+@pytest.mark.uncompiled
 def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(component, effect):
     """All others on, this one off, against the component in which nobody has declared it."""
     cls = component_class(component)
@@ -67,6 +68,7 @@ def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(componen
 
 
 @pytest.mark.parametrize("component", in_plain_python(full_but((), CLASSIC)))
+@pytest.mark.uncompiled
 def test_without_effects_it_is_the_component_without_their_source(component):
     """Kernels from whose source every branch of an effect has been cut out: the same calls, bit-identical."""
     cls = component_class(component)

@@ -19,6 +19,7 @@ FEWEST = 2
 
 
 @pytest.mark.parametrize(("name", "case"), in_plain_python(CASES), ids=lambda v: v if isinstance(v, str) else v.name)
+@pytest.mark.uncompiled
 def test_hard_case(name, case):
     for verdict in verdicts(name, case):
         assert verdict.holds, f"{verdict.claim}: {verdict.reached:.3g} of {verdict.limit:.3g}. {verdict.message}"

@@ -29,6 +29,7 @@ def steps(component: Component, h: float, count: int, states: list[np.ndarray] |
 
 
 @pytest.mark.parametrize(("name", "effects", "parameters", "signal", "value", "text"), in_plain_python(LEFT))
+@pytest.mark.uncompiled
 def test_an_input_that_leaves_the_range_is_named_with_its_value_and_the_range(name, effects, parameters, signal, value, text):
     component = component_class(name)(effects, parameters)
     component.initialize(0.0)
@@ -39,6 +40,7 @@ def test_an_input_that_leaves_the_range_is_named_with_its_value_and_the_range(na
 
 
 @pytest.mark.parametrize("effects", in_plain_python([(), ("housing",), ("radiation",), ("oil_flow", "shaft_heat")]))
+@pytest.mark.uncompiled
 def test_no_temperature_falls_below_zero_kelvin(effects):
     """Heat taken away for ever ends a run; until then every temperature is above zero."""
     component = component_class("BearingTemperatures")(effects)
@@ -53,6 +55,7 @@ def test_no_temperature_falls_below_zero_kelvin(effects):
 @pytest.mark.parametrize(
     ("name", "inputs"), in_plain_python([("ServoMotor", ("voltage",)), ("FrictionDrive", ("first_voltage", "second_voltage"))])
 )
+@pytest.mark.uncompiled
 def test_a_winding_with_inductance_starts_without_current_unless_one_is_given(name, inputs):
     for given, expected in (({}, 0.0), ({"inductance.start_current": 1.5}, 1.5)):
         motor = component_class(name)(("inductance",), given)

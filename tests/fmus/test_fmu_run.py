@@ -36,6 +36,7 @@ def swing(variable):
 
 @pytest.mark.parametrize("wanted", [True, False], ids=["all effects", "none"])
 @pytest.mark.parametrize("name", in_plain_python(full_but((), CATALOGUE)))
+@pytest.mark.uncompiled
 def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     effects = compatible(component_class(name)) if wanted else ()
     # a variant that knows all effects, with few elements
@@ -62,6 +63,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
 
 
 @pytest.mark.parametrize("name", in_plain_python(full_but((), CATALOGUE)))
+@pytest.mark.uncompiled
 def test_what_is_off_reads_its_start_value_and_takes_writes(name):
     component = component_class(name)()
     off = {n: v for n, v in component_class(name).variables.items() if not component.is_active(n)}

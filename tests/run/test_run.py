@@ -235,6 +235,7 @@ def test_missing_column_names_the_near_ones():
         ]
     ),
 )
+@pytest.mark.uncompiled
 def test_shipped_scenes_run_alike_as_fmus_and_in_process(name, least):
     """One a system over 20 macro steps, and scenes that have all components over 50 ms or 100 macro steps."""
     scene = load_scene(name)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import atexit
 import shutil
-import subprocess
-import sys
 import zipfile
 from functools import lru_cache
 from pathlib import Path
 from tempfile import mkdtemp
 
 import fmpy
-import pytest
+from cosimo.tests.c_compiler import shared_library
 
 HERE = Path(__file__).parent
 REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "crash", "mu", "rest")
@@ -114,27 +112,11 @@ def _description3(bare: bool, capabilities: str, u: str) -> str:
 @lru_cache
 def exchange_fmu(bare: bool = False, capabilities: str | None = None, version: int = 2, u: str = "scalar") -> str:
     """Path of the FMU; `bare`: without continuous states; `version`: of FMI; `u`: form of its real input in FMI 3."""
-    if shutil.which("cc") is None or sys.platform != "linux":
-        pytest.skip("needs Linux and a C compiler")
     folder = Path(mkdtemp(prefix="exchange-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     headers = Path(fmpy.__file__).parent / "c-code"
     sources = [HERE / name for name in (("exchange.c",) if version == 2 else ("exchange3.c", "exchange3_absent.c"))]
-    subprocess.run(
-        [
-            "cc",
-            "-shared",
-            "-fPIC",
-            "-O1",
-            "-w",
-            f"-I{headers}",
-            *(["-DBARE"] if bare else []),
-            "-o",
-            folder / "exchange.so",
-            *sources,
-        ],
-        check=True,
-    )
+    shared_library(folder / "exchange.so", "-O1", f"-I{headers}", *(["-DBARE"] if bare else []), *sources)
     if capabilities is None:
         capabilities = CAPABILITIES if version == 2 else CAPABILITIES3
     path = folder / "exchange.fmu"

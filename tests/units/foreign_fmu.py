@@ -1,11 +1,10 @@
 """An FMU of another maker, written in C for these tests."""
 
-import shutil
-import subprocess
 import zipfile
 from pathlib import Path
 
 import pytest
+from cosimo.tests.c_compiler import shared_library
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Foreign" guid="{{1}}">
@@ -29,11 +28,8 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 @pytest.fixture(scope="session")
 def foreign(tmp_path_factory):
     """flags of the model description -> path of the FMU."""
-    if shutil.which("cc") is None:
-        pytest.skip("needs a C compiler")
     folder = tmp_path_factory.mktemp("foreign")
-    library = folder / "foreign.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-w", "-o", library, Path(__file__).with_name("foreign.c")], check=True)
+    library = shared_library(folder / "foreign.so", Path(__file__).with_name("foreign.c"))
 
     def make(flags: str = 'canHandleVariableCommunicationStepSize="true"', platform: str = "linux64") -> str:
         path = folder / f"{abs(hash((flags, platform)))}.fmu"

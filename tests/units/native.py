@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import atexit
 import shutil
-import subprocess
-import sys
 import zipfile
 from functools import lru_cache
 from pathlib import Path
@@ -16,10 +14,10 @@ from tempfile import mkdtemp
 from typing import NamedTuple
 
 import fmpy
-import pytest
 from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.units import describe, open_unit
+from cosimo.tests.c_compiler import shared_library
 
 SOURCES = Path(__file__).with_name("native")
 HEADERS = Path(fmpy.__file__).parent / "c-code"
@@ -202,29 +200,9 @@ def _folder() -> Path:
 @lru_cache
 def _library(model: str, fmi: int) -> Path:
     """The compiled library; the test is skipped where there is no compiler."""
-    compiler = shutil.which("cc")
-    if compiler is None or not sys.platform.startswith("linux"):
-        pytest.skip("needs a C compiler on Linux")
-    path = _folder() / f"{model}{fmi}.so"
-    subprocess.run(
-        [
-            compiler,
-            "-O1",
-            "-shared",
-            "-fPIC",
-            "-w",
-            f'-DMODEL="{model}.h"',
-            f"-I{SOURCES}",
-            f"-I{HEADERS}",
-            "-o",
-            path,
-            SOURCES / f"fmi{fmi}.c",
-            SOURCES / f"absent{fmi}.c",
-            "-lm",
-        ],
-        check=True,
-    )
-    return path
+    sources = [SOURCES / f"fmi{fmi}.c", SOURCES / f"absent{fmi}.c"]
+    flags = ["-O1", f'-DMODEL="{model}.h"', f"-I{SOURCES}", f"-I{HEADERS}"]
+    return shared_library(_folder() / f"{model}{fmi}.so", *flags, *sources, "-lm")
 
 
 @lru_cache

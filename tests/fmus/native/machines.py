@@ -1,18 +1,17 @@
 """C programs for a target, and how they run on this machine: by themselves, Windows' under Wine, ARM's under QEMU."""
 
 import shutil
-import subprocess
 from importlib.util import find_spec
 from pathlib import Path
 
 import fmpy
 import pytest
-from cosimo.fmus.native.build import compiler, own_target
+from cosimo.fmus.native.build import own_target
+from cosimo.tests.c_compiler import compile_c
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 HERE = Path(__file__).parent
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's package libc6-arm64-cross
-possible = own_target() == "linux64" and shutil.which("cc") is not None
 
 
 def _wine() -> list[str]:
@@ -39,8 +38,7 @@ def program(source: str, folder: Path, target: str = "linux64", *more: str) -> l
     own = target == own_target()
     flags = ["-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", *more, "-I", str(HEADERS)]
     libraries = [] if target == "win64" else ["-ldl", "-lm"]
-    command = [*(["cc"] if own else compiler(target)), *flags, str(HERE / source), "-o", str(result), *libraries]
-    subprocess.run(command, check=True)
+    compile_c(result, *flags, HERE / source, *libraries, target=target)
     return [str(result)] if own else [*RUNNERS[target], str(result)]
 
 

@@ -9,18 +9,18 @@ import subprocess
 
 import numpy as np
 import pytest
-from cosimo.fmus.native.build import library
+from cosimo.fmus.native.build import library, own_target
 from cosimo.fmus.native.machine_code import ALLOWED, TARGETS
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene_fmu import scene_library
 from cosimo.orchestrator.systems import load_scene
-from cosimo.tests.fmus.native.machines import HERE, OTHERS, environment, possible, program
+from cosimo.tests.fmus.native.machines import HERE, OTHERS, environment, program
 from cosimo.tests.fmus.native.railway_pair import in_process, run_host
 from cosimo.tests.fmus.native.support import amplitudes, driven, maker
 from cosimo.tests.fmus.native.support import in_process as alone
 from cosimo.tests.fmus.native.web_assembly import EXACT
 
-pytestmark = [pytest.mark.full, pytest.mark.skipif(not possible, reason="needs Linux and a C compiler")]
+pytestmark = [pytest.mark.full, pytest.mark.skipif(own_target() != "linux64", reason="the host is a program for Linux")]
 STEPS = 300
 
 

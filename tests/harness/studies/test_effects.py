@@ -5,14 +5,13 @@ import math
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.full_model import effects_on, full_model, with_effects
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 
-pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/contract/test_plain_python.py runs them")
+pytestmark = pytest.mark.uncompiled
 
 WHOLE = 1.0 + 0.5 + 0.02 + 0.008 + 0.007  # slope of the model with all that goes together
 

@@ -4,10 +4,9 @@ import math
 from itertools import chain, combinations
 
 import pytest
-from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.studies.effects import select
 
-pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/contract/test_plain_python.py runs them")
+pytestmark = pytest.mark.uncompiled
 
 
 def alone(names):

@@ -1,20 +1,15 @@
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.c_compiler import shared_library
 from cosimo.tests.scene.ssp import systems
 
 
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
     """The compiled adder."""
-    if shutil.which("cc") is None:
-        pytest.skip("needs a C compiler")
-    path = tmp_path_factory.mktemp("adder") / "adder.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-w", "-o", path, Path(__file__).with_name("adder.c")], check=True)
-    return path
+    return shared_library(tmp_path_factory.mktemp("adder") / "adder.so", Path(__file__).with_name("adder.c"))
 
 
 @pytest.fixture
