@@ -14,6 +14,7 @@ from ..fmus.versions import distribution
 from .engine.algorithms import Master
 from .engine.coupling import Coupling
 from .scene.scene import Scene
+from .settings.names import connection
 from .units import Simulator
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
@@ -87,9 +88,9 @@ class CompileTime:
 def scene_info(scene: Scene) -> dict[str, Any]:
     """All settings of a scene, as run.json has them."""
     settings = scene.model_dump(mode="json")
-    named = [
-        a for c in settings["connections"] for a in (scene.arrows_of(c) if isinstance(c, str) else [c])
-    ]  # what ports stood for
+    named: list[Any] = []  # what ports stood for
+    for given, table in zip(scene.connections, settings["connections"], strict=True):
+        named += [connection(*ends, scene.units) for ends in scene.ends_of(given)] if isinstance(given, str) else [table]
     return {"name": scene.name, **settings, "connections": named}
 
 

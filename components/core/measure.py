@@ -105,18 +105,18 @@ def parse(text: str, where: str = "unit") -> Unit:
 
 
 def conversion(
-    source: str, target: str, where: str = "unit", defined: tuple[Unit | None, Unit | None] = (None, None)
+    source: str, target: str, where: str = "unit", defined: tuple[Unit | None, Unit | None] = (None, None), relative: bool = False
 ) -> tuple[float, float]:
     """(factor, offset) with target value = factor * source value + offset; raises `BadInput` if they do not fit.
 
-    `defined`: what the two strings mean where they have a meaning of their own.
+    `defined`: what the two strings mean where they have a meaning of their own. `relative`: of differences, which have no offset.
     """
     if source == target and None in defined:
         return 1.0, 0.0
     a, b = (own or parse(text, where) for own, text in zip(defined, (source, target), strict=True))
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source!r} cannot become {target!r}", "units of the same quantity")
-    return a.factor / b.factor, (a.offset - b.offset) / b.factor
+    return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor
 
 
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d.,+*/-].*?)\s*")
@@ -128,10 +128,11 @@ def is_quantity(text: object) -> bool:
     return isinstance(text, str) and _WRITTEN.fullmatch(text) is not None
 
 
-def number_in(text: str, unit: str, where: str, defined: Unit | None = None) -> float:
-    """The number of a text such as "250 km/h" in a unit; raises `BadInput` for another dimension. defined: as of `conversion`.
+def number_in(text: str, unit: str, where: str, defined: Unit | None = None, relative: bool = False) -> float:
+    """The number of a text such as "250 km/h" in a unit; raises `BadInput` for another dimension. defined, relative: as of
+    `conversion`.
 
-    "20 degC" is refused: where K is wanted, a temperature and a difference of temperatures are different numbers.
+    "20 degC" is refused where K is wanted, unless a difference is: a temperature and a difference of temperatures are different numbers.
     """
     match = _WRITTEN.fullmatch(text)
     if match is None:
@@ -140,7 +141,7 @@ def number_in(text: str, unit: str, where: str, defined: Unit | None = None) -> 
     for sign, plain in _SIGNS.items():
         written = written.replace(sign, plain)
     try:
-        factor, offset = conversion(written, unit, where, (None, defined))
+        factor, offset = conversion(written, unit, where, (None, defined), relative)
     except BadInput as error:
         if error.actual == f"unit {written!r}":
             raise BadInput(where, repr(text), error.expected, error.remedy) from None

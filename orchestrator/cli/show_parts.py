@@ -162,7 +162,7 @@ def fmu_variables(path: str) -> list[dict[str, Any]]:
             "name": name,
             "is": scalar.variable.causality,
             "type": scalar.variable.type,
-            "unit": scalar.variable.unit or "",
+            "unit": scalar.unit,
             "start": scalar.start,
             "text": scalar.variable.description or "",
         }
@@ -212,6 +212,7 @@ def of_scene(
         **(_of_fmu(scene) if name.endswith(".fmu") else {}),
         "connections": [
             {"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
+            | ({"map": dict(link.map)} if link.map else {})
             for link in scene.coupling.links
         ],
         "texts": [{"from": ".".join(link.source), "to": ".".join(link.target)} for link in scene.coupling.texts],

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 from math import inf, isinf
 from typing import Any, NamedTuple
 
-from ..engine.coupling import Coupling
+from ..engine.coupling import Coupling, Link
 from ..engine.coupling.graph import Loop
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
@@ -52,10 +52,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
         yield (
             "connections",
             ("from", "to", "times", "plus"),
-            [
-                (".".join(link.source), ".".join(link.target), _number(link.factor, 1.0), _number(link.offset, 0.0))
-                for link in links
-            ],
+            [(".".join(link.source), ".".join(link.target), *_conversion(link)) for link in links],
         )
     if scene.faults:
         yield (
@@ -129,6 +126,13 @@ def _remarks(name: str, scene: Scene) -> str:
         unit.solver or "",
     ]
     return ", ".join(filter(None, messages))
+
+
+def _conversion(link: Link) -> tuple[str, str]:
+    """(times, plus) of a link, or the entries of its map."""
+    if link.map:
+        return ", ".join(f"{value:g}: {becomes:g}" for value, becomes in link.map), ""
+    return _number(link.factor, 1.0), _number(link.offset, 0.0)
 
 
 def _number(value: float, usual: float) -> str:

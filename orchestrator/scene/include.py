@@ -10,10 +10,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from ...components.core.errors import BadInput, nearest
-from ..engine.coupling.ports import JOINED
 from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
+from ..settings.names import TABLE_FORM, prefixed, split_name
 from .files import read_file, read_text, scene_path
 from .modules import find_beside
 
@@ -44,7 +44,7 @@ def expanded(
         if isinstance(unit, Mapping) and "scene" in unit:
             part, messages = _part(entry, unit, name, folder, above, files)
             entries = {f"{entry}.{n}": u for n, u in part["units"].items()}
-            added["connections"] += (_prefixed(c, entry) for c in part.get("connections", ()))
+            added["connections"] += (_prefixed(c, entry, part["units"], name) for c in part.get("connections", ()))
             added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
             remarks += messages
         if twice := entries.keys() & units.keys():
@@ -83,23 +83,20 @@ def _part(
         if "parameters" in data["units"][n]:  # with their lists, whose shapes are checked where the FMU's are known
             inside["parameters"] = dict(data["units"][n]["parameters"])
     for parameter, value in settings.parameters.items():
-        inner = max((n for n in part["units"] if parameter.startswith(n + ".")), key=len, default=None)
-        if inner is None:
-            raise BadInput(
-                f"{where}.parameters",
-                f"unit {parameter.partition('.')[0]!r}",
-                f"a unit of {path.name}",
-                nearest(parameter.partition(".")[0], part["units"]),
-            )
-        part["units"][inner].setdefault("parameters", {})[parameter.removeprefix(inner + ".")] = value
+        inner, variable = split_name(parameter, part["units"])
+        if inner not in part["units"]:
+            raise BadInput(f"{where}.parameters", f"unit {inner!r}", f"a unit of {path.name}", nearest(inner, part["units"]))
+        part["units"][inner].setdefault("parameters", {})[variable] = value
     return part, (*remarks, *more)
 
 
-def _prefixed(connection: Any, entry: str) -> Any:
+def _prefixed(connection: Any, entry: str, units: Mapping[str, Any], name: str) -> Any:
     """A connection of a subsystem as the scene around it names its ends."""
     if isinstance(connection, str):
-        arrow = JOINED if JOINED in connection else "->"
-        return f" {arrow} ".join(f"{entry}.{end.strip()}" for end in connection.split(arrow))
+        texts = prefixed(connection, entry, units)
+        if len(texts) > 1:
+            raise BadInput(f"{name}: units.{entry}", f"connection {connection!r}", "one that can be read in one way", TABLE_FORM)
+        return texts[0] if texts else f"{entry}.{connection}"
     return connection | {end: f"{entry}.{connection[end]}" for end in ("source", "target")}
 
 

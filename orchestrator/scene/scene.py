@@ -17,11 +17,11 @@ from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import port_of
 from ..engine.coupling import Coupling, expanded_connection, resolve_coupling
-from ..engine.coupling.ports import JOINED
 from ..loading import loading
 from ..output import ensure_directory
-from ..settings import AnalysisKeys, MasterSettings, SceneSettings
+from ..settings import AnalysisKeys, ConnectionSettings, MasterSettings, SceneSettings
 from ..settings.messages import one_message
+from ..settings.names import ARROW, readings, split_name
 from ..settings.study import wanted
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
@@ -69,14 +69,22 @@ class Scene(SceneSettings):
     @property
     def arrows(self) -> tuple[str, ...]:
         """Every connection as "unit.output -> unit.input", joined ports by their members."""
-        return tuple(arrow for text in super().arrows for arrow in self.arrows_of(text))
+        return tuple(f"{source} -> {target}" for source, target in self.ends)
 
-    def arrows_of(self, text: str) -> list[str]:
-        """All that one connection stands for."""
-        if JOINED not in text:
-            return [text]
-        pairs = expanded_connection(text, self.coupling.interfaces)
-        return [f"{'.'.join(source)} -> {'.'.join(target)}" for source, target in pairs]
+    @property
+    def ends(self) -> tuple[tuple[str, str], ...]:
+        """("unit.output", "unit.input") of every connection, joined ports by their members."""
+        return tuple(pair for connection in self.connections for pair in self.ends_of(connection))
+
+    def ends_of(self, connection: str | ConnectionSettings) -> list[tuple[str, str]]:
+        """Of all that one connection stands for; * stays as it is."""
+        if not isinstance(connection, str):
+            return [(connection.source, connection.target)]
+        known = readings(connection, [*self.units, *(contact.name for contact in self.contacts)])
+        if len(known) == 1 and known[0].arrow == ARROW:  # asks no unit: the files of a result may be gone
+            return [(known[0].source, known[0].target)]
+        pairs = expanded_connection(connection, self.coupling.interfaces)
+        return [(".".join(source), ".".join(target)) for source, target in pairs]
 
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""
@@ -164,9 +172,8 @@ class Scene(SceneSettings):
         return ["units", unit, *within.split(".", 1)]
 
     def split(self, name: str) -> tuple[str, str]:
-        """("unit", "rest") of "unit.rest": the longest name of a unit, which may hold dots, or else what the first dot ends."""
-        unit = max((u for u in self.units if name.startswith(u + ".")), key=len, default=name.partition(".")[0])
-        return unit, name[len(unit) + 1 :]
+        """("unit", "rest") of "unit.rest", see `settings.names`."""
+        return split_name(name, self.units)
 
 
 def load_scene(name_or_path: str | Path, analysis: Models | None = None) -> Scene:

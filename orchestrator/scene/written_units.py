@@ -8,6 +8,7 @@ from typing import Any
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from ...components.core.measure import is_quantity, number_in
+from ..settings.names import split_name
 from ..units.fmu import declared_signals
 
 TIMES = ("stop_time", "master.step", "record.interval")  # settings that may vary and are times
@@ -51,11 +52,11 @@ def _in_axis(name: str, value: Any, units: Mapping[str, Any], where: str) -> Any
     if not is_quantity(value):
         return value
     plain = name.removeprefix("units.")
-    unit = max((u for u in units if plain.startswith(f"{u}.")), key=len, default="")
-    if not unit:
+    unit, rest = split_name(plain, units)
+    if unit not in units or not rest:
         return number_in(value, "s", f"{where}: {name}") if name in TIMES else value
     convert = _convert(units[unit], f"{where}: {unit}")
-    return value if convert is None else convert(plain.removeprefix(f"{unit}.").removeprefix("parameters."), value)
+    return value if convert is None else convert(rest.removeprefix("parameters."), value)
 
 
 def _unit(unit: Any, where: str) -> Any:
@@ -111,6 +112,6 @@ def _of_fmu(path: str, where: str) -> Convert:
         place = f"{where}.parameters.{name}"
         if not signal.unit:
             raise BadInput(place, repr(text), "a number alone, as the FMU does not say in which unit it is")
-        return number_in(text, signal.unit, place, signal.measure)
+        return number_in(text, signal.unit, place, signal.measure, signal.relative)
 
     return convert

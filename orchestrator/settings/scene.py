@@ -10,13 +10,13 @@ from ...components.core.errors import BadInput
 from .analysis import AnalysisKeys
 from .explore import ExploreSettings
 from .master import MasterSettings
-from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth
+from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth, Whole
 from .plan import RunLimits
 from .study import RUNNING_KINDS, StudySettings
 from .units import OrSubsystem, UnitSettings
 
 MOST_STEPS = 1e12  # of a run
-Endpoint = Annotated[str, Field(pattern=r"\S\.\S")]
+Endpoint = Annotated[str, Field(pattern=r"\S\..")]
 ShownName = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]  # without a dot, which all other names of a scene's FMU have
 
 
@@ -122,18 +122,37 @@ class ContactSettings(Model):
 
 
 class ConnectionSettings(Model):
-    """A connection that needs more than its two ends: input = factor * output + offset, in the input's unit of measure."""
+    """A connection that needs more than its two ends: input = factor * output + offset, in the input's unit of measure.
 
-    source: str = Field(description="unit.output")
-    target: str = Field(description="unit.input")
+    The names of the ends are taken as they are written, whatever is in them. Between units of measure that nothing converts,
+    because nobody defines them or because they are of different quantities, factor and offset are the whole of the conversion.
+    """
+
+    source: str = Field(pattern=r"\S\..", description="unit.output")
+    target: str = Field(pattern=r"\S\..", description="unit.input")
     factor: Number = Field(default=1.0, description="times what the units of measure need")
     offset: Number = Field(default=0.0, description="in the input's unit of measure")
     convert_units: Truth = Field(default=True, description="false: the numbers are handed over whatever the units of measure say")
+    map: Annotated[dict[str, bool | Whole | str], Field(min_length=1)] | None = Field(
+        default=None,
+        description="value of the output -> value of the input, of truth values, whole numbers or members of an enumeration",
+    )
 
     @property
     def text(self) -> str:
         """The connection as a plain one is written."""
         return f"{self.source} -> {self.target}"
+
+    @property
+    def scales(self) -> bool:
+        """Whether a factor or an offset is given, be they 1 and 0."""
+        return bool(self.model_fields_set & {"factor", "offset"})
+
+    @model_validator(mode="after")
+    def _one_conversion(self) -> ConnectionSettings:
+        if self.map is not None and (self.factor, self.offset) != (1.0, 0.0):
+            raise BadInput("map", "a map beside factor or offset", "one of them")
+        return self
 
 
 class RecordSettings(Model):
@@ -219,11 +238,6 @@ class SceneSettings(Model):
     def remarks(self) -> tuple[str, ...]:
         """What in the scene's file has no effect: parameters that fit nothing, a step that had to be chosen ..."""
         return self._remarks
-
-    @property
-    def arrows(self) -> tuple[str, ...]:
-        """Every connection as "unit.output -> unit.input"."""
-        return tuple(c if isinstance(c, str) else c.text for c in self.connections)
 
     @field_serializer("analysis")
     def _as_given(self, analysis: AnalysisKeys) -> dict[str, Any]:

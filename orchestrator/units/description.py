@@ -28,6 +28,7 @@ if TYPE_CHECKING:  # a run without FMUs loads no FMPy
 
 DESCRIPTION = "modelDescription.xml"
 OWN_TOOL = "cosimo "  # what FMUs of our making say of their tool, before the version
+FAULTY = "The FMU's model description is faulty."
 KINDS: dict[str, Kind] = {
     "Real": "real",
     "Boolean": "boolean",
@@ -60,6 +61,18 @@ class Scalar:
         """Typical size of its values, positive: its own, of its declared type, or 1."""
         declared = self.variable.declaredType
         return abs(float(self.variable.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
+
+    @property
+    def unit(self) -> str:
+        """Its unit of measure, its own or of its declared type; "": none is given."""
+        declared = self.variable.declaredType
+        return self.variable.unit or (declared.unit if declared else None) or ""
+
+    @property
+    def relative(self) -> bool:
+        """Whether it is a difference, by its own attribute or by its declared type."""
+        declared, own = self.variable.declaredType, self.variable.relativeQuantity
+        return bool(own if own is not None else declared and declared.relativeQuantity)
 
     @property
     def discrete(self) -> bool:
@@ -169,7 +182,9 @@ def _read(path: str, _changed: int, where: str) -> Description:
                 f"{path} with the clock {v.name!r}, which its importer has to tick",
                 "an FMU without such clocks; it would stand still",
             )
+    _complete(model, root)
     _check_numbers(model, where)
+    _check_names(model, where)
     derives = {
         i.tag
         for i in root
@@ -226,10 +241,7 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
     for v in model.modelVariables:
         if not 0 <= int(v.valueReference) <= MOST_REFERENCE:
             raise BadInput(
-                where,
-                f"valueReference {v.valueReference} of {v.name!r}",
-                f"a whole number from 0 to {MOST_REFERENCE}",
-                "The FMU's model description is faulty.",
+                where, f"valueReference {v.valueReference} of {v.name!r}", f"a whole number from 0 to {MOST_REFERENCE}", FAULTY
             )
     for owner in (*model.modelVariables, *model.typeDefinitions):
         read_one = READERS.get(owner.type, int)
@@ -240,11 +252,31 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
                     (float if attribute == "nominal" else read_one)(word)
             except ValueError:
                 raise BadInput(
-                    where,
-                    f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}",
-                    f"a value of type {owner.type}",
-                    "The FMU's model description is faulty.",
+                    where, f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}", f"a value of type {owner.type}", FAULTY
                 ) from None
+
+
+def _complete(model: ModelDescription, root: Any) -> None:
+    """Attributes of variables that FMPy passes by: `relativeQuantity`, and the range of whole numbers without sign."""
+    rows = [row for row in root.find("ModelVariables") if row.get("name") is not None]
+    for variable, row in zip(model.modelVariables, rows, strict=False):
+        value = row if model.fmiMajorVersion == 3 else next((i for i in row if i.tag == variable.type), row)
+        given = value.get("relativeQuantity")
+        variable.relativeQuantity = None if given is None else is_true(given)
+        variable.min, variable.max = value.get("min"), value.get("max")
+    for alias in model.modelVariables[len(rows) :]:
+        alias.relativeQuantity, alias.min, alias.max = alias.alias.relativeQuantity, alias.alias.min, alias.alias.max
+
+
+def _check_names(model: ModelDescription, where: str) -> None:
+    """Every name stands for one variable or element: `BadInput` with both where it stands for two."""
+    known: dict[str, ModelVariable] = {}
+    for variable in model.modelVariables:
+        first = known.setdefault(variable.name, variable)
+        if first is not variable:
+            lines = f"lines {first.sourceline} and {variable.sourceline}"
+            what = f"({first.causality} {first.valueReference} and {variable.causality} {variable.valueReference}; {lines})"
+            raise BadInput(where, f"two variables {variable.name!r} {what}", "names that are unique", FAULTY)
 
 
 def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
@@ -273,7 +305,13 @@ def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[s
         _check_sizes(total := total + size, f"variable {v.name!r}")
         starts = _starts(v, size, texts.get(v.name) or [])
         names = [f"{v.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in shape))] if shape else [v.name]
-        scalars.update((n, Scalar(n, v, k, size, starts[k])) for k, n in enumerate(names))
+        for k, n in enumerate(names):
+            if n in scalars:  # an element of an array and a scalar of the same name
+                first = scalars[n].variable
+                raise BadInput(
+                    f"variable {v.name!r}", f"{n!r}, which {first.name!r} is or has, too", "names that are unique", FAULTY
+                )
+            scalars[n] = Scalar(n, v, k, size, starts[k])
     return scalars
 
 
@@ -296,10 +334,14 @@ READERS: dict[str, Callable[[str], Any]] = {"Boolean": is_true, "Real": float, "
 
 
 def is_companion(name: str, scalars: Mapping[str, Scalar]) -> bool:
-    """Whether a variable is "der(x)" or "der(x,2)" of another one."""
-    return name.startswith("der(") and name[4:-1].removesuffix(",2") in scalars
+    """Whether a variable is one of the inputs "der(x)" and "der(x,2)" that carry the derivatives of an input x.
+
+    A lone "der(x)" is a variable as any other: Modelica calls them so.
+    """
+    base = name[4:-1].removesuffix(",2") if name.startswith("der(") else ""
+    return all(n in scalars and scalars[n].variable.causality == "input" for n in (base, f"der({base})", f"der({base},2)"))
 
 
 def has_companions(scalars: Mapping[str, Scalar], inputs: Sequence[str]) -> bool:
     """Whether all inputs have companions "der(x)" and "der(x,2)" that carry their derivatives."""
-    return bool(inputs) and all(f"der({n})" in scalars and f"der({n},2)" in scalars for n in inputs)
+    return bool(inputs) and all(is_companion(f"der({n})", scalars) for n in inputs)

@@ -11,7 +11,7 @@ from ...components.core.measure import Unit as Measure
 from ...fmus.description import MOVING
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
 from .interface import Interface, Signal
-from .values import checked_values
+from .values import checked_values, members
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelDescription, ModelVariable
@@ -122,11 +122,12 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
 
 
 def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
-    v, declared, kind = s.variable, s.variable.declaredType, s.kind
-    unit = v.unit or (declared.unit if declared else None) or ""
+    declared, kind, unit = s.variable.declaredType, s.kind, s.unit
     start = (s.start or "") if kind in ("string", "binary") else float(s.start or 0)
     moving = declared is not None and declared.name == MOVING
-    return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, moving, measures.get(unit))
+    return Signal(
+        s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, moving, s.relative, members(s), measures.get(unit)
+    )
 
 
 def _depends(

@@ -156,6 +156,7 @@ class Others:
                     self._name,
                     t,
                     f"input {self._names[row]} cannot be {value:.9g}: it holds whole numbers from {type_.low} to {type_.high}",
+                    "" if value == value else "Where its connection has a map, give it an entry for every value.",
                 )
             return int(value)
         if type_.suffix == "Binary":

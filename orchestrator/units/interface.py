@@ -38,6 +38,8 @@ class Signal:
     kind: Kind = "real"
     discrete: bool = False  # changes at instants only: held over a step, never extrapolated; all kinds but real are
     moving: bool = False  # of an input: a place that moves on, extrapolated linearly at least
+    relative: bool = False  # a difference: of two temperatures, say; an offset between units of measure is none of it
+    members: Mapping[str, int] = field(default_factory=dict)  # of an enumeration, by name
     measure: Measure | None = None  # what `unit` means where the model defines it; None: what it means to everybody
 
     @property

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import loading
-from cosimo.orchestrator.engine.coupling.resolve import _transformation
+from cosimo.orchestrator.engine.coupling.connections import _transformation
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.ssp.units_of_measure import Measure, named
 from cosimo.orchestrator.systems import load_scene, read_scene

@@ -43,11 +43,20 @@ LAST = 1.0 - 1e-12  # of the end of a run: rounding of sums of steps
 
 
 @kernel
+def _mapped(link, signals, v):
+    """What becomes of a value by the map of a link; not a number where the map has no entry for it."""
+    for k in range(link.first_pair, link.first_pair + 2 * link.pairs, 2):
+        if signals[k] == v:
+            return signals[k + 1]
+    return np.nan
+
+
+@kernel
 def _given(link, signals):
     """What a link hands over at this instant."""
     v = signals[link.source]
     if link.converted != 0:
-        v = link.factor * v + link.offset
+        v = link.factor * v + link.offset if link.pairs == 0 else _mapped(link, signals, v)
     if link.fault != UNALTERED:
         v = v + link.alteration if link.fault == SHIFTED else link.alteration
     return v

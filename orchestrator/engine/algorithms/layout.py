@@ -49,7 +49,8 @@ def lay_out(
     """The records of nodes, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
-    of signals, and the one that gives its outputs between its steps. n_extrapolated: of each node, how many of its links are
+    of signals, and the one that gives its outputs between its steps. Maps of values stand behind
+    all of these cells. n_extrapolated: of each node, how many of its links are
     extrapolated; these come first. bonded: links whose polynomials are noted; end: s, of the run;
     groups, faults: as of `Records`.
     """
@@ -61,6 +62,8 @@ def lay_out(
     first_links = [0, *accumulate(n for n, _ in parts)]
     first_pasts = [0, *accumulate(len(samples) for _, samples in parts)]
     places = {id(node): k for k, node in enumerate(nodes)}
+    mapped = [(first_links[k] + i, link.map) for k, node in enumerate(nodes) for i, link in enumerate(node.links) if link.map]
+    pairs = [number for _, pairs in mapped for pair in pairs for number in pair]
     bonds = [first_links[places[id(node)]] + node.links.index(link) for node, link in bonded]
     records = Records(
         len(parts),
@@ -70,7 +73,7 @@ def lay_out(
         program.order,
         weights,
         bonds,
-        table + sum(len(node.links) for node in rated),
+        table + sum(len(node.links) for node in rated) + len(pairs),
         first_links[len(nodes)],
         groups,
         faults,
@@ -109,6 +112,10 @@ def lay_out(
         links["source"][first_links[own] : first_links[own + 1]] = np.arange(cells, cells + len(node.links))
         links["source"][first_links[own + 1] : first_links[own + 2]] = np.arange(node.place.start, node.place.stop)
         cells += len(node.links)
+    records.memory.signals[cells:] = pairs
+    for row, of in mapped:
+        links["first_pair"][row], links["pairs"][row] = cells, len(of)
+        cells += 2 * len(of)
     for k, node in enumerate(nodes):
         node.bind(records, k)
     return records

@@ -371,8 +371,11 @@ class Master:
         signals, inputs = self.signals, self.coupling.interfaces
         for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
             for link, k in zip(node.links, node.sources, strict=True):
+                start = float(inputs[link.target[0]].inputs[link.target[1]].start) if link.factor or link.map else 0.0
                 if link.factor:
-                    signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
+                    signals[k] = (start - link.offset) / link.factor
+                elif link.map:
+                    signals[k] = next((value for value, becomes in link.map if becomes == start), link.map[0][0])
 
     def rows(self, name: str) -> tuple[int, int]:
         """Rows of the program by their name: the first one, and the one behind the last."""

@@ -71,9 +71,11 @@ LINK, LINK_STATE = _record("""
     set_on_change    i  whether an FMU is handed it only when it changes
     source           i  in the table of signals
     past             i  its samples
-    converted        i  whether it has another factor than 1, or an offset
+    converted        i  whether it has another factor than 1, an offset, or a map
     factor           f  of the connection
     offset           f  of the connection
+    first_pair       i  of its map of values, in the table of signals: a value, and what becomes of it
+    pairs            i  how many; 0: no map
     direct           i  whether an output follows it within an instant
     change           f  unless it has moved by no more than this part
     held             i  `CHANGES`, ...

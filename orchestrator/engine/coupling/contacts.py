@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from ....components.core.errors import BadInput
 from ...settings import ConnectionSettings, ContactSettings, SceneSettings
+from ...settings.names import split_name
 from ...units import Interface
 from ...units.interface import Signal
 
@@ -104,5 +105,5 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
 
 
 def _unit(end: str, interfaces: Mapping[str, Interface]) -> str:
-    """The unit of "unit.variable"; the longest name that fits."""
-    return max((name for name in interfaces if end.startswith(name + ".")), key=len, default="")
+    """The unit of "unit.variable"."""
+    return split_name(end, interfaces)[0]

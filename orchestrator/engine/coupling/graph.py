@@ -14,12 +14,13 @@ Endpoint = tuple[str, str]  # unit, variable
 
 @dataclass(frozen=True)
 class Link:
-    """One connection: target = factor * source + offset."""
+    """One connection: target = factor * source + offset, or by a map of values; such a target follows no change, so its factor is 0."""
 
     source: Endpoint
     target: Endpoint
     factor: float
     offset: float
+    map: tuple[tuple[float, float], ...] = ()  # (source, target)
 
 
 def is_discrete(signal: Signal) -> bool:

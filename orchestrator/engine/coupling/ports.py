@@ -17,7 +17,6 @@ from ...units import Interface
 from ...units.terminals import Terminal, at_hand
 from .graph import Endpoint
 
-JOINED = "<->"
 RULES = ("bus", "plug", "sequence")  # of terminals: members of one name; all of them by their names; all in their order
 JOINABLE = {("signal", "signal"), ("outflow", "inflow"), ("inflow", "outflow")}  # kinds of two members
 REMEDY = "Name the variables instead."

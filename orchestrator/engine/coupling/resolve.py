@@ -10,22 +10,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ....components.core.errors import BadInput, nearest
-from ....components.core.measure import conversion
-from ...settings import ConnectionSettings, SceneSettings
+from ....components.core.errors import BadInput
+from ...settings import SceneSettings
 from ...settings.algorithms import ALGORITHMS
 from ...settings.study import RUNNING_KINDS, wanted
 from ...units import Interface, describe
-from ...units.interface import Signal
+from .arrays import elements
 from .bonds import Bond, bond
 from .checks import check_stepping, targets
-from .contacts import check_contacts, connections, describe_contact
+from .connections import endpoint, links_of, no_variable
+from .contacts import check_contacts, describe_contact
 from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discrete, smooth
-from .ports import JOINED, port_pairs
 
 LONGEST_RECORDED = 100  # elements of an array that are recorded without being named
 SHOWN = 8  # names in a message
 SHOWN_CHARACTERS = 100  # of a unit of measure
+FACTOR = "Or give the factor, and an offset, yourself: { source = ..., target = ..., factor = ... }."
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
         check_contacts(scene, interfaces)
         interfaces |= {contact.name: describe_contact(contact) for contact in scene.contacts}
-        connected = _links(scene, interfaces)
+        connected = links_of(scene, interfaces)
         texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in connected if link not in texts)
         interfaces = _with_recorded(scene, interfaces)  # behind the connections: only outputs can be connected
@@ -80,7 +80,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
             undriven=_undriven(interfaces, connected),
             signals=tuple(end for end in recorded if end not in spoken),
             recorded_texts=spoken,
-            snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
+            snapshots={endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
             feedthrough_schedule=feedthrough_schedule(interfaces, links),
             groups=groups(interfaces, connected),
             rates={name: unit.every for name, unit in scene.units.items() if unit.every > 1},
@@ -95,157 +95,23 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         raise BadInput(f"{scene.name}: {error.where}", error.actual, error.expected, error.remedy) from None
 
 
-def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
-    """Unit and variable of "unit.variable"; names of units may hold dots themselves, the longest that fits is meant."""
-    parts = text.split(".")
-    for k in range(len(parts) - 1, 0, -1):
-        if (unit := ".".join(parts[:k])) in interfaces:
-            return unit, ".".join(parts[k:])
-    if len(parts) == 1:
-        raise BadInput(where, repr(text), '"unit.variable"')
-    raise BadInput(where, f"unit {parts[0]!r}", "a unit of the scene", nearest(parts[0], interfaces))
-
-
-def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
-    links: dict[Endpoint, Link] = {}
-    named = [(f"connection {c if isinstance(c, str) else c.text!r}", c) for c in scene.connections]
-    named += [item for contact in scene.contacts for item in connections(contact).items()]
-    for where, connection in named:
-        text = connection if isinstance(connection, str) else connection.text
-        for source, target in _pairs(text, where, interfaces):
-            outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
-            if source[1] not in outputs:
-                raise _no_variable(where, source, "output", interfaces)
-            if target[1] not in inputs:
-                raise _no_variable(where, target, "input", interfaces)
-            if target in links:
-                raise BadInput(
-                    where,
-                    f"input {'.'.join(target)} driven a second time",
-                    f"one source; {'.'.join(links[target].source)} drives it already",
-                )
-            if target[1] in interfaces[target[0]].set_inputs:
-                raise BadInput(
-                    f"units.{target[0]}.parameters",
-                    f"a value of input {target[1]!r}",
-                    "none; the connection drives it and the value would have no effect",
-                    "Remove one of them.",
-                )
-            links[target] = Link(source, target, *_transformation(connection, outputs[source[1]], inputs[target[1]], where))
-    return tuple(links.values())
-
-
-def _transformation(connection: str | ConnectionSettings, source: Signal, target: Signal, where: str) -> tuple[float, float]:
-    """(factor, offset) from the output's number to the input's; raises `BadInput` for kinds or units that do not fit."""
-    own = connection if isinstance(connection, ConnectionSettings) else None
-    if source.kind != target.kind and (source.kind, target.kind) not in WIDENING:
-        raise BadInput(
-            where,
-            f"a {source.kind} output for {_article(target.kind)} input",
-            "the same kind at both ends",
-            "Only whole numbers become real ones by themselves.",
-        )
-    if own is not None and (own.factor, own.offset) != (1.0, 0.0) and target.kind not in ("real", "integer"):
-        raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
-    factor, offset = 1.0, 0.0
-    if source.unit and target.unit and (own is None or own.convert_units):
-        try:
-            factor, offset = conversion(source.unit, target.unit, where, (source.measure, target.measure))
-        except BadInput:
-            raise
-        except (ArithmeticError, ValueError) as error:  # a power beyond the range of numbers
-            raise BadInput(
-                where,
-                f"units {source.unit[:SHOWN_CHARACTERS]!r} and {target.unit[:SHOWN_CHARACTERS]!r} ({type(error).__name__})",
-                "units of measure whose factors are numbers",
-            ) from None
-    if target.kind != "real" and (factor, offset) != (1.0, 0.0):
-        raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
-    return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)
-
-
-WIDENING = {("integer", "real"), ("boolean", "integer"), ("enumeration", "integer"), ("integer", "enumeration")}
-
-
-def _article(kind: str) -> str:
-    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
-
-
-def expanded_connection(text: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
-    """(source, target) of all that one connection of a scene stands for."""
-    return _pairs(text, f"connection {text!r}", interfaces)
-
-
-def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
-    """(source, target) of one connection, of joined ports, or with * at both ends of all that agree in what stands for it."""
-    joined = JOINED in text
-    ends = [end.strip() for end in text.split(JOINED if joined else "->")]
-    stars = [end.count("*") for end in ends]
-    if (
-        len(ends) != 2
-        or not all("." in e and " " not in e for e in ends)
-        or stars not in ([0, 0], [1, 1])
-        or (stars[0] and (joined or not all(e.endswith("*") for e in ends)))
-    ):
-        raise BadInput(
-            "connections",
-            repr(text),
-            '"unit.output -> unit.input", "unit.port <-> unit.port", or "unit.* -> unit.*" for all of the same name',
-        )
-    source, target = (_endpoint(end, where, interfaces) for end in ends)
-    if source[0] == target[0]:
-        raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
-    if joined:
-        return port_pairs((source, target), where, interfaces)
-    if not stars[0]:
-        return [(source, target)]
-    before, after = source[1][:-1], target[1][:-1]
-    rests = [n.removeprefix(before) for n in interfaces[source[0]].outputs if n.startswith(before)]
-    pairs = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
-    if not pairs:
-        inputs = [n for n in interfaces[target[0]].inputs if n.startswith(after)]
-        raise BadInput(
-            where,
-            f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
-            "at least one name on both sides",
-            "Switch on the effect that has them, or name the variables.",
-        )
-    return pairs
-
-
-def _no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str, Interface]) -> BadInput:
-    unit, name = end
-    interface = interfaces[unit]
-    here, there = (interface.outputs, interface.inputs) if wished == "output" else (interface.inputs, interface.outputs)
-    effect = name.partition(".")[0]
-    if name in interface.refused:
-        return BadInput(where, f"{'.'.join(end)}, {_article(interface.refused[name])}", "a number, a truth value or a text")
-    if name in there:
-        remedy = "A connection goes from an output to an input."
-    elif effect in interface.effects and not interface.effects[effect]:
-        remedy = f"Switch on the effect {effect!r} if it belongs to it."
-    else:
-        remedy = nearest(name, here)
-    return BadInput(where, f"{'.'.join(end)}", f"an {wished} of {unit}", remedy)
-
-
 def _undriven(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str, ...]:
     driven = {link.target for link in links}
     return tuple(f"{u}.{n}" for u, i in interfaces.items() for n in i.inputs if (u, n) not in driven and n not in i.set_inputs)
 
 
 def _array(text: str, interfaces: Mapping[str, Interface]) -> tuple[str, ...]:
-    unit, variable = _endpoint(text, "record.snapshots", interfaces)
+    unit, variable = endpoint(text, "record.snapshots", interfaces)
     elements = _elements(variable, interfaces[unit])
     if not elements:
-        raise _no_variable("record.snapshots", (unit, variable), "output", interfaces)
+        raise no_variable("record.snapshots", (unit, variable), "output", interfaces)
     if interfaces[unit].outputs[elements[0]].is_text:
         raise BadInput("record.snapshots", f"{text!r}, an array of texts", "one of numbers", "Write it under record.signals.")
     return elements
 
 
 def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
-    return tuple(n for n in interface.outputs if n.startswith(variable + "[") and n.removeprefix(variable)[1:-1].isdigit())
+    return tuple(elements(variable, interface.outputs).values())
 
 
 def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface], links: Sequence[Link]) -> tuple[Endpoint, ...]:
@@ -260,13 +126,13 @@ def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface], links: 
         return tuple(dict.fromkeys((*_recorded_by_default(scene, interfaces), *known)))
     recorded: dict[Endpoint, None] = {}
     for text in scene.record.signals:
-        unit, variable = _endpoint(text, "record.signals", interfaces)
+        unit, variable = endpoint(text, "record.signals", interfaces)
         outputs = interfaces[unit].outputs
         names = (
             (variable,) if variable in outputs else interfaces[unit].arrays.get(variable) or _elements(variable, interfaces[unit])
         )
         if not names:
-            raise _no_variable("record.signals", (unit, variable), "output", interfaces)
+            raise no_variable("record.signals", (unit, variable), "output", interfaces)
         recorded |= dict.fromkeys((unit, n) for n in names)
     if not (recorded or scene.record.snapshots):
         raise BadInput("record.signals", "no signal", "at least one; a result without columns tells nothing", "Or leave it out.")
@@ -299,7 +165,7 @@ def _recorded_by_default(scene: SceneSettings, interfaces: Mapping[str, Interfac
 
 def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> dict[str, Interface]:
     """Interfaces in which the variables that the scene records by name are outputs, too."""
-    named = [_endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
+    named = [endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
     wanted = [(u, n) for u, name in named for n in interfaces[u].arrays.get(name, (name,))]
     return {
         unit: replace(i, outputs={**i.outputs, **{n: i.recordable[n] for u, n in wanted if u == unit and n in i.recordable}})
@@ -311,14 +177,14 @@ def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
 
 def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:
     for i, fault in enumerate(scene.faults, 1):
-        end = _endpoint(fault.signal, f"faults[{i}].signal", interfaces) if fault.signal else None
+        end = endpoint(fault.signal, f"faults[{i}].signal", interfaces) if fault.signal else None
         yield targets(fault, f"faults[{i}]", end, scene, interfaces, links)
 
 
 def _output(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
-    unit, name = end = _endpoint(text, where, interfaces)
+    unit, name = end = endpoint(text, where, interfaces)
     if name not in interfaces[unit].outputs:
-        raise _no_variable(where, end, "output", interfaces)
+        raise no_variable(where, end, "output", interfaces)
     if interfaces[unit].outputs[name].is_text:
         raise BadInput(where, f"{text!r}, a text", "a number")
     return end
@@ -329,9 +195,9 @@ def _shown(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tup
     drivers = {link.target: ".".join(link.source) for link in links}
     names: dict[Endpoint, str] = {}
     for name, text in scene.interface.inputs.items():
-        where, end = f"interface.inputs.{name}", _endpoint(text, f"interface.inputs.{name}", interfaces)
+        where, end = f"interface.inputs.{name}", endpoint(text, f"interface.inputs.{name}", interfaces)
         if end[1] not in interfaces[end[0]].inputs:
-            raise _no_variable(where, end, "input", interfaces)
+            raise no_variable(where, end, "input", interfaces)
         if end in drivers:
             raise BadInput(where, text, f"an input that no connection drives; {drivers[end]} drives this one")
         if end in names:
@@ -340,8 +206,9 @@ def _shown(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tup
         yield name, Shown(end, "input")
     for name, text in scene.interface.outputs.items():
         where, kind = f"interface.outputs.{name}", ""
-        signal = text
-        if "," in text and text.rpartition(",")[0].count("[") == text.rpartition(",")[0].count("]"):  # [1,2] is an element
+        signal, (unit, variable) = text, endpoint(text, where, interfaces)
+        before = text.rpartition(",")[0]
+        if variable not in interfaces[unit].outputs and before and before.count("[") == before.count("]"):  # [1,2] is an element
             of = wanted(text)
             signal, kind = of.signal, of.kind
             if kind not in RUNNING_KINDS or of.cutoff:

@@ -50,7 +50,9 @@ def scene_digest(scene: Scene) -> str:
         if unit["fmu"]:
             unit["fmu"] = short_digest(Path(unit["fmu"]).read_bytes())
     coupling = scene.coupling  # its links are the same however the scene writes them
-    data["links"] = sorted([".".join(link.source), ".".join(link.target), link.factor, link.offset] for link in coupling.links)
+    data["links"] = sorted(
+        [".".join(link.source), ".".join(link.target), link.factor, link.offset, *link.map] for link in coupling.links
+    )
     data["texts"] = sorted([".".join(link.source), ".".join(link.target)] for link in coupling.texts)
     looked_at = [(q.name, q.transient) for q in quantities_of(scene)]
     return short_digest(json.dumps([data, looked_at], sort_keys=True).encode())

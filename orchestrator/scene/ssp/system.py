@@ -86,10 +86,12 @@ class Element:
     def fmu_unit(self, variable: str) -> str:
         """The name of the unit of measure that the FMU itself gives a variable, or ""."""
         scalar = self.description.scalars.get(variable) if self.description else None
-        if scalar is None:
-            return ""
-        declared = scalar.variable.declaredType
-        return scalar.variable.unit or (declared.unit if declared else None) or ""
+        return scalar.unit if scalar is not None else ""
+
+    def is_relative(self, variable: str) -> bool:
+        """Whether a variable of the FMU is a difference."""
+        scalar = self.description.scalars.get(variable) if self.description else None
+        return scalar is not None and scalar.relative
 
 
 class Document:

@@ -170,7 +170,7 @@ class _System:
             while self.enumerations.setdefault(label, items) != items:  # another FMU has something else of this name
                 label, k = f"{declared.name}_{k}", k + 1
             type_.set("name", label)
-        unit = scalar.variable.unit or (declared.unit if declared else None)
+        unit = scalar.unit
         if (
             scalar.kind == "real"
             and unit

@@ -25,6 +25,7 @@ from ...output import ensure_directory, write_table
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene, write_scene
+from ...settings.names import connection
 from ...units.component import make
 from .. import read_scene
 from .records import analysis_window, measured, passages, statistics
@@ -107,8 +108,7 @@ def lumped_domain(
 def _pair(scene: Scene) -> tuple[str, str]:
     """(pantograph, catenary) of a scene with one of each."""
     pairs = []
-    for arrow in scene.arrows:
-        source, target = (part.strip() for part in arrow.split("->"))
+    for source, target in scene.ends:
         unit, _, name = source.partition(".")
         given = scene.units.get(unit)
         component = given.component if given is not None else ""
@@ -164,7 +164,7 @@ def _with_lumped(scene: Scene, catenary: str, fit: SpanFit, reference: float | N
     def known(name: str) -> bool:
         return not name.startswith(f"{catenary}.") or name in kept
 
-    data["connections"] = [c for c in scene.arrows if all(known(part.strip()) for part in c.split("->"))]
+    data["connections"] = [connection(*ends, scene.units) for ends in scene.ends if all(map(known, ends))]
     if data["record"].get("signals"):
         data["record"]["signals"] = [s for s in data["record"]["signals"] if known(s)]
     data["analysis"] = {k: v for k, v in data["analysis"].items() if k != "spans"} | {"window": list(place)}

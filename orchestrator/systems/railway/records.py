@@ -158,8 +158,7 @@ class Contact:
 def contacts(scene: Scene, recorded: Collection[str]) -> list[Contact]:
     """The contacts of which all is recorded. Raises `BadInput` where a part of a collector's force is missing."""
     recorded_ones, left_out = [], {}
-    for connection in scene.arrows:
-        source, target = (part.strip() for part in connection.split("->"))
+    for source, target in scene.ends:
         unit, _, name = target.rpartition(".")
         if name != "wire_height":
             continue

@@ -1,0 +1,25 @@
+"""Arrays by their name: their elements among variables, which are called "name[1]", "name[1,2]" ..."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def elements(array: str, variables: Iterable[str]) -> dict[tuple[int, ...], str]:
+    """Indices -> variable, of all elements of an array; empty where there is no such array."""
+    found = {}
+    for name in variables:
+        if name.startswith(f"{array}[") and name.endswith("]"):
+            indices = name[len(array) + 1 : -1].split(",")
+            if all(i.strip().isdigit() for i in indices):
+                found[tuple(map(int, indices))] = name
+    return found
+
+
+def shape_of(name: str, variables: Iterable[str]) -> str:
+    """ "(3)" or "(2, 3)" of an array, "()" of a single variable, "" of what is not among the variables."""
+    variables = list(variables)
+    if name in variables:
+        return "()"
+    found = elements(name, variables)
+    return f"({', '.join(str(max(axis)) for axis in zip(*found, strict=False))})" if found else ""
