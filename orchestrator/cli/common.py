@@ -220,13 +220,28 @@ def switched_on(scene: Scene, texts: Sequence[str] | None) -> dict[str, Any]:
 
 def change(scene: Scene, text: str) -> tuple[str, Any]:
     """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
-    name, equals, value = text.partition("=")
-    unit, parameter = scene.split(name.strip())
-    if option := OPTIONS.get(name.strip()):
-        raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name.strip()} is no parameter of a unit.")
+    name, equals, value = assigned(scene, text)
+    unit, parameter = scene.split(name)
+    if option := OPTIONS.get(name):
+        raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name} is no parameter of a unit.")
     if not equals or not parameter or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
     return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", value_of(value)
+
+
+def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
+    """("name", "=", "value") of "name=value": at the first "=" behind the name of a variable of an FMU, which may hold some itself."""
+    from ..units.fmu import declared_signals
+
+    parts = text.split("=")
+    for k in range(1, len(parts)):
+        for name in ("=".join(parts[:k]), "=".join(parts[:k]).strip()):
+            unit, variable = scene.split(name)
+            fmu = scene.units[unit].fmu if unit in scene.units else ""
+            if fmu and variable in declared_signals(fmu, f"units.{unit}.fmu"):
+                return name, "=", "=".join(parts[k:])
+    name, equals, value = text.partition("=")
+    return name.strip(), equals, value
 
 
 def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:

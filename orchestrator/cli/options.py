@@ -241,7 +241,7 @@ def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
     """ "unit.parameter" -> range or list, of each "unit.parameter=from:to:points" or "unit.parameter=value,value"."""
     ranges: dict[str, Any] = {}
     for text in texts or ():
-        place, _, values = text.partition("=")
+        place, _, values = text.rpartition("=")  # a name may hold some, no value does
         ends = [part.strip() for part in values.split(":")]
         try:
             if len(ends) == 3:

@@ -242,7 +242,9 @@ def read_table(path: Path, scene: Scene) -> dict[str, Choices]:
         raise BadInput(str(path), "no points", "a line of names and at least one line of values")
     columns: dict[str, Choices] = {}
     for k, text in enumerate(header):
-        name, comma, unit = (part.strip() for part in text.partition(","))
+        name, comma, unit = (part.strip() for part in text.rpartition(","))
+        if not comma or "]" in unit:  # an element of an array has commas, too
+            name, comma, unit = text.strip(), "", ""
         factor, offset = 1.0, 0.0
         if comma and unit != (own := unit_of(scene, name)):
             factor, offset = conversion(unit, own, f"{path}: {name}")

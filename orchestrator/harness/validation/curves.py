@@ -190,7 +190,9 @@ def read_columns(path: Path, abscissa: str, ordinate: str, separator: str) -> Me
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = csv.reader(file, delimiter=separator)
-            names = [name.strip() for name in next(lines, [])]
+            names = next(lines, [])
+            if not {abscissa, ordinate} <= {*names}:  # blanks are no part of a name, unless one is asked for so
+                names = [name.strip() for name in names]
             columns = {}
             for name in (abscissa, ordinate):
                 if name not in names:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....components.core.errors import BadInput, nearest
+from ...engine.coupling.arrays import shape_of
+from ...settings.names import connection
 from .parameters import Assignment, Transformation, Value
 from .system import GIVES, TAKES, Connection, Connector, Element
 from .units_of_measure import between
@@ -45,8 +47,8 @@ class Flat:
         self.remarks: list[str] = []
         self._edges: dict[Place, Edge] = {}
         for path, element in self.elements.items():
-            for connection in element.connections:
-                self._connect(path, element, connection)
+            for each in element.connections:
+                self._connect(path, element, each)
         self.components = {path: e for path, e in self.elements.items() if e.fmu is not None}
         self.names = _unit_names(list(self.components), names)
         self.connections = list(self._links())
@@ -60,8 +62,11 @@ class Flat:
         """
         inner_of = [self._element(path, system, element, connection) for element, _ in connection.ends]
         elements = [inner.arrays.get(name, [name]) for inner, (_, name) in zip(inner_of, connection.ends, strict=True)]
-        if len(elements[0]) != len(elements[1]):
-            raise BadInput(connection.where, f"ends of {len(elements[0])} and {len(elements[1])} values", "as many at both")
+        shapes = [
+            shape_of(name, inner.arrays.get(name, [name])) for inner, (_, name) in zip(inner_of, connection.ends, strict=True)
+        ]
+        if shapes[0] != shapes[1]:
+            raise BadInput(connection.where, f"ends of shape {' and '.join(shapes)}", "the same shape at both")
         for names in zip(*elements, strict=True):
             self._connect_scalars(path, connection, inner_of, names)
 
@@ -141,25 +146,43 @@ class Flat:
             yield self._link(source, target, chain)
 
     def _link(self, source: Place, target: Place, chain: list[tuple[Place, Edge]]) -> str | dict[str, Any]:
-        measure, factor, offset = self._measure(source), 1.0, 0.0
+        measure, factor, offset, entries = self._measure(source), 1.0, 0.0, dict[str, Any]()
+        differences = [self.elements[path].is_relative(name) for path, name in (source, target)]
+        scaled = any(edge.connection.transformation.given for _, edge in chain)
+        relative = all(differences) or (any(differences) and scaled)
         for place, edge in chain:
-            own, t = self._measure(place), edge.connection.transformation
-            if not t.is_linear:
-                raise BadInput(
-                    edge.connection.where,
-                    f"a mapping of {t.type} values in a connection",
-                    "a LinearTransformation",
-                    "Mappings are read for parameters only.",
-                )
-            a, b = (1.0, 0.0) if edge.connection.suppress else between(measure, own, edge.connection.where)
+            own, c = self._measure(place), edge.connection
+            t = c.transformation
+            a, b = (1.0, 0.0) if c.suppress or t.table is not None else between(measure, own, c.where, relative, t.given)
+            if b and any(differences):
+                names = [f"a {'difference' if d else 'value'}" for d in differences]
+                raise BadInput(c.where, " for ".join(names), "two differences, or none", "Or give a LinearTransformation.")
+            if t.table is not None:
+                entries = self._mapped(entries, t, c.where)
             factor, offset = t.factor * (a * factor), t.factor * (a * offset + b) + t.offset
-            measure = own or (None if edge.connection.suppress else measure)
-        ends = {"source": f"{self.names[source[0]]}.{source[1]}", "target": f"{self.names[target[0]]}.{target[1]}"}
+            measure = own or (None if c.suppress else measure)
+        ends = [f"{self.names[path]}.{name}" for path, name in (source, target)]
+        plain, table = connection(ends[0], ends[1], self.names.values()), {"source": ends[0], "target": ends[1]}
+        if entries:
+            if (factor, offset) != (1.0, 0.0):
+                where = chain[-1][1].connection.where
+                raise BadInput(where, "a mapping of values and a linear transformation on one way", "one of them")
+            return {**table, "map": entries}
         given = [self.components[end[0]].fmu_unit(end[1]) for end in (source, target)]
-        table = ends | ({"factor": factor, "offset": offset} if (factor, offset) != (1.0, 0.0) else {})
+        more: dict[str, Any] = {"factor": factor, "offset": offset} if (factor, offset) != (1.0, 0.0) else {}
         if all(given) and given[0] != given[1]:
-            table["convert_units"] = False  # the conversion is in the factor, or not wanted
-        return table if len(table) > 2 else f"{ends['source']} -> {ends['target']}"
+            more["convert_units"] = False  # the conversion is in the factor, or not wanted
+        return {**table, **more} if more else plain
+
+    def _mapped(self, entries: Mapping[str, Any], transformation: Transformation, where: str) -> dict[str, Any]:
+        """Entries of a mapping behind those before it on the same way, as a scene has them."""
+        own = transformation.entries(where)
+        if not entries:
+            return own
+        texts = {key: str(value).lower() if isinstance(value, bool) else str(value) for key, value in entries.items()}
+        if missing := [text for text in texts.values() if text not in own]:
+            raise BadInput(where, f"no entry for {missing[0]!r}", "one for each value of the mapping before it")
+        return {key: own[text] for key, text in texts.items()}
 
     def _connector(self, place: Place) -> Connector:
         return self.elements[place[0]].connectors[place[1]]
@@ -238,17 +261,20 @@ class Flat:
             if chain and steps[0][0] in self.components:
                 driven.append(name)
                 continue
-            value = self._converted(assignment.value, steps[at], assignment.suppress, assignment.transformation, assignment.where)
+            relative, a = element.is_relative(name), assignment
+            value = self._converted(a.value, steps[at], a.suppress, a.transformation, a.where, relative)
             for target, edge in chain[at:]:
                 c = edge.connection
-                value = self._converted(value, target, c.suppress, c.transformation, c.where)
+                value = self._converted(value, target, c.suppress, c.transformation, c.where, relative)
             yield name, value.value, assignment.where
 
-    def _converted(self, value: Value, place: Place, suppress: bool, transformation: Transformation, where: str) -> Value:
-        """A value in the unit of measure of the place it reaches, then transformed."""
+    def _converted(
+        self, value: Value, place: Place, suppress: bool, transformation: Transformation, where: str, relative: bool
+    ) -> Value:
+        """A value in the unit of measure of the place it reaches, then transformed. `relative`: it is a difference."""
         measure = self._measure(place)
         if value.type == "Real" and not suppress:
-            factor, offset = between(value.measure, measure, where)
+            factor, offset = between(value.measure, measure, where, relative, transformation.given)
             if (factor, offset) != (1.0, 0.0):
                 value = Value("Real", factor * float(value.value) + offset)
         value = value.through(transformation, where)

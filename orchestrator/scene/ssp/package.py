@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 import zipfile
 import zlib
+from copy import copy
 from io import BytesIO
 from math import isfinite, nan
 from pathlib import Path, PurePosixPath
-from posixpath import normpath
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
@@ -32,10 +32,11 @@ LARGEST_TEXT = 1 << 28  # bytes of an XML file, unpacked: far above what systems
 
 
 class Package:
-    """A folder or a zip archive whose files are asked for by their relative URI."""
+    """A folder or a zip archive whose files are asked for by a relative URI, from the place of one of them."""
 
     def __init__(self, name: str, folder: Path | None = None, archive: zipfile.ZipFile | None = None):
         self.name, self._folder, self._archive = name, folder, archive
+        self._base: tuple[str, ...] = ()  # folders down to the document whose URIs are resolved
         self.remarks: list[str] = []  # what was accepted although the standard does not have it
 
     @classmethod
@@ -55,13 +56,18 @@ class Package:
         if self._archive is not None:
             self._archive.close()
 
+    def beside(self, file: str) -> Package:
+        """The same files, with URIs that begin where one of them lies: a document's own are relative to it (RFC 3986, 5.1)."""
+        other = copy(self)
+        other._base = PurePosixPath(file).parent.parts
+        return other
+
     def label(self, file: str) -> str:
         """What messages call a file of this package."""
         return file if self._archive is None else f"{self.name}/{file}"
 
-    def read(self, uri: str, where: str, largest: int | None = None) -> bytes:
-        """The content of a file; `BadInput` for one that is missing, broken, too large or outside of the package."""
-        path = self.inside(uri, where)
+    def read(self, path: str, where: str, largest: int | None = None) -> bytes:
+        """The content of a file by its path, as of `inside`; `BadInput` for one that is missing, broken or too large."""
         try:
             if self._archive is None:
                 assert self._folder is not None
@@ -84,24 +90,39 @@ class Package:
             raise BadInput(where, f"file {path!r} that cannot be unpacked", "a sound archive", f"{error}.") from None
 
     def inside(self, uri: str, where: str) -> str:
-        """The path of a relative URI; absolute ones are refused, and those that lead out of an archive."""
-        parts = urlsplit(uri)
-        path = unquote(parts.path)
-        pieces = [p for p in PurePosixPath(normpath(path)).parts if p != "."]
+        """The path of a relative URI in the package; absolute ones are refused, and those that lead out of an archive."""
+        try:
+            parts = urlsplit(uri)
+        except ValueError:  # half a pair of brackets
+            parts = urlsplit("//")
+        names = [unquote(segment) for segment in parts.path.split("/")]
+        unlike = any(set(name) & set("/\\:\0") for name in names) or uri.partition("#")[0].endswith("?")
         if (
-            parts.scheme
+            not parts.path
+            or parts.path.startswith("/")
+            or parts.scheme
             or parts.netloc
-            or path.startswith("/")
-            or "\\" in path
-            or ":" in path
-            or "\0" in path
-            or not pieces
-            or (".." in pieces and self._archive is not None)
+            or parts.query
+            or parts.fragment
+            or unlike
         ):
-            raise BadInput(where, f"source {uri!r}", "a relative path to a file inside the package", "Put the file there.")
+            raise self._refused(uri, where)
+        pieces = list(self._base)
+        for name in names:
+            if name == ".." and pieces and pieces[-1] != "..":
+                pieces.pop()
+            elif name == ".." and self._archive is not None:
+                raise self._refused(uri, where)
+            elif name not in ("", "."):
+                pieces.append(name)
+        if not pieces or names[-1] in ("", ".", ".."):
+            raise self._refused(uri, where)
         if ".." in pieces:
             self.remarks.append(f"{where}: source {uri!r} lies outside the folder of {self.name}; an .ssp archive cannot have it")
         return "/".join(pieces)
+
+    def _refused(self, uri: str, where: str) -> BadInput:
+        return BadInput(where, f"source {uri!r}", "a relative path to a file inside the package", "Put the file there.")
 
     def fmu(self, uri: str, where: str) -> Path:
         """The file of an FMU: where it lies in a folder, or its copy in the cache, which is written once for each content."""
@@ -117,7 +138,7 @@ class Package:
             except OSError:  # a name that no file can have
                 pass
             raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
-        content = self.read(uri, where, MOST_INSIDE)
+        content = self.read(path, where, MOST_INSIDE)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
         file = Path(cache_root()) / "ssp" / digest_of(content)[:16] / f"{stem}.fmu"
         return kept(file, lambda path: path.read_bytes() == content, lambda path: _written(path, content))

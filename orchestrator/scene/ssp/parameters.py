@@ -30,17 +30,17 @@ MAPPINGS = {
 
 @dataclass(frozen=True)
 class Transformation:
-    """target = factor * source + offset, or the entry of a table for values of one type."""
+    """target = factor * source + offset, or the entry of a table for values of one type; `given`: the file has it."""
 
     factor: float = 1.0
     offset: float = 0.0
     table: Mapping[str, str] | None = None
     type: str = ""  # of the table
+    given: bool = False
 
-    @property
-    def is_linear(self) -> bool:
-        """Whether it is one of numbers."""
-        return self.table is None
+    def entries(self, where: str) -> dict[str, bool | int | float | str]:
+        """Of the table, with the values of its targets."""
+        return {source: _plain(self.type, target, where) for source, target in (self.table or {}).items()}
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,13 @@ def transformation(node: etree._Element, where: str) -> Transformation:
     for child in node:
         name = etree.QName(child).localname
         if name == "LinearTransformation":
-            return Transformation(number(child, "factor", 1.0, where), number(child, "offset", 0.0, where))
+            return Transformation(number(child, "factor", 1.0, where), number(child, "offset", 0.0, where), given=True)
         if name in MAPPINGS:
             entries = child.findall("{*}MapEntry")
             return Transformation(
                 table={_key(MAPPINGS[name], e.get("source", ""), where): e.get("target", "") for e in entries},
                 type=MAPPINGS[name],
+                given=True,
             )
     return Transformation()
 
@@ -140,9 +141,11 @@ def _content(
         if fmu is None:
             raise BadInput(where, 'sourceBase="component"', "SSD; only a component with an FMU has files of its own")
         with closing(Package.zipped(str(fmu), fmu)) as inner:
-            place, text = inner.label(source), inner.read(source, where, LARGEST_TEXT)
+            path = inner.inside(source, where)
+            place, text = inner.label(path), inner.read(path, where, LARGEST_TEXT)
     else:
-        place, text = package.label(source), package.read(source, where, LARGEST_TEXT)
+        path = package.inside(source, where)
+        place, text = package.label(path), package.read(path, where, LARGEST_TEXT)
     root = parsed(text, place, package.remarks)
     if etree.QName(root).localname != wanted.partition(":")[2]:
         raise BadInput(place, f"<{etree.QName(root).localname}>", f"<{wanted}>")

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count, product
 from math import prod
 from pathlib import Path
+from urllib.parse import unquote
 
 from lxml import etree
 
@@ -101,7 +102,7 @@ class Document:
         """`first`: the document of the root system, with which this one shares remarks and the count of elements."""
         self._numbers: Iterator[int] = count(1) if first is None else first._numbers
         self.remarks: list[str] = package.remarks if first is None else first.remarks  # what was accepted and is not used
-        self.package, self.name = package, name
+        self.package, self.name = package.beside(name), name
         self.where = package.label(name)
         self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where, self.remarks)
         version = self.root.get("version", "")
@@ -109,11 +110,11 @@ class Document:
             raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0 or 2.0")
         self.measures = definitions(self.root, "ssd", self.where)
 
-    def system(self, depth: int = 0) -> Element:
-        """The root system with all that is in it. `depth`: systems around it."""
-        systems = find_all(self.root, "ssd:System")
+    def system(self, depth: int = 0, of: str = "") -> Element:
+        """The root system, or the one with the id `of`, with all that is in it. `depth`: systems around it."""
+        systems = [n for n in self.root.iter("{*}System") if n.get("id") == of] if of else find_all(self.root, "ssd:System")
         if not systems:
-            raise BadInput(self.where, "no System", "one")
+            raise BadInput(self.where, f"no System with the id {of!r}" if of else "no System", "one")
         return self._system(systems[0], required(systems[0], "name", self.where), depth)
 
     def _at(self, element: etree._Element) -> str:
@@ -186,18 +187,20 @@ class Document:
     def _referenced(self, source: str, kind: str, name: str, depth: int, where: str) -> Element:
         """A system in another place: of this file by its id, in another .ssd file, or in an archive of its own."""
         place, _, fragment = source.partition("#")
+        fragment, of = unquote(fragment), ""
         if not place:
             nodes = [n for n in self.root.iter("{*}System") if n.get("id") == fragment]
             if not nodes:
                 raise BadInput(where, f"source {source!r}", "the id of a system of this file")
             return self._system(nodes[0], name, depth)
         if kind == ARCHIVE:
-            package = Package.zipped(self.package.label(place), self.package.read(place, where))
+            path = self.package.inside(place, where)
+            package = Package.zipped(self.package.label(path), self.package.read(path, where))
             package.remarks = self.remarks
             document = Document(package, fragment or DEFAULT, self)
         else:
-            document = Document(self.package, self.package.inside(place, where), self)
-        element = document.system(depth)
+            document, of = Document(self.package, self.package.inside(place, where), self), fragment
+        element = document.system(depth, of)
         element.name = name
         return element
 

@@ -58,22 +58,28 @@ def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:
         return Measure(name, None)
 
 
-def between(source: Measure | None, target: Measure | None, where: str) -> tuple[float, float]:
+def between(
+    source: Measure | None, target: Measure | None, where: str, relative: bool = False, settled: bool = False
+) -> tuple[float, float]:
     """(factor, offset) from a number in one unit to that in another; 1 and 0 where one is not given.
 
-    Raises `BadInput` for units of different quantities, and for different ones of unknown meaning.
+    `relative`: of differences, which have no offset. `settled`: a transformation is given, which is the whole of the conversion
+    between units that nothing converts; else raises `BadInput` for units of different quantities, and for different ones of
+    unknown meaning.
     """
     if source is None or target is None or source.name == target.name:
         return 1.0, 0.0
     a, b = source.meaning, target.meaning
+    if settled and (a is None or b is None or a.exponents != b.exponents):
+        return 1.0, 0.0
     if a is None or b is None:
         unknown = source if a is None else target
         raise BadInput(
             where,
             f"{source.name!r} to {target.name!r}",
             "units that are defined",
-            f"{unknown.name!r} has no definition among the units of its file.",
+            f"{unknown.name!r} has no definition among the units of its file. Or give a LinearTransformation.",
         )
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source.name!r} cannot become {target.name!r}", "units of the same quantity")
-    return a.factor / b.factor, (a.offset - b.offset) / b.factor
+    return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor

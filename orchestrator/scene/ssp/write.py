@@ -27,6 +27,7 @@ from ...settings import UnitSettings
 from ...units.component import make
 from ...units.description import Description
 from ...units.description import read as read_description
+from ...units.interface import Signal
 from ...units.values import members
 from ..scene import Scene
 from .package import DEFAULT, NAMESPACES
@@ -207,8 +208,19 @@ class _System:
         units = {interfaces[link.source[0]].outputs[link.source[1]].unit, interfaces[link.target[0]].inputs[link.target[1]].unit}
         if len(units - {""}) == 2:
             connection.set("suppressUnitConversion", "true")
-        if (link.factor, link.offset) != (1.0, 0.0):
+        if link.map:
+            self._map(connection, link)
+        elif (link.factor, link.offset) != (1.0, 0.0):
             _add(connection, "ssc:LinearTransformation", factor=repr(link.factor), offset=repr(link.offset))
+
+    def _map(self, connection: etree._Element, link: Link) -> None:
+        """The entries of a map by the names that their values have at either end."""
+        source = self.coupling.interfaces[link.source[0]].outputs[link.source[1]]
+        target = self.coupling.interfaces[link.target[0]].inputs[link.target[1]]
+        transformation = _add(connection, f"ssc:{TYPES[source.kind]}MappingTransformation")
+        for pair in link.map:
+            texts = [_text_of(signal, int(value)) for signal, value in zip((source, target), pair, strict=True)]
+            _add(transformation, "ssc:MapEntry", source=texts[0], target=texts[1])
 
     def _definitions(self, root: etree._Element) -> None:
         if self.enumerations:
@@ -243,6 +255,13 @@ class _System:
             "elements": {element: name for name, element in self.names.items()},
         }
         _add(_annotation(experiment, ANNOTATION), "cosimo:Scene").text = json.dumps(own, indent=1)
+
+
+def _text_of(signal: Signal, value: int) -> str:
+    """A truth value, a whole number or a member of an enumeration as a mapping has it."""
+    if signal.kind == "boolean":
+        return "true" if value else "false"
+    return next((name for name, number in signal.members.items() if number == value), str(value))
 
 
 def _tag(name: str) -> str:

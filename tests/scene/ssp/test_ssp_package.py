@@ -46,7 +46,9 @@ def test_no_path_leads_out_of_a_package(folder, source, kind):
     path = packed(inner, root) if kind == "ssp" else inner / "test.ssd"
     if kind == "ssd":
         path.write_text(document(root))
-        if ".." in source.replace("%2e", ".") and "\\" not in source:  # meant as in a scene: a neighbouring folder
+        if (
+            ".." in source.replace("%2e", ".") and "\\" not in source and "%2F" not in source
+        ):  # meant as in a scene: a neighbouring folder
             scene = load_scene(path)
             assert Path(scene.units["a"].fmu).samefile(folder / "adder.fmu")
             assert [f"source {source!r} lies outside the folder" in r for r in scene.remarks if "source" in r] == [True]

@@ -284,7 +284,7 @@ BAD = [  # (root, more, what the message must name)
             ),
         ),
         "",
-        ["mapping of Boolean", "LinearTransformation"],
+        ["connection 'a.y -> b.u'", "a map from a real output", "truth values"],
     ),
     (system("s", A + A), "", ["second element 'a'"]),
     (system("s", component("a", "v<") + component("b"), connection("b.y", "a.v")), "", ["connector 'v'", "connector of 'a'"]),
@@ -492,7 +492,7 @@ def test_arrays_and_types_of_version_2_go_from_unit_to_unit(load, folder):
         (
             '<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
             '<ssd:Dimension size="2"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
-            ["3 and 2 values"],
+            ["shape (3) and (2)"],
         ),
         (
             '<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
