@@ -11,7 +11,7 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
 from cosimo.orchestrator.settings.names import connection, readings, split_name
-from cosimo.orchestrator.systems import read_result, load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.units.native import native_fmu
 
 FIXED, GIVES, TAKES = "Float64_fixed_parameter", "Float64_continuous_output", "Float64_continuous_input"
@@ -37,14 +37,14 @@ def pair(fmi, name, connections, **more):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_any_name_is_connected_recorded_and_set(fmi, tmp_path):
-    for name in NAMES:
+    for k, name in enumerate(NAMES[:: fmi - 1]):
         table, text = {"source": f"a.{name}", "target": f"b.c.{name}"}, f"a.{name} -> b.c.{name}"
         scenes = [pair(fmi, name, [table], record={"signals": [f"a.{name}", f"b.c.{GIVES}"]})]
         if name not in AMBIGUOUS:
             scenes.append(pair(fmi, name, [text]))
         scenes.append(load_scene(write_scene(scenes[0], tmp_path / "odd.toml")))
         outer = {"units": {"o": {"scene": str(tmp_path / "odd.toml")}}, "stop_time": 1.0, "master": {"step": 0.5}}
-        scenes.append(load_scene(write_ssp(scenes[0], tmp_path / "odd.ssp")))
+        scenes += [load_scene(write_ssp(scenes[0], tmp_path / "odd.ssp"))] if k % 2 else []
         for scene in scenes:
             assert [(link.source, link.target) for link in scene.coupling.links] == [(("a", name), ("b.c", name))], name
             assert scene.ends == ((f"a.{name}", f"b.c.{name}"),)
@@ -86,7 +86,7 @@ def test_a_text_with_two_meanings_is_refused_with_the_form_that_has_one():
     }
     data = {"stop_time": 1.0, "units": units, "master": {"step": 0.5}}
     with pytest.raises(BadInput, match=r"'a.x' to 'b.y -> b.z' or 'a.x -> b.y' to 'b.z'.*source = "):
-        read_scene({**data, "connections": ["a.x -> b.y -> b.z"]}).coupling  # noqa: B018
+        read_scene({**data, "connections": ["a.x -> b.y -> b.z"]})
     for source, target in (("x", "y -> b.z"), ("x -> b.y", "z")):
         told = {"source": f"a.{source}", "target": f"b.{target}"}
         links = read_scene({**data, "connections": [told]}).coupling.links
@@ -105,4 +105,4 @@ def test_names_of_units_decide_where_a_text_is_parted():
 def test_two_variables_of_one_name_are_refused_with_both(fmi):
     path = native_fmu("feedthrough", fmi, "", ('name="Float64_discrete_output"', f'name="{GIVES}"'))
     with pytest.raises(BadInput, match=rf"two variables '{GIVES}' \(output 8 and output 10; lines .*names that are unique"):
-        read_scene({"stop_time": 1.0, "units": {"a": {"fmu": path}}, "master": {"step": 0.5}}).coupling  # noqa: B018
+        read_scene({"stop_time": 1.0, "units": {"a": {"fmu": path}}, "master": {"step": 0.5}})
