@@ -70,7 +70,7 @@ def test_a_run_with_odd_names_is_written_and_read_again(tmp_path):
     for each in (result, again):
         assert list(each.columns) == [f"a.{names[0]}", f"b.{names[1]}"]
         assert each[f"b.{names[1]}"][-1] == 2.5
-    _, column = read_columns(tmp_path / "out" / "result.csv", "time", f"b.{names[1]}", ",")
+    column = read_columns(tmp_path / "out" / "result.csv", "time", f"b.{names[1]}", ",").ordinate
     assert column.tolist() == result[f"b.{names[1]}"].tolist()
     assert again.scene.ends == scene.ends
     told = json.loads((tmp_path / "out" / "run.json").read_text())["scene"]["connections"]
