@@ -32,12 +32,12 @@ def readings(text: str, units: Collection[str]) -> list[Reading]:
 
     Blanks beside the arrow belong to no name, or all but one of them do.
     """
-    found: dict[Reading, None] = {}
+    texts: dict[Reading, None] = {}
     for arrow, left, right in _parted(text):
         for source, target in ((left.strip(), right.strip()), (left.removesuffix(" "), right.removeprefix(" "))):
             if all(split_name(end, units)[1] and split_name(end, units)[0] in units for end in (source, target)):
-                found[Reading(arrow, source, target)] = None
-    return list(found)
+                texts[Reading(arrow, source, target)] = None
+    return list(texts)
 
 
 def connection(source: str, target: str, units: Collection[str]) -> str | dict[str, Any]:

@@ -7,13 +7,13 @@ from collections.abc import Iterable
 
 def elements(array: str, variables: Iterable[str]) -> dict[tuple[int, ...], str]:
     """Indices -> variable, of all elements of an array; empty where there is no such array."""
-    found = {}
+    named = {}
     for name in variables:
         if name.startswith(f"{array}[") and name.endswith("]"):
             indices = name[len(array) + 1 : -1].split(",")
             if all(i.strip().isdigit() for i in indices):
-                found[tuple(map(int, indices))] = name
-    return found
+                named[tuple(map(int, indices))] = name
+    return named
 
 
 def shape_of(name: str, variables: Iterable[str]) -> str:
@@ -21,5 +21,5 @@ def shape_of(name: str, variables: Iterable[str]) -> str:
     variables = list(variables)
     if name in variables:
         return "()"
-    found = elements(name, variables)
-    return f"({', '.join(str(max(axis)) for axis in zip(*found, strict=False))})" if found else ""
+    named = elements(name, variables)
+    return f"({', '.join(str(max(axis)) for axis in zip(*named, strict=False))})" if named else ""

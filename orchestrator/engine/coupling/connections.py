@@ -32,6 +32,7 @@ def endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endp
 
 
 def links_of(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
+    """The links of all connections and contacts; raises `BadInput` for names, kinds and units of measure that do not fit."""
     links: dict[Endpoint, Link] = {}
     named = [(f"connection {c if isinstance(c, str) else c.text!r}", c) for c in scene.connections]
     named += [item for contact in scene.contacts for item in connections(contact).items()]
@@ -201,6 +202,7 @@ def _pairs_or_why_not(reading: Reading, where: str, interfaces: Mapping[str, Int
 
 
 def no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str, Interface]) -> BadInput:
+    """The message for a variable that a unit does not have. wished: "input" or "output"."""
     unit, name = end
     interface = interfaces[unit]
     here, there = (interface.outputs, interface.inputs) if wished == "output" else (interface.inputs, interface.outputs)

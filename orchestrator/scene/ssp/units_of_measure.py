@@ -59,18 +59,18 @@ def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:
 
 
 def between(
-    source: Measure | None, target: Measure | None, where: str, relative: bool = False, settled: bool = False
+    source: Measure | None, target: Measure | None, where: str, relative: bool = False, scaled: bool = False
 ) -> tuple[float, float]:
     """(factor, offset) from a number in one unit to that in another; 1 and 0 where one is not given.
 
-    `relative`: of differences, which have no offset. `settled`: a transformation is given, which is the whole of the conversion
+    `relative`: of differences, which have no offset. `scaled`: a transformation is given, which is the whole of the conversion
     between units that nothing converts; else raises `BadInput` for units of different quantities, and for different ones of
     unknown meaning.
     """
     if source is None or target is None or source.name == target.name:
         return 1.0, 0.0
     a, b = source.meaning, target.meaning
-    if settled and (a is None or b is None or a.exponents != b.exponents):
+    if scaled and (a is None or b is None or a.exponents != b.exponents):
         return 1.0, 0.0
     if a is None or b is None:
         unknown = source if a is None else target
