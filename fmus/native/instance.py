@@ -25,6 +25,7 @@ class Model:
     image: (cells,) uint64, the block before initialization.  reasons: (status, format, cells of the numbers in it).
     given: ranges of cells that the host sets.  saved: cells of a state, from the first on; all of them where `whole`.
     parameters: range of those that the rest follows from.  row: cells from an input to its derivative, 0 where there are none.
+    untouched: status of a step that is refused before anything changes; 0: there is none.
     code: further C, with the functions that fill in addresses and remove them where the block holds some.
     """
 
@@ -34,6 +35,7 @@ class Model:
     saved: int
     parameters: tuple[int, int] = (0, 0)
     row: int = 0
+    untouched: int = 0
     code: str = "void model_place(int64_t block) { (void)block; }\nvoid model_forget(uint64_t *cells) { (void)cells; }"
 
     @property

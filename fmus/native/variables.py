@@ -109,6 +109,7 @@ def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> s
             "};",
             "const uint32_t model_given[][2] = {" + ", ".join(f"{{{first}, {last}}}" for first, last in model.given) + "};",
             f"const char model_token[] = {quoted(token)};",
+            f"const int32_t model_untouched = {model.untouched};",
             f"const bool model_whole = {int(model.whole)};",
             "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
             model.code,

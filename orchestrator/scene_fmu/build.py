@@ -85,7 +85,7 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
     compilers = {target: compiler(target) for target in targets}
     with _laid_out(scene) as (layout, model):
         variables = with_sizes(list(variables_of(scene, layout)))
-        same = {"canHandleVariableCommunicationStepSize": "true"}
+        same = {"canHandleVariableCommunicationStepSize": "false"}  # whole multiples of the macro step alone
         return assembled(
             re.sub(r"\W", "_", scene.name),
             described(scene),

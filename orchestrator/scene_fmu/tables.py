@@ -131,7 +131,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
             *_sample(layout),
         ]
     )
-    return Model(image, reasons, given, image.size, code=code)
+    return Model(image, reasons, given, image.size, untouched=STATUSES["not_a_multiple"], code=code)
 
 
 def _at_change(faults: bool) -> Iterator[str]:

@@ -96,7 +96,7 @@ CALL(GetIntegerStatus, C, const fmi2StatusKind kind, fmi2Integer *value) {
 CALL(GetBooleanStatus, C, const fmi2StatusKind kind, fmi2Boolean *value) {
     if (!c) return fmi2Error;
     if (!value || kind != fmi2Terminated) return (fmi2Status)report(c, DISCARD, "fmi2GetBooleanStatus: only fmi2Terminated");
-    *value = ((Instance *)c)->phase == FAILED;
+    *value = ((Instance *)c)->discarded; /* else FMPy would try the same step for ever */
     return fmi2OK;
 }
 CALL(GetStringStatus, C, const fmi2StatusKind kind, fmi2String *value) {

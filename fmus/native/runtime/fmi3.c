@@ -104,7 +104,7 @@ CALL(DoStep, C, fmi3Float64 t, fmi3Float64 h, fmi3Boolean final, fmi3Boolean *ev
     status = (fmi3Status)do_step(c, t, h);
     if (!c) return status;
     *event = *early = false;
-    *end = status == fmi3Discard; /* the instance makes no further step */
+    *end = ((Instance *)c)->discarded;
     *last = ((Instance *)c)->t;
     return status;
 }

@@ -11,7 +11,8 @@
 
 #define ADDRESS(m) ((int64_t)(intptr_t)(m)->block)
 static const char *const CATEGORY[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-static const char *const PHASE[] = {"before initialization", "initialization mode", "step mode", "after a failure", "terminated"};
+static const char *const PHASE[] = {"before initialization", "initialization mode", "step mode", "after a failure", "terminated",
+                                    "after a discarded step"};
 
 #if defined(__x86_64__)
 #include <cpuid.h>
@@ -40,10 +41,12 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
     int k = 0;
     if (!m) return 0;
     if (m->phase & phases) return 1;
-    while (k < 4 && !(m->phase >> k & 1)) k++;
+    while (k < 5 && !(m->phase >> k & 1)) k++;
     report(m, ERROR, "%s is not allowed %s%s", call, k == 1 || k == 2 ? "in " : k == 4 ? "when " : "", PHASE[k]);
     return 0;
 }
+
+double rounding_at(double t) { return 4.0 * (nextafter(fabs(t), INFINITY) - fabs(t)); } /* four units in the last place */
 
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 
@@ -88,9 +91,10 @@ Instance *create(const char *name, const char *token, int logging, int fmi3, Log
     if (!token || strcmp(token, model_token))
         return report(&probe, ERROR, "instantiate: the %s is not %s, that of this library; modelDescription.xml belongs to another build",
                       fmi3 ? "instantiationToken" : "GUID", model_token), NULL;
-    m = malloc(sizeof *m + 8 * (size_t)model_cells);
+    m = malloc(sizeof *m + 8 * ((size_t)model_cells + model_variable_count));
     if (!m) return report(&probe, ERROR, "instantiate: no memory"), NULL;
     *m = probe;
+    m->kept = m->block + model_cells;
     m->phase = INSTANTIATED;
     m->stop = INFINITY;
     fill(m, 1);
@@ -113,6 +117,15 @@ static const char *not_finite(const Instance *m) {
     for (uint32_t k = 0; k < model_variable_count; k++)
         if (model_variables[k].role == OUTPUT && !isfinite(m->block[model_variables[k].cell])) return model_variables[k].name;
     return NULL;
+}
+/* Keep the outputs before a step, or have them again as they were. */
+static void swap_outputs(Instance *m, int keep) {
+    for (uint32_t k = 0; k < model_variable_count; k++) {
+        double *cell = m->block + model_variables[k].cell;
+        if (model_variables[k].role != OUTPUT) continue;
+        if (keep) m->kept[k] = *cell;
+        else *cell = m->kept[k];
+    }
 }
 /* Outputs that belong to the present inputs; before the run the initial state, too. */
 static int freshen(Instance *m) {
@@ -151,7 +164,7 @@ int exit_initialization(Instance *m) {
     return OK;
 }
 int terminate(Instance *m) {
-    if (!allowed(m, STEPPING | FAILED, "Terminate")) return ERROR;
+    if (!allowed(m, STEPPING | FAILED | DISCARDED, "Terminate")) return ERROR;
     m->phase = TERMINATED;
     return OK;
 }
@@ -159,6 +172,7 @@ int reset(Instance *m) {
     if (!m) return ERROR;
     fill(m, 1);
     m->phase = INSTANTIATED;
+    m->discarded = 0;
     m->t = m->start = 0.0;
     m->stop = INFINITY;
     return OK;
@@ -169,14 +183,22 @@ int do_step(Instance *m, double t, double h) {
     char text[700];
     if (!allowed(m, STEPPING, "DoStep")) return ERROR;
     if (!(h > 0.0 && h < INFINITY)) return report(m, ERROR, "DoStep: step size %g; expected more than 0", h);
-    if (!(fabs(t - m->t) <= 1e-6 * h + 1e-15 * fabs(m->t)))
+    if (!(fabs(t - m->t) <= 1e-6 * h + rounding_at(m->t)))
         return report(m, ERROR, "DoStep: from t = %.17g s, but this instance is at %.17g s; restore a state to go back", t, m->t);
-    if (t + h > m->stop + 1e-6 * h) return report(m, ERROR, "DoStep: to %.17g s, beyond the stop time %.17g s", t + h, m->stop);
+    if (t + h > m->stop + 1e-6 * h + rounding_at(m->stop))
+        return report(m, ERROR, "DoStep: to %.17g s, beyond the stop time %.17g s", t + h, m->stop);
+    swap_outputs(m, 1);
+    m->discarded = 0;
     m->block[0] = t;
     status = model_step(t, h, ADDRESS(m));
     bad = status ? NULL : not_finite(m);
     if (status || bad) {
-        m->phase = FAILED;
+        m->discarded = 1;
+        if (!status || status != model_untouched) { /* the last results stay readable; a state can be restored */
+            swap_outputs(m, 0);
+            m->phase = DISCARDED;
+        }
+        m->block[0] = m->t;
         return bad ? report(m, DISCARD, "step from t = %.9g s discarded: output %s is not finite", t, bad)
                    : report(m, DISCARD, "step from t = %.9g s discarded: %s", t, reason(m, status, text));
     }
@@ -212,9 +234,9 @@ static size_t elements(const Instance *m, const Variable *v) { return m->fmi3 ? 
 
 int get_values(Instance *m, int type, const uint32_t *references, size_t n, void *values, size_t room) {
     size_t k = 0;
-    if (!allowed(m, INITIALIZATION | STEPPING | TERMINATED, "get")) return ERROR;
+    if (!allowed(m, INITIALIZATION | STEPPING | TERMINATED | DISCARDED, "get")) return ERROR;
     if (n && (!references || !values)) return report(m, ERROR, "get: null pointer");
-    if (m->phase != TERMINATED && freshen(m)) return ERROR;
+    if (m->phase & (INITIALIZATION | STEPPING) && freshen(m)) return ERROR;
     for (size_t i = 0; i < n; i++) {
         const Variable *v = variable(m, references[i], type, "get");
         if (!v) return ERROR;
@@ -222,8 +244,8 @@ int get_values(Instance *m, int type, const uint32_t *references, size_t n, void
             if (k >= room) return report(m, ERROR, "get: room for %u values, more are asked for", (unsigned)room);
             if (type == REAL) ((double *)values)[k] = real(m, v + j);
             else if (type == STRING) ((const char **)values)[k] = v[j].text;
-            else if (type == BOOLEAN && m->fmi3) ((bool *)values)[k] = v[j].value != 0.0;
-            else ((int32_t *)values)[k] = (int32_t)v[j].value;
+            else if (type == BOOLEAN && m->fmi3) ((bool *)values)[k] = real(m, v + j) != 0.0;
+            else ((int32_t *)values)[k] = type == BOOLEAN ? real(m, v + j) != 0.0 : (int32_t)nearbyint(real(m, v + j));
         }
     }
     return k == room ? OK : report(m, ERROR, "get: %u values, room for %u", (unsigned)k, (unsigned)room);
@@ -373,6 +395,7 @@ int set_state(Instance *m, const void *state) {
     memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* and the state as it was saved */
     model_place(ADDRESS(m));
     m->initialized |= model_whole;
+    m->discarded = 0;
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;
     return OK;
 }

@@ -35,6 +35,7 @@ extern const Reason model_reasons[];
 extern const Run model_runs[];       /* of the block before initialization, whose other cells are zero, */
 extern const uint64_t model_values[]; /* and their numbers */
 extern const char model_token[];
+extern const int32_t model_untouched; /* status of a step that was refused before anything changed; 0: there is none */
 extern const uint32_t model_run_count, model_variable_count, model_reason_count, model_cells, model_saved, model_parameters, model_parameters_size;
 extern const uint32_t model_given[][2], model_given_count; /* ranges of cells that the host sets: inputs and parameters */
 extern const uint32_t model_row; /* from an input to its derivative; 0: inputs are held */
@@ -52,13 +53,15 @@ struct Instance {
     uint32_t phase, stale;       /* stale: the outputs do not belong to the present inputs */
     int initialized;             /* what follows from the parameters stands in the block */
     int logging, fmi3;
+    int discarded;               /* the last step was */
     double t, start, stop;
     Logger log;
     void *environment, *callback; /* of the host */
     char name[256];
+    double *kept; /* outputs before the step that is under way, by value reference */
     double block[];
 };
-enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, FAILED = 8, TERMINATED = 16, EVERY = 31 };
+enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, FAILED = 8, TERMINATED = 16, DISCARDED = 32 };
 
 void begin_cells(void *cells, uint32_t first, uint32_t end); /* the cells from `first` on to before `end`, as the build has them */
 int report(const Instance *m, int status, const char *format, ...);
@@ -83,5 +86,6 @@ int free_state(Instance *m, void **state);
 int state_size(Instance *m, const void *state, size_t *size);
 int serialize(Instance *m, const void *state, void *bytes, size_t size);
 int deserialize(Instance *m, const void *bytes, size_t size, void **state);
+double rounding_at(double t); /* by how much a time may be off: masters form steps as differences of times */
 int refuse(const Instance *m, const char *call); /* a function that this kind of FMU does not offer */
 #endif

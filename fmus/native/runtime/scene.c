@@ -101,9 +101,8 @@ int32_t model_step(double t, double h, int64_t address) {
     int64_t *cells = (int64_t *)(intptr_t)address;
     double *values = (double *)cells;
     const double n = nearbyint(h / scene_length);
-    (void)t;
     values[scene_asked] = h;
-    if (!(n >= 1.0) || fabs(h - n * scene_length) > 1e-9 * h) return scene_not_a_multiple;
+    if (!(n >= 1.0) || fabs(h - n * scene_length) > rounding_at(fmax(fabs(t), fabs(t + h)))) return scene_not_a_multiple;
     for (double k = 0.0; k < n; k += 1.0) {
         int32_t status = take(cells, scene_step_rows, 1, values[scene_start] + reached(cells[scene_steps]), scene_length);
         if (status || (status = failure(cells))) return status;
