@@ -31,14 +31,14 @@ function firstNotBelow(x, value) {
 }
 // [first, last) of the rows that count; null where the run does not reach that far.
 function rowsOf(figure, run) {
-  const n = run.count, end = (n - 1) * run.step;
+  const n = run.count, begin = run.begin ?? 0, reach = (n - 1) * run.step;
   if (figure.window) {
     const [name, from, to] = figure.window, x = run.columns[name], first = firstNotBelow(x, from), last = firstNotBelow(x, to);
     if (last - first < 2 || x[0] > from || x[n - 1] < to - 2 * (x[n - 1] - x[n - 2])) return null;
     return [first, last];
   }
-  const first = Math.min(Math.ceil((figure.transient / run.step) * (1 - 1e-12)), n - 1);
-  const last = Math.floor(((end - figure.edge) / run.step) * (1 + 1e-12)) + 1;
+  const first = Math.min(Math.max(Math.ceil(((figure.transient - begin) / run.step) * (1 - 1e-12)), 0), n - 1);
+  const last = Math.floor(((reach - figure.edge) / run.step) * (1 + 1e-12)) + 1;
   return [first, Math.max(last, first + 1)];
 }
 function amplitude(x, rate, frequency) {
@@ -150,7 +150,7 @@ function statistic(columns, figure, rate) {
   const combined = figure.combine ? [ROW_BY_ROW[figure.combine](columns)] : columns;
   return Math.max(...combined.map((x) => STATISTICS[figure.kind](x, rate, figure)));
 }
-// run: {step, count, columns, filters, valueOf}. Returns name -> number, NaN where it cannot be had, and the filtered signals.
+// run: {step, count, begin, columns, filters, valueOf}, begin: time of the first row, 0 where it is not given. Returns name -> number, NaN where it cannot be had, and the filtered signals.
 function figuresOf(figures, run) {
   const numbers = {}, smooth = {};
   const signal = (name, { filter, cutoff }) => {
@@ -158,7 +158,8 @@ function figuresOf(figures, run) {
     return run.filters[filter] && (smooth[`${name} below ${cutoff} Hz`] ??= filtered(run.columns[name], run.filters[filter]));
   };
   const valueOf = (figure) => {
-    const rows = run.whole ? rowsOf(figure, run) : null, columns = [...figure.signals, ...(figure.section?.slice(0, 1) ?? [])].map((name) => signal(name, figure));
+    if (!run.whole) return NaN;
+    const rows = rowsOf(figure, run), columns = [...figure.signals, ...(figure.section?.slice(0, 1) ?? [])].map((name) => signal(name, figure));
     if (rows === null || !columns.every(Boolean)) return NaN;
     const factor = figure.powers.reduce((f, [name, exponent]) => f * run.valueOf(name) ** exponent, figure.factor);
     const number = factor * statistic(columns.map((x) => x.subarray(...rows)), figure, 1 / run.step);

@@ -13,7 +13,7 @@ from ....components.core.measure import number_in
 from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
 from ...judgement.comparison import SURE, UNSURE
-from ...judgement.thresholds import ORDER_UNSURE
+from ...judgement.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
 from ...run import run
 from ...scene.scene import Scene
 from ...scene_fmu import refuse_what_needs_python
@@ -113,7 +113,7 @@ def content_of(
         "title": scene.title or scene.name,
         "stop": scene.stop_time,
         "step": scene.master.step,
-        "steps": [s | {"filters": filters(figures, s["length"])} for s in steps],
+        "steps": [s | {"filters": filters(figures, s["length"]), "coarse": filters(figures, 2.0 * s["length"])} for s in steps],
         "variants": [_references(v) for v in built],
         "effects": _described_effects(scene, built),
         "algorithms": list(dict.fromkeys(v.algorithm for v in built)),
@@ -121,7 +121,13 @@ def content_of(
         "parameters": sorted(rows, key=lambda row: first.index(row["name"]) if row["name"] in first else len(first)),
         "first": first,
         "signals": [
-            {"name": v.scalar.name, "unit": v.scalar.unit or "1", "text": v.scalar.text}
+            {
+                "name": v.scalar.name,
+                "unit": v.scalar.unit or "1",
+                "text": v.scalar.text,
+                "nominal": v.scalar.nominal,
+                "counts": v.scalar.type != "Real",
+            }
             for v in _numbers(base, "OUTPUT")
             if v.scalar.name not in elements
         ],
@@ -131,7 +137,14 @@ def content_of(
         "table": reference,
         "presets": presets,
         "settings": {key: value for key, value in scene.settings().items() if key != "explore"},
-        "error": {"sure": SURE, "unsure": UNSURE, "limit": ORDER_UNSURE},
+        "error": {
+            "sure": SURE,
+            "unsure": UNSURE,
+            "limit": ORDER_UNSURE,
+            "hardly": HARDLY,
+            "nothing": NOTHING,
+            "no_matter": NO_MATTER,
+        },
         "standings": STANDINGS,
     }
     return Content(data, [v.library.binaries["wasm32"] for v in built])
@@ -215,12 +228,12 @@ def _is_any(name: str, patterns: Collection[str]) -> bool:
 
 
 def _numbers(library: Library, role: str) -> list[NativeVariable]:
-    """Real outputs; or what is set before a run and is no element of an array: parameters, and inputs that nothing drives."""
+    """Outputs; or what is set before a run and is no element of an array: parameters, and inputs that nothing drives."""
     roles = ("OUTPUT",) if role == "OUTPUT" else ("PARAMETER", "INPUT")
     return [
         v
         for v in library.variables
-        if v.role in roles and v.scalar.type == "Real" and (role == "OUTPUT" or (v.size == 1 and "[" not in v.scalar.name))
+        if v.role in roles and (role == "OUTPUT" or (v.scalar.type == "Real" and v.size == 1 and "[" not in v.scalar.name))
     ]
 
 
@@ -278,7 +291,9 @@ def _steps(scene: Scene) -> list[dict[str, Any]]:
         length = float(f"{factor * scene.master.step:.12g}")
         count = scene.stop_time / length
         if abs(count - round(count)) < 1e-9 * count and round(count) >= FEWEST:
-            steps.append({"length": length, "exact": _whole(length), "half": _whole(0.5 * length)})
+            steps.append(
+                {"length": length, "exact": _whole(length), "half": _whole(0.5 * length), "quarter": _whole(0.25 * length)}
+            )
     return steps
 
 

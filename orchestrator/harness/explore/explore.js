@@ -151,6 +151,7 @@ function change(next, settled, keep) {
 function ask() {
   question += 1;
   asked = performance.now();
+  byId("results").classList.remove("refused");
   byId("results").classList.add("waiting");
   clearTimeout(waiting);
   waiting = setTimeout(() => { // a run whose start or single step takes this long cannot be asked to give up
@@ -163,6 +164,13 @@ function ask() {
 }
 function send() { worker.postMessage({ id: question, variant: variantOf(state), values: Object.fromEntries(Object.entries(state.values).filter(([n]) => available(n))), step: state.step, extrapolation: state.extrapolation, over: byId("scanned").value }); }
 const tell = (sentence) => { byId("sentence").hidden = !sentence; byId("sentence").textContent = sentence; };
+function none(sentence) { // no numbers of this state: those of the last one stay, in grey
+  clearTimeout(waiting);
+  byId("results").classList.replace("waiting", "refused");
+  byId("status").textContent = shown ? "The numbers and curves below are those of the last state that was computed." : "";
+  tell([problem, sentence.replace(/[^.]$/, "$&.")].filter(Boolean).join(" "));
+  byId("results").dataset.judged = byId("results").dataset.laddered = question;
+}
 const answers = {
   progress({ time }) { clearTimeout(waiting); byId("status").textContent = `Computing: ${digits(time, 3)} of ${data.stop} s.`; },
   run(run) {
@@ -171,7 +179,7 @@ const answers = {
     ladder = [];
     influences = [];
     scanned = [];
-    byId("results").classList.remove("waiting");
+    byId("results").classList.remove("waiting", "refused");
     const reached = (run.count - 1) * run.step;
     noteTime({ spent: run.spent, rows: run.count });
     tell([problem, run.whole ? windowOf(run) : `The run ended at ${digits(reached, 4)} s: ${run.said}.`].filter(Boolean).join(" "));
@@ -205,7 +213,8 @@ const answers = {
     if (answer.place % 4 === 0 || answer.place === answer.count - 1) draw("scan");
     if (answer.place === answer.count - 1) byId("results").dataset.scanned = question;
   },
-  error({ text: what }) { clearTimeout(waiting); tell(`The computation failed: ${what}.`); },
+  refused({ text: what }) { none(`This state does not start: ${what.replace(/^at t = [^:]*: /, "")}`); },
+  error({ text: what }) { none(`The computation failed: ${what}`); },
 };
 
 function windowOf(run) { // why there are no numbers: "" where there are some

@@ -100,17 +100,28 @@ async function run({ variant, values, extrapolation }, length, exact, newer, pro
   return { step: length, count: kept, columns, pictures: taken, whole, spent, memory: x.memory.buffer.byteLength, said: whole ? "" : said.at(-1) ?? "the run ended early" };
 }
 
-function everySecond(finer, length) { // the rows of a run with half the step at the instants of the whole ones
+function everySecond(run, from) { // rows from, from + 2, from + 4 ... of a whole run
   const columns = {};
-  for (const [name, x] of Object.entries(finer.columns)) columns[name] = x.filter((_, k) => k % 2 === 0);
-  return { ...finer, step: length, count: Math.ceil(finer.count / 2), columns };
+  for (const [name, x] of Object.entries(run.columns)) columns[name] = x.filter((_, k) => k >= from && (k - from) % 2 === 0);
+  return { ...run, step: 2 * run.step, begin: from * run.step, count: Math.ceil((run.count - from) / 2), columns };
 }
-function deviation(x, y) { // rms of the difference over the standard deviation of the first
-  const n = Math.min(x.length, y.length);
-  let mean = 0, square = 0, apart = 0;
-  for (let k = 0; k < n; k++) mean += x[k] / n;
-  for (let k = 0; k < n; k++) { square += (x[k] - mean) ** 2; apart += (x[k] - y[k]) ** 2; }
-  return square > 0 ? Math.sqrt(apart / square) : apart > 0 ? Infinity : 0;
+// Of two runs in one signal, as `differences` of judgement/comparison.py has it: y is the finer one.
+const isWhole = (x) => x.every((v) => v === Math.round(v));
+const turns = (x) => largest(x) - least(x) < 2 * Math.PI + 1e-6 && x.some((v, k) => k > 0 && Math.abs(v - x[k - 1]) > Math.PI);
+function scaleOf(x, nominal) {
+  const size = Math.sqrt(x.reduce((s, v) => s + v * v, 0) / x.length);
+  return Math.max(spread(x), data.error.hardly * size, data.error.nothing * nominal);
+}
+function deviation(x, y, { unit, nominal, counts }) {
+  const n = x.length, anew = unit === "rad" && (turns(x) || turns(y)), whole = 2 * Math.PI;
+  if (counts || (unit === "1" && isWhole(x) && isWhole(y))) return x.reduce((s, v, k) => s + Number(v !== y[k]), 0) / n;
+  let square = 0;
+  for (let k = 0; k < n; k++) {
+    let gap = Math.abs(x[k] - y[k]);
+    if (anew) gap = Math.abs(((gap + Math.PI) % whole) - Math.PI);
+    square += gap ** 2;
+  }
+  return square > 0 ? Math.sqrt(square / n) / (scaleOf(y, nominal) || scaleOf(x, nominal)) : 0;
 }
 const spread = (x) => { const mean = x.reduce((s, v) => s + v, 0) / x.length; return Math.sqrt(x.reduce((s, v) => s + (v - mean) ** 2, 0) / x.length); };
 
@@ -134,29 +145,45 @@ async function serve() {
   }
   busy = false;
 }
-const halved = ({ values }) => Object.fromEntries(Object.entries(data.usual).filter(([name]) => name.endsWith(".substep"))
-  .map(([name, value]) => [name, 0.5 * (values[name] ?? value)])); // the internal steps
+const shorter = (job, parts) => ({ ...job, values: { ...job.values, ...Object.fromEntries(Object.entries(data.usual).filter(([name]) => name.endsWith(".substep"))
+  .map(([name, value]) => [name, (job.values[name] ?? value) / parts])) } }); // internal steps, too
+// What lies between rows: how far the figures of every second row are from those of all, as `_gaps` of judgement/verification.py.
+// Where that matters, with the ends of the run, from which changes and integrals count.
+function gapsOf(run, numbers, from, numbersOf) {
+  if (!run.whole) return {};
+  const rows = everySecond(run, from), some = numbersOf(rows), gaps = {};
+  const gap = ({ name }) => (Number.isFinite(some[name] - numbers[name]) ? Math.abs(some[name] - numbers[name]) : 0);
+  const matters = data.figures.some((f) => gap(f) > data.error.no_matter * Math.abs(numbers[f.name]));
+  for (const f of data.figures) gaps[f.name] = matters && ["end", "change", "rate of change"].includes(f.kind) && !f.edge ? 0 : gap(f);
+  return gaps;
+}
 const judged = ({ variant }) => [...new Set(data.figures.flatMap((f) => [...f.signals, ...(f.over?.signals ?? [])]))].filter((n) => n in data.variants[variant].outputs);
 const valuesOf = ({ values }) => (name) => values[name] ?? data.usual[name];
 
 async function answer(job, newer) {
-  const { length, exact, half, filters } = data.steps[job.step];
+  const { length, exact, half, quarter, filters, coarse } = data.steps[job.step];
   const began = performance.now();
   const first = await run(job, length, exact, newer, (time) => postMessage({ id: job.id, kind: "progress", time }));
   if (!first) return;
+  if (!first.count) return void postMessage({ id: job.id, kind: "refused", text: first.said });
   const { numbers, smooth } = figuresOf(data.figures, { ...first, filters, valueOf: valuesOf(job) });
   postMessage({ id: job.id, kind: "run", ...first, numbers, smooth, took: performance.now() - began });
   if (job.quick) return;
   await breathe();
   if (newer() || !first.whole) return first.whole ? undefined : ladder(job, newer);
-  const second = await run({ ...job, values: { ...job.values, ...halved(job) } }, 0.5 * length, half, newer);
+  const second = await run(shorter(job, 2), 0.5 * length, half, newer);
   if (!second) return;
-  const same = everySecond(second, length), others = figuresOf(data.figures, { ...same, filters, valueOf: valuesOf(job) }).numbers;
-  const worst = second.whole ? Math.max(0, ...judged(job).map((name) => deviation(first.columns[name], same.columns[name]))) : Infinity;
-  const factor = worst > data.error.limit ? data.error.unsure : data.error.sure;
-  const between = figuresOf(data.figures, { ...second, filters: {}, valueOf: valuesOf(job) }).numbers; // with the rows between those of the first run
-  const missed = (name) => (Number.isFinite(between[name]) ? Math.abs(between[name] - others[name]) : 0);
-  const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => [name, factor * Math.abs(value - others[name]) + missed(name)]));
+  const valueOf = valuesOf(job), numbersOf = (rows, by) => figuresOf(data.figures, { ...rows, filters: by, valueOf }).numbers;
+  const same = everySecond(second, 0), others = numbersOf(same, filters);
+  const worst = second.whole ? Math.max(0, ...data.signals.filter(({ name }) => name in first.columns).map((signal) => deviation(first.columns[signal.name], same.columns[signal.name], signal))) : Infinity;
+  const third = second.whole && worst > data.error.limit ? await run(shorter(job, 4), 0.25 * length, quarter, newer) : { whole: false };
+  if (!third) return;
+  const finest = third.whole ? numbersOf(everySecond(everySecond(third, 0), 0), filters) : null, factor = worst > data.error.limit ? data.error.unsure : data.error.sure;
+  const gaps = [[first, numbers, 0, coarse], [first, numbers, 1, coarse], [second, others, 1, filters]].map(([whole, of, from, by]) => gapsOf(whole, of, from, (rows) => numbersOf(rows, by)));
+  const errors = Object.fromEntries(Object.entries(numbers).map(([name, value]) => {
+    const apart = Math.abs(value - others[name]), steps = finest ? apart + 2 * Math.abs(others[name] - finest[name]) : factor * apart;
+    return [name, steps + Math.max(0, ...gaps.map((gap) => gap[name]))];
+  }));
   const { share, figure } = apart(numbers, others, first);
   postMessage({ id: job.id, kind: "errors", errors, worst: factor * share, figure, said: second.said });
   await breathe();

@@ -15,6 +15,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, quantities_of
 from cosimo.orchestrator.harness.summary import with_error
+from cosimo.orchestrator.judgement.verification import run as verify
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import explore_page, load_scene, read_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
@@ -181,6 +182,37 @@ def test_a_run_that_fails_says_why_and_the_page_goes_on(small, opened):
     assert "The run ended at" in page.inner_text("#sentence")
     assert at(page, "spring.stiffness=100")["said"] == ""
     assert page.locator("#sentence").is_hidden()
+
+
+@pytest.mark.full
+def test_a_refused_state_shows_the_sentence_of_the_command_and_the_next_one_is_computed(railway, opened, capsys):
+    """The wires' damping shortens the longest internal step: the component refuses its own before the first step."""
+    page = opened(railway)
+    look = "document.getElementById('results').className"
+    for damping in (0.002, 0.0025, 0.02):
+        before = page.inner_text("#numbers")
+        page.evaluate(f"location.hash = 'catenary.damping.beta={damping}'")
+        page.wait_for_function(f"state.values['catenary.damping.beta'] === {damping} && {JUDGED}", timeout=WAIT)
+        with pytest.raises(SystemExit) as end:
+            main(["run", "en50318-2002", "--in-process", "--no-verify", "--set", f"catenary.damping.beta={damping}"])
+        assert end.value.code == 2
+        sentence = " ".join(capsys.readouterr().err.split()).removeprefix("cosimo: ")
+        assert "the explicit method's limit" in sentence
+        assert page.inner_text("#sentence") == f"This state does not start: {sentence}"
+        assert (page.evaluate(look), page.inner_text("#numbers")) == ("refused", before)
+        assert at(page, "catenary.damping.beta=0.0011")["said"] == ""
+        assert page.evaluate(look) == ""
+        assert page.locator("#sentence").is_hidden()
+        assert at(page, "pantograph.static_force=121")["numbers"]["pantograph.mean"] != pytest.approx(116.009, abs=1e-3)
+
+
+@pytest.mark.full
+def test_errors_are_those_of_the_command(railway, opened):
+    printed = opened(railway).evaluate("shown.errors")
+    rows = {row.name: row for row in verify(load_scene("en50318-2002"), verify="whole", in_process=True).summary}
+    shared = printed.keys() & rows.keys()
+    assert len(shared) >= 8
+    assert {n: printed[n] for n in shared} == pytest.approx({n: rows[n].error for n in shared}, rel=1e-6)
 
 
 @pytest.mark.full

@@ -8,6 +8,7 @@ from math import isfinite
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.judgement.verification import run as verify
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import SYSTEMS, explore_page, load_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
@@ -43,6 +44,7 @@ def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
     varied, changes, least = SCENES[name]
     scene = load_scene(name).with_changes({**changes, "record.interval": None})
     page = opened(explore_page(scene, tmp_path / "page.html", parameters=dict.fromkeys(varied), effects=()))
+    assert_errors_are_those_of_the_command(page, scene)
     usual, chance = {p["name"]: p["value"] for p in page.evaluate("data.parameters")}, random.Random(name)
     for _ in range(STATES):
         values = {n: float(f"{chance.uniform(0.85, 1.15) * usual[n]:.5g}") for n in varied}
@@ -65,6 +67,17 @@ def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
                 compared += quantity in {row.name for row in result.summary}
         assert compared >= least
     assert_machines_move_alike(page, result)
+
+
+def assert_errors_are_those_of_the_command(page, scene):
+    """The ± of a figure that both have."""
+    printed, known = page.evaluate("({ errors: shown.errors, numbers: shown.numbers })"), 0
+    for row in verify(scene, verify="whole", in_process=True).summary:
+        if row.name in printed["errors"] and row.error is not None and isfinite(row.error):
+            error, numbers = printed["errors"][row.name], (row.name, printed["numbers"][row.name], row.value)
+            assert error == pytest.approx(row.error, rel=1e-2, abs=1e-6 * abs(row.value)), numbers
+            known += 1
+    return known
 
 
 def assert_machines_move_alike(page, result):
