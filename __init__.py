@@ -16,7 +16,7 @@ FMUs: `build`, `check`.
 A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
 their kinds `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent` with `ode_kernels`,
 `smooth_kernels`, `event_kernels`, `sampled_kernels`, `stateless_kernels`; `Effect`, `Preset`; `parameter`, `integer`, `choice`,
-`input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
+`input_`, `output`, `count`, `flag`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
 Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
 """
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .components.core.kernels import DONE, OWN, bind, hold_inputs, kernel, kernel_tuple
     from .components.core.sampled import SampledComponent, sampled_kernels
     from .components.core.stateless import StatelessComponent, stateless_kernels
-    from .components.core.variables import choice, input_, integer, output, parameter
+    from .components.core.variables import choice, count, flag, input_, integer, output, parameter
     from .fmus.build import build
     from .fmus.check import check
     from .orchestrator.delivery import delivered
@@ -70,7 +70,7 @@ _PLACES = {
     "components.core.integrators": ("OdeComponent", "ode_kernels"),
     "components.core.sampled": ("SampledComponent", "sampled_kernels"),
     "components.core.high_order": ("SmoothComponent", "smooth_kernels"),
-    "components.core.variables": ("choice", "input_", "integer", "output", "parameter"),
+    "components.core.variables": ("choice", "count", "flag", "input_", "integer", "output", "parameter"),
     "fmus.build": ("build",),
     "fmus.check": ("check",),
     "orchestrator.delivery": ("delivered",),
@@ -121,11 +121,13 @@ __all__ = [
     "choice",
     "compare",
     "component_class",
+    "count",
     "delivered",
     "design",
     "effects",
     "event_kernels",
     "fit",
+    "flag",
     "hold_inputs",
     "input_",
     "integer",

@@ -170,18 +170,17 @@ def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int 
     }
 
 
+def variability_attributes(scalar: Scalar) -> dict[str, str]:
+    """Variability, and how the value at the start comes about; of an input it follows."""
+    initial = {"output": "calculated", "input": ""}.get(scalar.causality, "exact")
+    return {"variability": scalar.variability, **({"initial": initial} if initial else {})}
+
+
 def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
     """One ScalarVariable; a local one is a constant."""
     attributes = {"name": scalar.name, "valueReference": str(reference), "description": scalar.text}
     attributes["causality"] = scalar.causality
-    if scalar.causality == "parameter":
-        attributes |= {"variability": "fixed", "initial": "exact"}
-    elif scalar.causality == "local":
-        attributes |= {"variability": "constant", "initial": "exact"}
-    elif scalar.causality == "output":
-        attributes |= {"variability": "continuous", "initial": "calculated"}
-    else:
-        attributes |= {"variability": "continuous"}
+    attributes |= variability_attributes(scalar)
     value: dict[str, str] = {}
     if scalar.type == "Real":
         value |= real_attributes(scalar)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-TYPES = {"real": "Real", "integer": "Integer", "choice": "String", "text": "String"}
+TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "choice": "String", "text": "String"}
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,13 @@ class Scalar:
     moving: bool = False  # of an input: a place that moves on
     relative: bool = False  # a difference: units to show it in have no offset
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
+
+    @property
+    def variability(self) -> str:
+        """As FMI has it: counts and flags change at instants only."""
+        if self.causality in ("parameter", "local"):
+            return "fixed" if self.causality == "parameter" else "constant"
+        return "continuous" if self.type == "Real" else "discrete"
 
 
 @cache

@@ -67,7 +67,8 @@ class ComponentSlave(Fmi2Slave):
             for reference, order, position in self._active_inputs():
                 reads[reference] = writes[reference] = (containers[order], position)
             for k, name in enumerate(self.component.outputs):
-                reads[self._references[name]] = (y, k)
+                reference = self._references[name]
+                self._reads[self._scalars[reference].type][reference] = (y, k)
         self._real_reads = self._reads["Real"]
         self._read_ports, self._written_ports = _Ports(), _Ports()  # of the last wide calls
 
@@ -144,10 +145,16 @@ class ComponentSlave(Fmi2Slave):
                 self._say(f"value reference {v} is no {type_} variable that can be set", Fmi2Status.error)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
-        return self._get("Integer", vrs)
+        return [round(v) for v in self._discrete("Integer", vrs)]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
-        return self._get("Boolean", vrs)
+        return [bool(v) for v in self._discrete("Boolean", vrs)]
+
+    def _discrete(self, type_: str, vrs: list[int]) -> list[Any]:
+        """Counts and flags lie among the outputs, which are real numbers; those that there are not are 0."""
+        if self._dirty and any(v < len(self._scalars) and self._scalars[v].causality == "output" for v in vrs):
+            self._freshen()
+        return [0 if v != v else v for v in self._get(type_, vrs)]
 
     def get_string(self, vrs: list[int]) -> list[str]:
         return self._get("String", vrs)

@@ -32,7 +32,7 @@ from ..core.contract import Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.integrators import SUBSTEP_TOO_LONG, OdeComponent
 from ..core.kernels import kernel
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import count, input_, integer, output, parameter
 from .geometry import BallGeometry
 from .races import BallDefect, CageFault, Defect, Waviness, wave_shapes
 from .two_dof import (
@@ -140,7 +140,7 @@ class TwoDofBearing(OdeComponent):
     force_x = output("N", "force of the balls on the shaft along x", nominal=100.0, feedthrough=("speed",))
     force_y = output("N", "force of the balls on the shaft along y", nominal=100.0, feedthrough=("speed",))
     max_ball_load = output("N", "load of the most loaded ball", nominal=100.0, feedthrough=("speed",))
-    loaded_balls = output("1", "number of balls in contact")
+    loaded_balls = count("number of balls in contact")
     inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
     cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import count, input_, integer, output, parameter
 from .constriction import (
     bridged_resistance,
     conductances_in_series,
@@ -169,7 +169,7 @@ class AngularContactConductance(KernelComponent):
         feedthrough=(*HEAT_DEPENDS, "radiation.inner_temperature", "radiation.outer_temperature"),
     )
     ball_conductance = output("W/K", "part of it that goes through the balls", nominal=0.1, feedthrough=HEAT_DEPENDS)
-    loaded_balls = output("1", "number of balls in contact", feedthrough=DEPENDS)
+    loaded_balls = count("number of balls in contact", feedthrough=DEPENDS)
     max_ball_load = output("N", "largest load of a ball", nominal=100.0, feedthrough=DEPENDS)
     axial_displacement = output("m", "axial displacement of the inner ring", nominal=1e-5, feedthrough=DEPENDS)
     radial_displacement = output("m", "radial displacement of the inner ring", nominal=1e-5, feedthrough=DEPENDS)

@@ -28,7 +28,7 @@ from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
-from ..core.variables import choice, input_, integer, output, parameter
+from ..core.variables import choice, count, input_, integer, output, parameter
 from .contacts import GAP
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
@@ -228,7 +228,7 @@ class DeepGrooveBearing(KernelComponent):
     moment_x = output("N.m", "moment on the shaft about x", feedthrough=EVERYTHING)
     moment_y = output("N.m", "moment on the shaft about y", feedthrough=EVERYTHING)
     max_ball_load = output("N", "load of the most loaded ball", nominal=100.0, feedthrough=EVERYTHING)
-    loaded_balls = output("1", "number of balls in contact", feedthrough=EVERYTHING)
+    loaded_balls = count("number of balls in contact", feedthrough=EVERYTHING)
     inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
     cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 

@@ -39,6 +39,7 @@ class Kind(enum.Enum):
 
     REAL = "real"
     INTEGER = "integer"
+    BOOLEAN = "boolean"
     CHOICE = "choice"
     TEXT = "text"
 
@@ -141,6 +142,16 @@ def input_(start: float, unit: str, text: str, **more) -> Variable:
 def output(unit: str, text: str, **more) -> Variable:
     """A continuous output."""
     return Variable(Causality.OUTPUT, Kind.REAL, 0.0, unit, text, **more)
+
+
+def count(text: str, **more) -> Variable:
+    """A whole number as an output, which changes at instants only."""
+    return Variable(Causality.OUTPUT, Kind.INTEGER, 0, "1", text, **more)
+
+
+def flag(text: str, **more) -> Variable:
+    """A truth value as an output, 1 or 0, which changes at instants only."""
+    return Variable(Causality.OUTPUT, Kind.BOOLEAN, 0, "1", text, **more)
 
 
 def port_of(signal: str, declared: Declared) -> str:

@@ -8,7 +8,7 @@ from ..core.component import Effect, Preset
 from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.kernels import DONE, kernel
-from ..core.variables import input_, output, parameter
+from ..core.variables import flag, input_, output, parameter
 from . import torque_motor
 
 ANGLE, RATE, CURRENT = 0, 1, 2  # of the state; with stick the mode is its last element
@@ -39,7 +39,7 @@ class ShaftFriction(Effect):
     static_ratio = parameter(1.5, "1", "static over kinetic friction, without the gear's share", low=1.0)
     gear_loss = parameter(0.2, "1", "share of the motor's torque that the gear's teeth lose", low=0.0, high=0.99)
 
-    stuck = output("1", "1 while the shaft stands, 0 while it turns")
+    stuck = flag("1 while the shaft stands, 0 while it turns")
 
 
 class MotorParameters:

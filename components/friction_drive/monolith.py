@@ -7,7 +7,7 @@ from typing import Any
 from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.kernels import DONE, kernel
-from ..core.variables import input_, output
+from ..core.variables import flag, input_, output
 from ..drives import servo_motor
 from ..drives.servo_motor import MotorParameters, shaft_inertia
 from .sleeve import (
@@ -37,8 +37,8 @@ class ShaftFriction(servo_motor.ShaftFriction):
     """Dry friction of both motors' bearings and gears with exact standstill, as in the motor's unit."""
 
     stuck = None  # type: ignore[assignment]  # there are two
-    first_stuck = output("1", "1 while the first shaft stands, 0 while it turns")
-    second_stuck = output("1", "1 while the second shaft stands, 0 while it turns")
+    first_stuck = flag("1 while the first shaft stands, 0 while it turns")
+    second_stuck = flag("1 while the second shaft stands, 0 while it turns")
 
 
 class MotorDeclarations(MotorParameters):

@@ -24,7 +24,7 @@ from ..core.friction import (
     smoothed_planar,
 )
 from ..core.kernels import kernel
-from ..core.variables import output, parameter
+from ..core.variables import flag, parameter
 from .kinematics import SKEWED, directions
 
 FEED, ROTATION, FEED_RATE, ROTATION_RATE, DEFLECTIONS = range(5)
@@ -63,8 +63,8 @@ class ExactSlip(Effect):
     deflection = parameter(1e-4, "m", "elastic deflection at the kinetic level", low=1e-9, nominal=1e-4)
     damping_time = parameter(1e-3, "s", "damping over stiffness of the contact", low=0.0, nominal=1e-3)
 
-    first_stuck = output("1", "1 while the first contact holds, 0 while it slides")
-    second_stuck = output("1", "1 while the second contact holds, 0 while it slides")
+    first_stuck = flag("1 while the first contact holds, 0 while it slides")
+    second_stuck = flag("1 while the second contact holds, 0 while it slides")
 
 
 class TrocarFriction(Effect):
@@ -75,7 +75,7 @@ class TrocarFriction(Effect):
     deflection = parameter(5e-4, "m", "elastic deflection of the seal at the kinetic level", low=1e-9, nominal=1e-4)
     damping_time = parameter(1e-3, "s", "damping over stiffness of the seal", low=0.0, nominal=1e-3)
 
-    stuck = output("1", "1 while the seal holds the sleeve, 0 while it slides")
+    stuck = flag("1 while the seal holds the sleeve, 0 while it slides")
 
 
 class Gravity(Effect):

@@ -13,7 +13,7 @@ from ..core.friction import directed_mode
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.spectrum import fastest_rate, spectral_radius, step_within
-from ..core.variables import output, parameter
+from ..core.variables import count, output, parameter
 from .contact import (
     LOCKED,
     Bristles,
@@ -110,7 +110,7 @@ class PipeRobot(ShakenRobot):
     static_ratio = parameter(1.0, "1", "static over kinetic friction, without smoothed_friction", low=1.0)
 
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
-    mode = output("1", "1 sliding forwards, -1 backwards, 0 at rest")
+    mode = count("1 sliding forwards, -1 backwards, 0 at rest")
     exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=(*FORCES, "unbalance.torque"))
     dissipation = output("W", "power lost in friction, damper and bearings", nominal=10.0, feedthrough=("route.friction_factor",))
     mechanical_energy = output("J", "kinetic energy, energy of the spring and of LuGre's bristles")

@@ -11,7 +11,7 @@ from ..core.friction import directed_friction, directed_guard, directed_mode, di
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, kernel
 from ..core.spectrum import step_within
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import count, input_, integer, output, parameter
 from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, free_rate
 from .robot_equations import (
     CONTACT,
@@ -76,7 +76,7 @@ class RollingPipeRobot(ShakenRobot):
     taper = input_(0.0, "1", "growth of the diameter along the pipe", nominal=1e-2)
 
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
-    mode = output("1", "1 rolling forwards, -1 sliding backwards, 0 at rest")
+    mode = count("1 rolling forwards, -1 sliding backwards, 0 at rest")
     exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=("harmonic_force.amplitude",))
     dissipation = output(
         "W", "power lost in rolling, sliding and the damper", nominal=10.0, feedthrough=("diameter", "route.friction_factor")

@@ -13,7 +13,7 @@ from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, in_python, kernel
 from ..core.rotation import angles, quaternion_of_angles, to_body, to_world
 from ..core.spectrum import spectral_radius, step_within
-from ..core.variables import input_, output, parameter
+from ..core.variables import flag, input_, output, parameter
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
 from .hull_equations import hull_derivatives, invert, least_moment, rigid_mass, six, tether_velocity, water_velocity, wrench
 
@@ -261,7 +261,7 @@ class RovHull(OdeComponent):
     roll = output("rad", "roll, in (-pi, pi]")
     pitch = output("rad", "pitch, positive bow up, in [-pi/2, pi/2]")
     yaw = output("rad", "yaw, in (-pi, pi]")
-    attitude_valid = output("1", "1 where roll and yaw are determinate, 0 within 0.1 degrees of the vertical")
+    attitude_valid = flag("1 where roll and yaw are determinate, 0 within 0.1 degrees of the vertical")
     axial_speed = output(
         "m/s", "speed of the hull at the thruster, along its direction, through the water", size=6, feedthrough=FLOW
     )

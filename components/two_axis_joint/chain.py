@@ -12,7 +12,7 @@ from ..core.events import EventComponent
 from ..core.friction import stick_mode
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
-from ..core.variables import input_, output, parameter
+from ..core.variables import flag, input_, output, parameter
 from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_switch, mass_matrix, motion, static_level
 
 WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP = OWN + 1, OWN + 2, OWN + 3  # statuses
@@ -77,8 +77,8 @@ class StickFriction(Effect):
     second_level = parameter(0.1, "N.m", "kinetic friction torque of the second joint", low=0.0)
     static_ratio = parameter(1.0, "1", "static over kinetic friction", low=1.0)
 
-    first_stuck = output("1", "1 while the first joint stands, 0 while it turns")
-    second_stuck = output("1", "1 while the second joint stands, 0 while it turns")
+    first_stuck = flag("1 while the first joint stands, 0 while it turns")
+    second_stuck = flag("1 while the second joint stands, 0 while it turns")
 
 
 class Stops(Effect):

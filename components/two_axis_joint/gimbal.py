@@ -13,7 +13,7 @@ from ..core.events import EventComponent
 from ..core.friction import stick_mode, stick_switch
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.spectrum import spectral_radius, step_within
-from ..core.variables import choice, input_, output, parameter
+from ..core.variables import choice, flag, input_, output, parameter
 from .gimbal_equations import (
     ALPHA,
     BETA,
@@ -87,8 +87,8 @@ class StickFriction(Effect):
     inner_level = parameter(0.05, "N.m", "kinetic friction of the inner axis", low=0.0)
     static_ratio = parameter(1.0, "1", "static over kinetic friction", low=1.0)
 
-    outer_stuck = output("1", "1 while the outer axis stands, 0 while it turns")
-    inner_stuck = output("1", "1 while the inner axis stands, 0 while it turns")
+    outer_stuck = flag("1 while the outer axis stands, 0 while it turns")
+    inner_stuck = flag("1 while the inner axis stands, 0 while it turns")
 
 
 class Stops(Effect):

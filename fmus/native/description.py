@@ -20,6 +20,7 @@ from ..description import (
     identity,
     initial_dependencies,
     real_attributes,
+    variability_attributes,
     xml_value,
 )
 from .variables import NativeVariable
@@ -141,14 +142,7 @@ def _add_variable3(parent: ET.Element, reference: int, variable: NativeVariable,
     scalar = variable.scalar
     name = name_of(variable)
     attributes = {"name": name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
-    if scalar.causality == "local":
-        attributes |= {"variability": "constant", "initial": "exact"}
-    elif scalar.causality == "parameter":
-        attributes |= {"variability": "fixed", "initial": "exact"}
-    elif scalar.causality == "output":
-        attributes |= {"variability": "continuous", "initial": "calculated"}
-    else:
-        attributes |= {"variability": "continuous"}
+    attributes |= variability_attributes(scalar)
     if scalar.type == "Real":
         attributes |= real_attributes(scalar)
     if scalar.type in ("Real", "Integer"):

@@ -92,5 +92,5 @@ def variables_of(scene: Scene, layout: Layout) -> Iterator[NativeVariable]:
         if shown.kind:
             of = outputs[shown.end]
             text = f"{shown.kind} of {'.'.join(shown.end)} over the macro steps{behind}"
-            scalar = replace(of.scalar, name=name, text=text, relative=shown.kind == "standard deviation")
+            scalar = replace(of.scalar, type="Real", name=name, text=text, relative=shown.kind == "standard deviation")
             yield replace(of, scalar=scalar, cell=layout.figure(shown.end, shown.kind))

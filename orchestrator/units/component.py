@@ -12,10 +12,17 @@ from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import StepFailed
 from ...components.core.kernels import COMPILED
+from ...components.core.variables import Kind as VariableKind
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
 from .call_table import Callback, CallTable
-from .interface import ARRAY_THRESHOLD, Interface, PlainSimulator, PortValues, Signal
+from .interface import ARRAY_THRESHOLD, Interface, Kind, PlainSimulator, PortValues, Signal
+
+KINDS: dict[VariableKind, Kind] = {
+    VariableKind.REAL: "real",
+    VariableKind.INTEGER: "integer",
+    VariableKind.BOOLEAN: "boolean",
+}  # of outputs
 
 
 def make(name: str, settings: UnitSettings) -> Component:
@@ -36,7 +43,9 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         title=cls.title,
         inputs={n: Signal(n, v.unit, component[n], v.nominal, moving=v.moving) for n in component.inputs for v in [variables[n]]},
         outputs={
-            n: Signal(n, v.unit, 0.0, v.nominal, tuple(i for i in component.inputs if _feeds(i, v.feedthrough)))
+            n: Signal(
+                n, v.unit, 0.0, v.nominal, tuple(i for i in component.inputs if _feeds(i, v.feedthrough)), kind=KINDS[v.kind]
+            )
             for n in component.outputs
             for v in [variables[n]]
         },
