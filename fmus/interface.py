@@ -30,12 +30,13 @@ class Scalar:
     moving: bool = False  # of an input: a place that moves on
     relative: bool = False  # a difference: units to show it in have no offset
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
+    tunable: bool = False  # of a parameter: it may change during a run
 
     @property
     def variability(self) -> str:
         """As FMI has it: counts and flags change at instants only."""
         if self.causality in ("parameter", "local"):
-            return "fixed" if self.causality == "parameter" else "constant"
+            return "constant" if self.causality == "local" else "tunable" if self.tunable else "fixed"
         return "continuous" if self.type == "Real" else "discrete"
 
 
@@ -69,6 +70,7 @@ def _declared(variable: Any) -> Scalar:
         variable.nominal,
         variable.feedthrough,
         variable.moving,
+        tunable=variable.tunable,
     )
 
 

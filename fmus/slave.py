@@ -171,8 +171,8 @@ class ComponentSlave(Fmi2Slave):
     def _set_parameter(self, reference: int, value: Any) -> None:
         """Take a parameter or an effect before the run; a value that cannot be used is refused and stops the run."""
         name = self._scalars[reference].name
-        if self.running:
-            self._say(f"{name} = {value!r} refused: parameters are fixed after initialisation", Fmi2Status.warning)
+        if self.running and not self._scalars[reference].tunable:
+            self._say(f"{name} = {value!r} refused: this parameter is fixed after initialisation", Fmi2Status.warning)
             return
         try:
             variable = self.component_class.variables.get(name)
@@ -183,9 +183,19 @@ class ComponentSlave(Fmi2Slave):
             return
         self._refused.pop(name, None)
         if checked != self._values[reference]:
-            self._release()
-            self._values[reference] = checked
+            if self.running and self.component is not None:
+                self._values[reference] = checked
+                self._tune(name, checked)
+            else:
+                self._release()
+                self._values[reference] = checked
         self._dirty = True
+
+    def _tune(self, name: str, value: float) -> None:
+        """Of a parameter that may change during the run: it acts from the next step on, and is part of a state."""
+        if name in self.component.parameters:  # not of an effect that is off
+            self.component.tune(name, value)
+        self._config = json.dumps(self._values).encode()
 
     # -- the run -------------------------------------------------------------------------------------------------------
     def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:

@@ -222,6 +222,10 @@ class Component:
         else:
             raise self._unknown(name)
 
+    def tune(self, name: str, value: Any) -> None:
+        """Set a tunable parameter during the run; it acts from the next step on."""
+        self.set(name, value)
+
     def get(self, name: str) -> Any:
         """The value of a parameter, an input or an output."""
         if name in self._output_index:

@@ -180,6 +180,13 @@ class KernelComponent(Component):
             block.begin_anew(kept)
         return block
 
+    def tune(self, name: str, value: Any) -> None:
+        """Set a tunable parameter during the run: kernels read it from the block."""
+        self.set(name, value)
+        assert self.block is not None
+        p, e = self._parameters()
+        self.arguments = (self.block.s, self.block.write(("p",), p), self.block.write(("e",), e))
+
     def _image_key(self) -> tuple[Any, ...]:
         """The values that the `kept` arrays follow from."""
         assert self.block is not None

@@ -66,6 +66,9 @@ class Variable:
     # of a parameter that decides how large the component's memory is, or which of several models it is: why; a native FMU has the
     # value of its build. Whole numbers, choices and texts always are such parameters.
     structural: str = ""
+    # of a real parameter: it may change during a run, and acts from the next step on; only where a change has a meaning, and where
+    # nothing that initialization computes follows from it but the state
+    tunable: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:

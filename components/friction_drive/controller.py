@@ -75,18 +75,24 @@ class ServoController(SampledComponent):
     sleeve_radius = parameter(0.005, "m", "radius of the sleeve", low=1e-6, nominal=0.01)
     angle = parameter(ANGLE, "rad", "angle of the wheels' directions with the axis, for skewed wheels")
     period = parameter(1e-3, "s", "time between samples", low=1e-6, nominal=1e-3)
-    set_feed = parameter(0.0, "m", "set point of the feed", nominal=0.01)
-    set_rotation = parameter(0.0, "rad", "set point of the rotation")
-    feed_gain = parameter(20.0, "1/s", "feed rate per error of the feed", low=0.0, nominal=10.0)
-    rotation_gain = parameter(20.0, "1/s", "rotation rate per error of the rotation", low=0.0, nominal=10.0)
-    feed_integral_gain = parameter(0.0, "1/s2", "feed rate per error of the feed and time", low=0.0, nominal=100.0)
-    rotation_integral_gain = parameter(0.0, "1/s2", "rotation rate per error of the rotation and time", low=0.0, nominal=100.0)
-    rate_limit = parameter(20.0, "rad/s", "largest rate of a wheel that is asked for", low=1e-9, nominal=10.0)
-    rate_gain = parameter(0.4, "V.s/rad", "voltage per error of a wheel's rate", low=0.0)
-    rate_integral_gain = parameter(10.0, "V/rad", "voltage per error of a wheel's rate and time", low=0.0, nominal=10.0)
-    feed_forward = parameter(0.4446, "V.s/rad", "voltage per wanted rate of a wheel; the default motor induces as much", low=0.0)
-    voltage_limit = parameter(12.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0)
-    unwinding_time = parameter(0.02, "s", "time in which the integrals give up what the limit keeps back", low=1e-6)
+    set_feed = parameter(0.0, "m", "set point of the feed", nominal=0.01, tunable=True)
+    set_rotation = parameter(0.0, "rad", "set point of the rotation", tunable=True)
+    feed_gain = parameter(20.0, "1/s", "feed rate per error of the feed", low=0.0, nominal=10.0, tunable=True)
+    rotation_gain = parameter(20.0, "1/s", "rotation rate per error of the rotation", low=0.0, nominal=10.0, tunable=True)
+    feed_integral_gain = parameter(0.0, "1/s2", "feed rate per error of the feed and time", low=0.0, nominal=100.0, tunable=True)
+    rotation_integral_gain = parameter(
+        0.0, "1/s2", "rotation rate per error of the rotation and time", low=0.0, nominal=100.0, tunable=True
+    )
+    rate_limit = parameter(20.0, "rad/s", "largest rate of a wheel that is asked for", low=1e-9, nominal=10.0, tunable=True)
+    rate_gain = parameter(0.4, "V.s/rad", "voltage per error of a wheel's rate", low=0.0, tunable=True)
+    rate_integral_gain = parameter(
+        10.0, "V/rad", "voltage per error of a wheel's rate and time", low=0.0, nominal=10.0, tunable=True
+    )
+    feed_forward = parameter(
+        0.4446, "V.s/rad", "voltage per wanted rate of a wheel; the default motor induces as much", low=0.0, tunable=True
+    )
+    voltage_limit = parameter(12.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0, tunable=True)
+    unwinding_time = parameter(0.02, "s", "time in which the integrals give up what the limit keeps back", low=1e-6, tunable=True)
 
     first_angle = input_(0.0, "rad", "angle of the first wheel, by its encoder")
     second_angle = input_(0.0, "rad", "angle of the second wheel")

@@ -108,7 +108,7 @@ class Pantograph(OdeComponent):
 
     speed = parameter(69.444444444444443, "m/s", "speed of the train", low=0.0, high=200.0)
     start_position = parameter(30.0, "m", "position of the contact point at time 0")
-    static_force = parameter(120.0, "N", "uplift force of the drive", low=0.0)
+    static_force = parameter(120.0, "N", "uplift force of the drive", low=0.0, tunable=True)
     head_mass = parameter(7.2, "kg", "mass of the head", low=1e-6)
     head_stiffness = parameter(4200.0, "N/m", "stiffness from the head to the frame", low=1e-3)
     head_damping = parameter(10.0, "N.s/m", "damping from the head to the frame", low=0.0)

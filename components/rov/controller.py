@@ -116,20 +116,22 @@ class RovController(SampledComponent):
     further_thrusters = FurtherThrusters
 
     period = parameter(0.02, "s", "time between samples", low=1e-5)
-    set_north = parameter(0.0, "m", "set point to the north")
-    set_east = parameter(0.0, "m", "set point to the east")
-    set_depth = parameter(0.0, "m", "set point of the depth")
-    set_roll = parameter(0.0, "rad", "set point of the roll")
-    set_pitch = parameter(0.0, "rad", "set point of the pitch")
-    set_yaw = parameter(0.0, "rad", "set point of the heading")
+    set_north = parameter(0.0, "m", "set point to the north", tunable=True)
+    set_east = parameter(0.0, "m", "set point to the east", tunable=True)
+    set_depth = parameter(0.0, "m", "set point of the depth", tunable=True)
+    set_roll = parameter(0.0, "rad", "set point of the roll", tunable=True)
+    set_pitch = parameter(0.0, "rad", "set point of the pitch", tunable=True)
+    set_yaw = parameter(0.0, "rad", "set point of the heading", tunable=True)
     position_gain = parameter(
-        (24.0, 34.0, 37.0), "N/m", "force per error, along surge, sway, heave", size=3, low=0.0, nominal=10.0
+        (24.0, 34.0, 37.0), "N/m", "force per error, along surge, sway, heave", size=3, low=0.0, nominal=10.0, tunable=True
     )
-    velocity_gain = parameter((35.0, 50.0, 55.0), "N.s/m", "force per error of the velocity", size=3, low=0.0, nominal=10.0)
-    position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3, low=0.0)
-    attitude_gain = parameter(4.0, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
-    rate_gain = parameter(1.8, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
-    attitude_integral_gain = parameter(1.5, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
+    velocity_gain = parameter(
+        (35.0, 50.0, 55.0), "N.s/m", "force per error of the velocity", size=3, low=0.0, nominal=10.0, tunable=True
+    )
+    position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3, low=0.0, tunable=True)
+    attitude_gain = parameter(4.0, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0, tunable=True)
+    rate_gain = parameter(1.8, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0, tunable=True)
+    attitude_integral_gain = parameter(1.5, "N.m/rad/s", "moment per error and time", size=3, low=0.0, tunable=True)
     reach = parameter(
         1.0,
         "m",
@@ -137,7 +139,9 @@ class RovController(SampledComponent):
         "not integrated, so that a long way or a place out of reach leaves thrust for depth and heading",
         low=1e-3,
     )
-    unwinding_time = parameter(1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3)
+    unwinding_time = parameter(
+        1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3, tunable=True
+    )
     priority = parameter(
         (1.0, 1.0, 100.0, 1.0, 1.0, 500.0),
         "1",

@@ -68,7 +68,7 @@ class WaterCurrent(StatelessComponent):
 
     speed = parameter(0.3, "m/s", "mean horizontal speed", low=0.0)
     direction = parameter(0.0, "rad", "where the mean current sets, from north over east")
-    downwelling = parameter(0.0, "m/s", "mean vertical speed, positive downwards")
+    downwelling = parameter(0.0, "m/s", "mean vertical speed, positive downwards", tunable=True)
 
     velocity_north = output("m/s", "velocity to the north", feedthrough=PLACE)
     velocity_east = output("m/s", "velocity to the east", feedthrough=PLACE)

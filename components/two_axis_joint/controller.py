@@ -47,16 +47,20 @@ class GimbalController(SampledComponent):
     scan = Scan
 
     period = parameter(2e-3, "s", "time between samples", low=1e-6)
-    set_outer_angle = parameter(0.0, "rad", "set point of the outer axis")
-    set_inner_angle = parameter(0.0, "rad", "set point of the inner axis")
-    outer_gain = parameter(640.0, "V/rad", "voltage per error of the outer angle", low=0.0, nominal=100.0)
-    inner_gain = parameter(400.0, "V/rad", "voltage per error of the inner angle", low=0.0, nominal=100.0)
-    outer_rate_gain = parameter(64.0, "V.s/rad", "voltage per error of the outer rate", low=0.0, nominal=10.0)
-    inner_rate_gain = parameter(40.0, "V.s/rad", "voltage per error of the inner rate", low=0.0, nominal=10.0)
-    outer_integral_gain = parameter(640.0, "V/rad/s", "voltage per error of the outer angle and time", low=0.0, nominal=100.0)
-    inner_integral_gain = parameter(400.0, "V/rad/s", "voltage per error of the inner angle and time", low=0.0, nominal=100.0)
-    voltage_limit = parameter(24.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0)
-    unwinding_time = parameter(0.1, "s", "time in which the integrals give up what the limit keeps back", low=1e-6)
+    set_outer_angle = parameter(0.0, "rad", "set point of the outer axis", tunable=True)
+    set_inner_angle = parameter(0.0, "rad", "set point of the inner axis", tunable=True)
+    outer_gain = parameter(640.0, "V/rad", "voltage per error of the outer angle", low=0.0, nominal=100.0, tunable=True)
+    inner_gain = parameter(400.0, "V/rad", "voltage per error of the inner angle", low=0.0, nominal=100.0, tunable=True)
+    outer_rate_gain = parameter(64.0, "V.s/rad", "voltage per error of the outer rate", low=0.0, nominal=10.0, tunable=True)
+    inner_rate_gain = parameter(40.0, "V.s/rad", "voltage per error of the inner rate", low=0.0, nominal=10.0, tunable=True)
+    outer_integral_gain = parameter(
+        640.0, "V/rad/s", "voltage per error of the outer angle and time", low=0.0, nominal=100.0, tunable=True
+    )
+    inner_integral_gain = parameter(
+        400.0, "V/rad/s", "voltage per error of the inner angle and time", low=0.0, nominal=100.0, tunable=True
+    )
+    voltage_limit = parameter(24.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0, tunable=True)
+    unwinding_time = parameter(0.1, "s", "time in which the integrals give up what the limit keeps back", low=1e-6, tunable=True)
 
     outer_angle = input_(0.0, "rad", "angle of the outer axis")
     inner_angle = input_(0.0, "rad", "angle of the inner axis")

@@ -48,7 +48,7 @@ ABILITIES = {
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
 HOST = (
     "This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
-    "the others can be set before the run." + DERIVATIVES
+    "the others can be set before the run, tunable ones during it." + DERIVATIVES
 )
 
 

@@ -79,7 +79,7 @@ def with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
 def tables(model: Model, variables: tuple[NativeVariable, ...], token: str) -> str:
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
-    rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
+    rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0, 0}')
     reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}" for status, text, cells in model.reasons]
     runs, cells = _runs(model.image)
     numbers = {
@@ -134,7 +134,7 @@ def _row(name: str, kind: str, variable: NativeVariable) -> str:
     name = quoted(name) if role != "ABSENT" else "0"
     return (
         f"{{{name}, {kind}, {role}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
-        f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}}}"
+        f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}, {int(scalar.tunable)}}}"
     )
 
 

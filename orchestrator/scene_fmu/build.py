@@ -24,7 +24,8 @@ from .variables import described, variables_of
 
 HOST = (
     "This FMU needs no Python. It holds a scene: the components above, and the master algorithm that couples them. "
-    "Effects and structural parameters are constants, fixed when it was built; the other parameters can be set before the run. "
+    "Effects and structural parameters are constants, fixed when it was built; the other parameters can be set before the run, "
+    "tunable ones during it. "
     "A communication step is a whole multiple of the macro step, which the default experiment names; inputs are held over it."
 )
 

@@ -260,8 +260,8 @@ int set_values(Instance *m, int type, const uint32_t *references, size_t n, cons
         if (!v) return ERROR;
         if (v->role == CONSTANT)
             return report(m, ERROR, "set: %s is a constant of this FMU, fixed at its build; build it with another value", v->name);
-        if (v->role == PARAMETER && m->phase == STEPPING)
-            return report(m, ERROR, "set: %s is a parameter; it can be set until the end of initialization mode", v->name);
+        if (v->role == PARAMETER && m->phase == STEPPING && !v->tunable)
+            return report(m, ERROR, "set: %s is a fixed parameter; it can be set until the end of initialization mode", v->name);
         if (v->role != PARAMETER && v->role != INPUT && v->role != DERIVATIVE) return report(m, ERROR, "set: %s is no input", v->name);
         for (size_t j = 0; j < elements(m, v); j++, k++) {
             if (k >= room) return report(m, ERROR, "set: %u values, more are expected", (unsigned)room);

@@ -25,6 +25,7 @@ typedef struct {
     double value, nominal;     /* value of a constant, size of an input */
     double low, high;          /* limits of a parameter */
     const char *text;          /* of a constant String */
+    bool tunable;              /* of a parameter: it may be set during the run */
 } Variable;
 typedef struct { uint32_t first, count; } Run; /* of cells */
 typedef struct { int32_t status; const char *text; uint32_t cells[4]; } Reason; /* a format, and numbers of the block for it */

@@ -6,19 +6,36 @@ import math
 from itertools import pairwise
 
 import fmpy
+import numpy as np
 import pytest
-from cosimo.components.catalogue import component_class
+from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.fmus.build import build
 from cosimo.fmus.native.build import own_target, pack
+from cosimo.fmus.native.description import ABILITIES
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
 from cosimo.orchestrator.systems import load_scene
-from cosimo.tests.fmus.native.support import compiled, opened
+from cosimo.tests.fmus.native.support import compiled
+from fmpy import calloc, free
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2LastSuccessfulTime, fmi2Terminated
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2LastSuccessfulTime,
+    fmi2Terminated,
+)
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
 pytestmark = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
+# own ones: FMPy's default logger is the last one that was given to `simulate_fmu`, even where that is no more
+CALLBACKS = fmi2CallbackFunctions(
+    fmi2CallbackLoggerTYPE(lambda env, name, status, category, message: None),
+    fmi2CallbackAllocateMemoryTYPE(calloc),
+    fmi2CallbackFreeMemoryTYPE(free),
+)
 STARTS = (0.0, 0.3, -7.0, 1e5, 1e9)
 H = 0.005
 
@@ -47,7 +64,7 @@ class Host:
             modelIdentifier=described.coSimulation.modelIdentifier,
             instanceName="unit",
         )
-        fmu.instantiate()
+        fmu.instantiate(**({"callbacks": CALLBACKS} if version == 2 else {}))
         references = {v.name: v.valueReference for v in described.modelVariables}
         before(fmu, references)
         return cls(fmu, references, version, start)
@@ -122,7 +139,7 @@ def test_a_refused_step_changes_nothing_and_the_right_one_follows(scenes):
 
 def test_after_a_step_that_fails_the_last_results_are_read_and_a_state_goes_on(tmp_path):
     for version in (2, 3):
-        host = Host(*opened(compiled("ServoMotor"), tmp_path / str(version), version), version)
+        host = Host.of(pack(compiled("ServoMotor"), tmp_path, version))
         names = ("rate", "voltage")
         host.put("voltage", 5.0)
         assert host.step(0.0, 0.01) == 0
@@ -169,3 +186,19 @@ def test_a_controller_samples_at_late_times_in_the_step_that_reaches_its_instant
                 component.step(t, after - t)
                 samples.append(int(component.counts[1]))
             assert samples == list(range(1, 12)), (name, start)
+
+
+@pytest.mark.full
+def test_every_component_takes_steps_of_any_length():
+    """As the descriptions of its FMUs say, in every packaging, which have the same step."""
+    for name in CATALOGUE:
+        component = component_class(name)()
+        component.initialize(0.0)
+        t = 0.0
+        for share in (1.0, 0.7, 0.01, 0.313, 1.0):
+            h = share * component.default_step
+            component.step(t, h)
+            t += h
+            assert np.isfinite(component.y).all(), (name, share)
+    for fmi in (2, 3):
+        assert ABILITIES[fmi]["canHandleVariableCommunicationStepSize"] == "true"

@@ -80,6 +80,21 @@ def started(path):
     return host
 
 
+def directions_are_differences(host, output, known, by):
+    """The derivative of a real output; of a count there is none."""
+    z, v = host.references[output], host.references[known]
+    along = host.fmu.getDirectionalDerivative([z], [v], [1.0])[0]
+    (at,), values = host.get(known), []
+    for sign in (1.0, -1.0):
+        host.put(known, at + sign * by)
+        values += host.get(output)
+    host.put(known, at)
+    assert along == pytest.approx((values[0] - values[1]) / (2.0 * by), rel=1e-3)
+    assert along != 0.0
+    with pytest.raises(FMICallException):
+        host.fmu.getDirectionalDerivative([host.references["loaded_balls"]], [v], [1.0])
+
+
 def test_counts_of_a_bearing_in_python_and_native(tmp_path):
     for path in (pack(compiled("AngularContactConductance"), tmp_path, 2), pack(compiled("AngularContactConductance"), tmp_path, 3),
                  build("AngularContactConductance", tmp_path / "python")):  # fmt: skip
@@ -92,6 +107,8 @@ def test_counts_of_a_bearing_in_python_and_native(tmp_path):
         component.refresh()
         assert values_of(host, ["loaded_balls"], "Integer") == [round(component["loaded_balls"])]
         assert component["loaded_balls"] >= 1.0
+        if path.parent.name != "python":
+            directions_are_differences(host, "conductance", "axial_force", 0.5)
         host.end()
 
 
