@@ -20,7 +20,7 @@ from .integrators import finished, start
 from .kernels import DONE, bind, kernel
 
 NEXT = 0  # of the state
-ROUNDING = 4.0 * sys.float_info.epsilon  # of a time, which masters form as differences and sums of times
+UNCERTAIN = 4.0 * sys.float_info.epsilon  # of a time, which masters form as differences and sums of times
 
 
 def sample(t, u, s, p, e):
@@ -33,7 +33,7 @@ def sampled_initialize(t, s, p, e):
     status = start(t, s, p, e)
     if status != DONE:
         return status
-    s.x[NEXT] = math.floor((t + 1e-9 * p.period + ROUNDING * abs(t)) / p.period) + 1.0
+    s.x[NEXT] = math.floor((t + 1e-9 * p.period + UNCERTAIN * abs(t)) / p.period) + 1.0
     sample(t, s.u[0], s, p, e)
     return DONE
 
@@ -42,7 +42,7 @@ def sampled(t, h, s, p, e):
     """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
     x, u = s.x, s.u
     now = s.work[0, : u.shape[1]]
-    while x[NEXT] * p.period <= t + h + 1e-9 * p.period + ROUNDING * abs(t + h):
+    while x[NEXT] * p.period <= t + h + 1e-9 * p.period + UNCERTAIN * abs(t + h):
         since = min(max(x[NEXT] * p.period - t, 0.0), h)
         for j in range(u.shape[1]):
             now[j] = u[0, j] + since * (u[1, j] + since * u[2, j])
