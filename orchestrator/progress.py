@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import Any, TypeVar
 
 from .engine.stepping.loop import BatchObserver
-from .units.channel import STOPPING
+from .interrupts import Interrupted, at_once, handled
 
 T = TypeVar("T")
 
@@ -19,34 +19,31 @@ T = TypeVar("T")
 class Interrupt(BatchObserver):
     """Lets Ctrl-C, SIGTERM and SIGHUP end a run between two macro steps.
 
-    Inside one they would hit an FMU's own Python and look like its failure. A second one takes effect at once. A SIGHUP that
-    this process ignores stays ignored, as nohup wants it.
+    Inside one they would hit an FMU's own Python and look like its failure. A second one takes effect at once.
     """
 
     taken: signal.Signals | None = None  # what has ended the run between two steps
 
-    def __init__(self, halt: Callable[[], None]):
-        """`halt`: makes the stepping call its observers at the next step."""
-        self._halt = halt
+    def __init__(self, halt: Callable[[], None] = lambda: None, *, at_once: bool = False):
+        """`halt`: makes the stepping call its observers at the next step. `at_once`: a signal raises `Interrupted` where it comes,
+        as long as this is true: no foreign code is running then."""
+        self.halt, self.at_once = halt, at_once
         self._wanted: signal.Signals | None = None
-        self._previous: dict[signal.Signals, Any] = {}
+        self._handling = handled(self._note)
 
     def __enter__(self) -> Interrupt:
-        if threading.current_thread() is threading.main_thread():  # only there handlers can be set
-            for one in STOPPING:
-                if one == signal.SIGINT or signal.getsignal(one) is not signal.SIG_IGN:
-                    self._previous[one] = signal.signal(one, self._note)
+        self._handling.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        for one, handler in self._previous.items():
-            signal.signal(one, handler)
+        self._handling.__exit__(None, None, None)
 
     def _note(self, number: int, frame: object) -> None:
         self._wanted = signal.Signals(number)
-        self._halt()
-        for one in self._previous:
-            signal.signal(one, signal.default_int_handler if one == signal.SIGINT else signal.SIG_DFL)
+        self.halt()
+        at_once()
+        if self.at_once:
+            raise Interrupted(self._wanted)
 
     @property
     def wanted(self) -> signal.Signals | None:
@@ -61,6 +58,8 @@ class Interrupt(BatchObserver):
 
 class Stop(BatchObserver):
     """Ends runs between two batches of macro steps, when a thread calls `set`."""
+
+    at_once = False  # as of an `Interrupt`
 
     taken: signal.Signals | None = None  # what has ended a run
 

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
-from signal import SIGINT
+from signal import SIGINT, Signals
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,7 @@ from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, stepping_of
 from .engine.stepping.faults import Faults
 from .engine.stepping.loop import Observer
+from .interrupts import Interrupted
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
@@ -89,11 +90,16 @@ def run(
             files=files,
             real_time=real_time,
             windows=windows,
+            at_once=in_process and not native,
         )
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
-        current.prepare()
-        current.observe(checkpoint_every, checkpoint_to, past)
+        try:
+            current.prepare()
+            current.observe(checkpoint_every, checkpoint_to, past)
+        except BadInput:
+            current.interrupted()  # processes that build or hold an FMU get the signal, too
+            raise
         current.execute(past)
         return current.conclude(past)
 
@@ -114,13 +120,17 @@ class Run:
         windows: WindowsWish | None = None,
         again: OpenScene | None = None,
         stop: Stop | None = None,
+        at_once: bool = False,
     ):
         """again: the scene, opened before.  stop: what may end the run from another thread. A run with it leaves alone what all
-        threads share: signals, the list of warnings, the working directory."""
+        threads share: signals, the list of warnings, the working directory.  at_once: a signal raises `Interrupted` before the
+        first step; else it waits for the units, which may be in code that would take it for a failure of its own."""
         self._wish, self._open_scene, self._stop = windows, again, stop
         self.windows: Windows | None = None
+        self.monitor: InstabilityMonitor | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
+        self._interrupt = stop or stack.enter_context(Interrupt(at_once=at_once))
         self.pacing = Pacing() if real_time else None
         self.started = perf_counter()
         self._folder, self._moved = working_directory.current() if stop is None else "", False
@@ -188,7 +198,8 @@ class Run:
             name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
             table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
             self.arrays[name] = Spool(recorder, table, beside=beside)
-        self._interrupt = self._stop or stack.enter_context(Interrupt(self.stepping.halt))
+        if isinstance(self._interrupt, Interrupt):
+            self._interrupt.halt = self.stepping.halt
         recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
         recorders[:0] = [texts] if texts else []  # first: an interrupt leaves them no row behind
         self.observers: list[Observer] = [*recorders, self._interrupt]
@@ -206,7 +217,8 @@ class Run:
             self.windows = Windows(master, self.stepping, steps, self.account, angles)
             self.observers.append(self.windows)
         if any(len(group) > 1 for group in coupling.groups):
-            self.observers.append(InstabilityMonitor(master, steps, self.account))
+            self.monitor = InstabilityMonitor(master, steps, self.account)
+            self.observers.append(self.monitor)
         if checkpoint_every is not None and checkpoint_to is not None:
             self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, self.stepping, self.parts())
             self.observers.append(self.checkpoints)
@@ -241,10 +253,14 @@ class Run:
     def execute(self, past: Checkpoint | None) -> None:
         """Initialize, go on from a checkpoint where there is one, and step to the end; keeps why it did not get there."""
         self._mark()
+        self._interrupt.at_once = False
         try:
+            self._interrupt(0, 0.0)  # one that came while units were started
             self._start(past)
             self._mark()
             self.stepping.run(self.observers)
+            if self.monitor is not None:
+                self.monitor.close(self._now)
             self.outcome = "done"
         except Runaway as error:
             self.outcome = "unstable" if isinstance(error, Unstable) else "failed"
@@ -256,6 +272,7 @@ class Run:
         except MemoryError:
             self.message = f"out of memory at t = {self._now:.9g} s"
         except BadInput:
+            self.interrupted()
             raise
         except Exception as error:
             if not (unit := self._raiser(error)):
@@ -266,16 +283,27 @@ class Run:
         except SystemExit as error:
             self.message = f"a unit has called sys.exit({error.code!r})"
         except KeyboardInterrupt:
-            self.outcome, taken = "stopped", self._interrupt.taken
-            self.message = f"stopped by {(taken or SIGINT).name} at t = {self._now:.9g} s"
-            if self.checkpoints is not None and taken:
+            self._stopped()
+            if self.checkpoints is not None and self._interrupt.taken and self.stepping.tick:
                 try:
                     self.checkpoints.write()
                     self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
                 except OutputFailed as error:
                     self.outcome, self.message = "failed", str(error)
+        if self.outcome in ("done", "failed") and self._interrupt.wanted:  # in the last step, or a unit took it for its own
+            self._stopped()
         self._until = perf_counter(), process_time()
         self._return()
+
+    def interrupted(self) -> None:
+        """Raises `Interrupted` where a signal has come that waits."""
+        if isinstance(self._interrupt, Interrupt) and self._interrupt.wanted:
+            raise Interrupted(self._interrupt.wanted) from None
+
+    def _stopped(self) -> None:
+        wanted = self._interrupt.wanted
+        self.outcome, self._signal = "stopped", wanted if isinstance(wanted, Signals) else SIGINT
+        self.message = f"stopped by {self._signal.name} at t = {self._now:.9g} s"
 
     def _raiser(self, error: BaseException) -> str:
         """The unit in whose own code an exception was raised: a component that is none of the catalogue; "" for ours."""
@@ -320,7 +348,9 @@ class Run:
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
         info |= {"traceback": self.log} if self.log else {}
-        info |= {"signal": (self._interrupt.taken or SIGINT).name} if self.outcome == "stopped" else {}
+        info |= {"signal": self._signal.name} if self.outcome == "stopped" else {}
+        if self.monitor is not None and (missed := self.monitor.missed()) is not None:
+            info |= {"missed": missed}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"real_time": self.pacing.report()} if self.pacing else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
@@ -328,7 +358,14 @@ class Run:
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
         info |= {"warnings": self._warnings()}
         if self.outcome == "done" and self._wish is not None:
-            self._answer(self._wish, info["timing"]["cpu"])
+            self._interrupt.at_once = True
+            try:
+                self._answer(self._wish, info["timing"]["cpu"])
+            except KeyboardInterrupt:
+                self._stopped()
+                self.message += ", while windows of the run were repeated; the run itself is whole"
+                info |= {"outcome": self.outcome, "message": self.message, "signal": self._signal.name}
+            self._interrupt.at_once = False
         directory = None
         if self.files is not None:
             try:

@@ -16,7 +16,7 @@ if (tested := Path(cosimo.__file__).resolve().parent) != ROOT:  # before anythin
 
 import pytest
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.units.channel import STOPPING
+from cosimo.orchestrator.interrupts import STOPPING
 from cosimo.tests.plain_python import keep_compliance_tables
 from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401

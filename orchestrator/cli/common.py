@@ -8,12 +8,14 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from signal import SIGINT
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from ...components.core.errors import BadInput, nearest, visible_lines
+from ..interrupts import Interrupted, handled, interrupt
 from .options import listed, value_of
 
 if TYPE_CHECKING:
@@ -41,15 +43,17 @@ COLOURS = {
 
 
 class Commands(TyperGroup):
-    """All commands: listed in groups by what they are for; Ctrl-C is answered at any moment, and a closed pipe ends them quietly."""
+    """All commands, in groups by what they are for. Signals are answered at any moment, and a closed pipe ends them quietly."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            value = super().invoke(ctx)
-            sys.stdout.flush()
-            return value
-        except KeyboardInterrupt:
-            raise fail("stopped by SIGINT; what was written before stays", STOPPED + 2) from None
+            with handled(interrupt):
+                value = super().invoke(ctx)
+                sys.stdout.flush()
+                return value
+        except KeyboardInterrupt as stop:
+            one = stop.signal if isinstance(stop, Interrupted) else SIGINT
+            raise fail(f"stopped by {one.name}; what was written before stays", STOPPED + one) from None
         except BrokenPipeError:  # such as of `| head`
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise SystemExit(STOPPED + 13) from None

@@ -21,6 +21,8 @@ from ..scene.scene import Scene
 from ..systems import SYSTEMS, summary
 from .common import fail, print_rows, print_table, print_written, warn
 
+NO_ERRORS = "Not verified: the numbers have no known error."  # why is a warning
+
 
 def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
     """Print what a run would do, and draw the scene into the directory."""
@@ -104,7 +106,7 @@ def print_result(result: Result, numbers: Summary) -> None:
     )
     if numbers:
         print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.shown, r.text) for r in numbers])
-    print(verification_text(verification))
+    print(verification_text(verification) if verification["done"] else NO_ERRORS)
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
     print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")

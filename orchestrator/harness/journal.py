@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import signal
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -21,9 +19,9 @@ from ...components.catalogue import component_name
 from ...components.core import store
 from ...fmus.versions import version
 from ..checkpoint import digest
+from ..interrupts import Interrupted, handled, interrupt
 from ..output import UNFINISHED, locked
 from ..scene.scene import Scene
-from ..units.channel import STOPPING
 from ..verified_file import read_verified, write_verified
 from .code_digests import component_digest, components_digest
 
@@ -31,12 +29,10 @@ T = TypeVar("T")
 FOLDER = "study"  # in the folder of what is not finished
 
 
-class Stopped(KeyboardInterrupt):
+class Stopped(Interrupted):
     """A signal has ended a study. kept: how many pieces a further call need not compute."""
 
-    def __init__(self, one: signal.Signals):
-        super().__init__(one.name)
-        self.signal, self.kept = one, 0
+    kept = 0
 
 
 class Journal:
@@ -108,34 +104,16 @@ def kept_study(directory: str | Path, *, resume: bool = False) -> Iterator[Path]
     Ctrl-C, SIGTERM and SIGHUP end it with `Stopped`. `resume`: pieces of an earlier call that did not end are used. Raises
     `BadInput` where another process writes into the directory.
     """
-    with locked(directory) as path, _stoppable():
+    with locked(directory) as path, handled(interrupt):
         journal = Journal(path / UNFINISHED / FOLDER, resume)
         token, done = _journal.set(journal), False
         try:
             yield path
             done = True
-        except Stopped as stopped:
+        except Interrupted as one:
+            stopped = one if isinstance(one, Stopped) else Stopped(one.signal)
             stopped.kept = journal.kept
-            raise
+            raise stopped from None
         finally:
             _journal.reset(token)
             journal.close(done)
-
-
-@contextmanager
-def _stoppable() -> Iterator[None]:
-    """Let signals that end a process raise `Stopped`; a SIGHUP that is ignored stays ignored, as nohup wants it."""
-
-    def stop(number: int, frame: object) -> None:
-        raise Stopped(signal.Signals(number))
-
-    previous = {}
-    if threading.current_thread() is threading.main_thread():  # only there handlers can be set
-        for one in STOPPING:
-            if one == signal.SIGINT or signal.getsignal(one) is not signal.SIG_IGN:
-                previous[one] = signal.signal(one, stop)
-    try:
-        yield
-    finally:
-        for one, handler in previous.items():
-            signal.signal(one, handler)

@@ -49,6 +49,7 @@ class Difference:
 
     rms, largest: over all rows.  sections: (SECTIONS,) rms in equal sections of the run.  spread: deviation of the first over the
     second.
+    reach, late: range of the first, and of its last half, over the range of the second.
     rest: rms without the few rows in which most of it is; as large as `rms` where it is not in few rows.
     """
 
@@ -57,6 +58,8 @@ class Difference:
     sections: np.ndarray
     spread: float = 1.0
     rest: float = inf
+    reach: float = 1.0
+    late: float = 1.0
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -78,7 +81,8 @@ class SignalError:
 
     half: rms error of the run with half the step; NaN from two runs.  parted: whether histories have parted while statistics
     agree, as in a chaotic motion.  shifted: whether the error is that of jumps at other instants, in few rows.  grown: deviation
-    over that of the finest run.  coupling: share of the error that half the macro step alone shows; NaN where it is not known.
+    over that of the finest run.  late: range in the last half of the run over that of the whole finest run.  coupling: share of
+    the error that half the macro step alone shows; NaN where it is not known.
     """
 
     rms: float
@@ -88,6 +92,7 @@ class SignalError:
     parted: bool = False
     shifted: bool = False
     grown: float = 1.0
+    late: float = 1.0
     coupling: float = nan
 
     def to_json(self) -> dict[str, float | bool | None]:
@@ -154,7 +159,15 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
             np.array([_rms(part) for part in np.array_split(gap, SECTIONS)]),
             own / scale if scale else 1.0,
             float(rest) if rest**2 < (1.0 - BULK) * rms**2 else rms,
+            *_ranges(first, second),
         )
+
+
+def _ranges(first: np.ndarray, second: np.ndarray) -> tuple[float, float]:
+    """Ranges of a history and of its last half, over the range of the finer one; 1 where that stands still."""
+    known = [v[np.isfinite(v)] for v in (second, first, first[first.size // 2 :])]
+    whole, reach, late = (float(np.ptp(v)) if v.size else 0.0 for v in known)
+    return (reach / whole, late / whole) if whole > 0.0 else (1.0, 1.0)
 
 
 def _of_shares(other: np.ndarray) -> Difference:
@@ -246,7 +259,7 @@ def signal_errors(first: Mapping[str, Difference], second: Mapping[str, Differen
 
 def _of_two(d: Difference) -> SignalError:
     factor = UNSURE if d.rms > ORDER_UNSURE else SURE
-    return SignalError(factor * d.rms, factor * d.largest, shifted=d.rest < d.rms, grown=d.spread)
+    return SignalError(factor * d.rms, factor * d.largest, shifted=d.rest < d.rms, grown=d.spread, late=d.late)
 
 
 def _of_three(d: Difference, d2: Difference) -> SignalError:
@@ -257,7 +270,14 @@ def _of_three(d: Difference, d2: Difference) -> SignalError:
     alike = all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2))
     parted = d2.rms * CONVERGING > d.rms and alike and (later or at_once)
     return SignalError(
-        d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, 2.0 * d2.rms, parted, d.rest < d.rms, d.spread * d2.spread
+        d.rms + 2.0 * d2.rms,
+        d.largest + 2.0 * d2.largest,
+        order,
+        2.0 * d2.rms,
+        parted,
+        d.rest < d.rms,
+        grown=d.spread * d2.spread,
+        late=d.late * d2.reach,
     )
 
 

@@ -2,11 +2,14 @@
 
 Both conditions are needed. An extrapolation error alone may come from a coarse step or noise. Growth alone may be a motion that is
 extrapolated well. For power bonds the two conditions are that the coupling creates energy, and that it creates more each time.
+
+At its end a run is judged by its last looks as well, however few they are (`close`), and for how far extrapolations have missed on the
+whole (`missed`): what contacts or stops keep bounded does not grow, but nothing is foretold of it any more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from typing import Any
 
@@ -15,11 +18,13 @@ import numpy as np
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
 from ..engine.stepping.loop import BatchObserver
-from .thresholds import BEYOND, BLOCKS, ENERGY, MISSED, RISE
+from .thresholds import BEYOND, BLOCKS, ENERGY, FEWEST_ROWS, HARDLY, MISSED, NOTHING, OVERSHOT, RISE, UNFOLLOWED
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
 SHORT = 160  # looks that even a short run has
+LAST = LOOKS * BLOCKS  # looks that are judged at the end, in as many parts as
+PARTS = 4
 
 
 class InstabilityMonitor(BatchObserver):
@@ -45,6 +50,12 @@ class InstabilityMonitor(BatchObserver):
         self._energies = [_Blocks(account.nominal, LOOKS if k else 1) for k in range(KINDS)] if account is not None else []
         self._before = account.sums if account is not None else None  # at the last block's end
         self._seen = False  # the looks of the steps to come, see `first_violation`
+        self._last = np.zeros((0, 2, len(self._links)))  # looks
+        self._origin: np.ndarray | None = None  # inputs at the first look
+        self._count, self._moments = (
+            0,
+            np.zeros((3, len(self._links))),
+        )  # of inputs from there: sums, of squares, and of squared misses
 
     def __call__(self, tick: int, t: float) -> None:
         self._calls += 1
@@ -92,12 +103,51 @@ class InstabilityMonitor(BatchObserver):
     def _sizes(self, looks: np.ndarray) -> np.ndarray:
         """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""
         led = self._master.extrapolated()[self._columns] & self._free
-        return np.stack((np.abs(looks[:, 0]), np.where(led, np.abs(looks[:, 0] - looks[:, 1]), 0.0)), axis=1)
+        missed = np.where(led, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
+        if len(looks):
+            self._origin = looks[0, 0].copy() if self._origin is None else self._origin
+            moved = looks[:, 0] - self._origin
+            self._count += len(looks)
+            with np.errstate(over="ignore", invalid="ignore"):
+                self._moments += np.stack([moved.sum(axis=0), np.square(moved).sum(axis=0), np.square(missed).sum(axis=0)])
+        return np.stack((np.abs(looks[:, 0]), missed), axis=1)
+
+    def close(self, t: float) -> None:
+        """The run has come to its end: raises `Unstable` where its last looks grow beyond bounds.
+
+        They may be too few for blocks. So each part must miss more than the one before, and the last by more than the input
+        itself: the input comes on the other side of what was foretold, as no motion does that grows by itself.
+        """
+        if len(self._last) < 2:
+            return
+        parts = np.array([part.max(axis=0) for part in np.array_split(self._last, min(len(self._last), PARTS))])
+        values, misses = parts[:, 0], parts[:, 1]
+        grown = values[-1] > BEYOND * np.maximum(self._blocks[0].nominal, values[0])
+        grown &= (misses[-1] > OVERSHOT * values[-1]) & np.all(misses[1:] > RISE * misses[:-1], axis=0)
+        if grown.any():
+            k = int(np.argmax(np.where(grown, misses[-1] / self._blocks[0].nominal, 0.0)))
+            unit, text = self._input_text(k, self._last[-1, 0])
+            raise Unstable(unit, t, text)
+
+    def missed(self) -> dict[str, Any] | None:
+        """For run.json: the input that extrapolation has missed most, `share` of its deviation (rms); None where none was led."""
+        if self._count < FEWEST_ROWS or self._origin is None:
+            return None
+        with np.errstate(over="ignore", invalid="ignore"):
+            mean, square, missed = self._moments / self._count
+            size = np.sqrt(np.maximum(square + 2.0 * mean * self._origin + self._origin**2, 0.0))
+            scale = np.maximum(np.sqrt(np.maximum(square - mean**2, 0.0)), HARDLY * size)
+            shares = np.sqrt(missed) / np.maximum(scale, NOTHING * self._blocks[0].nominal)
+        if not np.isfinite(shares).all() or not shares.max(initial=0.0) > 0.0:
+            return None
+        link = self._links[int(np.argmax(shares))]
+        return {"input": ".".join(link.target), "source": ".".join(link.source), "share": float(shares.max())}
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
         grown, the unit that takes it, and how it has grown; None: nothing has."""
         grown: list[tuple[int, str, str]] = []
+        self._last = np.concatenate((self._last, looks))[-LAST:]
         rows, ends = looks, steps
         for k, blocks in enumerate(self._blocks):
             rows, ends, which = blocks.take(rows, ends)
@@ -174,6 +224,16 @@ class _Blocks:
         first = int(np.argmax(grown.any(axis=1)))
         worst = np.argmax(np.where(grown[first], judged[first, 1] / self.nominal, 0.0))
         return blocks, ends, (int(ends[first + BLOCKS - 1 - known]), int(worst))
+
+
+def unfollowed(missed: Mapping[str, Any] | None) -> list[str]:
+    """What a user should know of inputs of a run that no repetition has judged; missed: of run.json."""
+    if missed is None or missed["share"] <= UNFOLLOWED:
+        return []
+    return [
+        f"the macro step is too long: extrapolation misses {missed['input']} by {100.0 * missed['share']:.0f} % of its deviation "
+        "(rms), so the coupling may be unstable. Reduce master.step, and let the run be repeated"
+    ]
 
 
 def energy_warnings(account: EnergyAccount) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 
 from .comparison import SURE, Difference, SignalError
 
+NOT_ASKED = "not asked for"
 STEPS = "steps"  # macro step and internal steps, as what makes an error
 
 
@@ -23,6 +24,7 @@ class Verification:
     growing: whose difference still grows there, see `windows`.
     excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
     unseen: signals that their rows do not show -> how far they depart from straight lines between two.
+    unstable: whether a repetition became unstable.  stopped: the signal that ended the repetition, by its name.
     inside: internal steps that were halved, too, place -> s.  parts: place of a tolerance or mesh -> how the signals change where
     it alone is refined.  not_refined: place of one that could not be refined -> why.  seconds: CPU time that it took.
     """
@@ -45,6 +47,8 @@ class Verification:
     unseen: Mapping[str, float] = field(default_factory=dict)
     inside: Mapping[str, float] = field(default_factory=dict)
     seconds: float = 0.0
+    unstable: bool = False
+    stopped: str = ""
 
     @property
     def errors(self) -> dict[str, SignalError]:

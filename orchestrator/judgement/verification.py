@@ -13,12 +13,14 @@ from contextlib import suppress
 from dataclasses import replace
 from math import isfinite, nan
 from pathlib import Path
+from signal import SIGINT, Signals
 from time import process_time
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from ...components.core.errors import BadInput
+from ..interrupts import Interrupted
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
@@ -36,8 +38,9 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
-from .record import STEPS, Verification
-from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
+from .instability import unfollowed
+from .record import NOT_ASKED, STEPS, Verification
+from .thresholds import GROWN, LASTING, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
@@ -63,7 +66,6 @@ def refinements(scene: Scene) -> dict[str, tuple[dict[str, Any], dict[str, Any]]
 
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
-NOT_ASKED = "not asked for"
 Distances = Callable[[Result, Result], Mapping[str, float]]  # shares by which a run and a finer one differ in quantities, by name
 
 
@@ -125,11 +127,14 @@ def verified_result(
     windows: WindowsWish | None = None,
     distances: Distances | None = None,
 ) -> Result:
-    """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable."""
+    """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable.
+
+    Also where a signal comes meanwhile: the result is whole then, its outcome "stopped".
+    """
     if result.outcome != "done":
         return _with(result, Verification(False, f"the run is {result.outcome}"))
     if wish == "no":
-        return _with(result, Verification(False, NOT_ASKED))
+        return _judged(result, Verification(False, NOT_ASKED))
     if windows is not None and (windows.result or windows.why):
         return _judged(result, _of_windows(result.scene, windows))
     begun = process_time()
@@ -137,16 +142,33 @@ def verified_result(
         verification = _repeated(result, wish, in_process, distances or (lambda *_: {}))
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
+    except MemoryError:
+        verification = Verification(False, "the run cannot be repeated: out of memory")
+    except KeyboardInterrupt as stop:
+        verification = Verification(False, "the repetition was stopped", stopped=getattr(stop, "signal", SIGINT).name)
     return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
-def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
-    """The run of the scene with changes; None where it is refused or does not come to its end, and why."""
+class _Why(NamedTuple):
+    """Why a repetition has no result, and whether that is because it became unstable."""
+
+    text: str = ""
+    unstable: bool = False
+
+
+def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Why]:
+    """The run of the scene with changes; None where it is refused or does not come to its end, and why.
+
+    Raises `Interrupted` where a signal has stopped it.
+    """
     try:
         again = run_once(scene.with_changes(changes), in_process=True)
     except BadInput as error:  # such as an FMU whose step is fixed
-        return None, str(error)
-    return (again, "") if again.outcome == "done" else (None, f"the run is {again.outcome}: {again.message}")
+        return None, _Why(str(error))
+    if again.outcome == "stopped":
+        raise Interrupted(Signals[again.info["signal"]])
+    why = _Why(f"the run is {again.outcome}: {again.message}", again.outcome == "unstable")
+    return (again, _Why()) if again.outcome == "done" else (None, why)
 
 
 def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances) -> Verification:
@@ -160,12 +182,15 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
         return Verification(False, f"to repeat the run would take about {2.0 * each:.2g} s of CPU time: ask with --verify whole")
     second, why = _again(scene, shorter(scene, 2))
     if second is None:
-        return Verification(False, f"the run cannot be repeated with half its steps: {why}")
+        return Verification(False, f"the run cannot be repeated with half its steps: {why.text}", unstable=why.unstable)
     first_gap = differences(result, second)
     of_quantities = _as_differences(distances(result, second))
-    third = None
+    third, unsure = None, ""
     if (needs_third(first_gap) or of_quantities) and (wish != "auto" or 6.0 * each <= SECONDS):
-        third, _ = _again(scene, shorter(scene, 4))
+        third, why = _again(scene, shorter(scene, 4))
+        unsure = (
+            f"a third run, with a quarter of the steps, failed ({why.text}): errors are those of two" if third is None else ""
+        )
     shown = [r for r in (result, second, third) if r is not None]
     signals = signal_errors(first_gap, differences(second, third) if third is not None else None)
     quantities = {}
@@ -179,10 +204,10 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     parts: dict[str, Mapping[str, Difference]] = {}
     not_refined = {}
     for place, (finer, steps) in refinements(scene).items() if wish == "full" else ():
-        before, why_not = _again(scene, steps) if steps else (result, "")
+        before, why_not = _again(scene, steps) if steps else (result, _Why())
         refined, why = _again(scene, finer)
         if before is None or refined is None:
-            not_refined[place] = why or why_not
+            not_refined[place] = why.text or why_not.text
             continue
         parts[place], of_place = differences(before, refined), _figures([before, refined], unsure=False)
         if of_quantities:
@@ -190,6 +215,7 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(
         True,
+        unsure,
         step=0.5 * scene.master.step,
         how="whole",
         runs=len(shown),
@@ -290,6 +316,8 @@ def _over_windows(scene: Scene) -> Verification:
     """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which is bit-identical."""
     wish = WindowsWish(0.0)
     again = run_once(scene, in_process=True, windows=wish)
+    if again.outcome == "stopped":
+        raise Interrupted(Signals[again.info["signal"]])
     return _of_windows(scene, wish) if again.outcome == "done" else Verification(False, again.message)
 
 
@@ -319,10 +347,15 @@ def _with(result: Result, verification: Verification) -> Result:
 
 def _judged(result: Result, verification: Verification) -> Result:
     """The result with what was found, and what follows for its outcome and its warnings."""
-    if not verification.done:
-        return _with(result, verification)
-    outcome, message = result.outcome, result.message
-    if unstable := [name for name, e in verification.signals.items() if e.rms > LOST and e.grown > GROWN]:
+    outcome, message, more = result.outcome, result.message, {}
+    if verification.stopped:
+        outcome, more = "stopped", {"signal": verification.stopped}
+        message = (
+            f"stopped by {verification.stopped} while the run was repeated; the run itself is whole, its errors are not known"
+        )
+    elif verification.unstable:
+        outcome, message = "unstable", f"the run is not confirmed: {verification.why}"
+    elif unstable := [n for n, e in verification.signals.items() if e.rms > LOST and e.grown > GROWN and e.late > LASTING]:
         worst = max(unstable, key=lambda name: verification.signals[name].grown)
         outcome = "unstable"
         grown = verification.signals[worst].grown
@@ -330,9 +363,12 @@ def _judged(result: Result, verification: Verification) -> Result:
             f"the {'coupling' if of_macro_step(verification, worst) else 'run'} is unstable: the deviation of {worst} is "
             f"{grown:.2g} times that of a run with shorter steps. {suggestion(result.scene, verification, worst)}"
         )
-    texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)
+    texts = warnings_of(result.scene, verification) if outcome == "done" else []
+    if outcome == "done" and not verification.done:
+        texts += unfollowed(result.info.get("missed"))
     info = {
         **result.info,
+        **more,
         "verification": verification.to_json(),
         "outcome": outcome,
         "message": message,

@@ -6,18 +6,21 @@ from math import floor, isfinite, isnan, log10
 
 from ..scene.scene import Scene
 from .comparison import SURE, SignalError, worst_of
-from .record import Verification
+from .record import NOT_ASKED, Verification
 from .thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 
+UNVERIFIED = "not verified, as told: errors of the numbers are not known"
 MOST_NAMED = 2  # internal steps that a message names
 TRIED = 0.5  # of the steps, in the second run
 
 
 def warnings_of(scene: Scene, verification: Verification) -> list[str]:
-    """What a user should know of the errors that were found."""
+    """What a user should know of the errors that were found, or of why none were."""
+    if not verification.done:
+        return [UNVERIFIED if verification.why == NOT_ASKED else f"not verified: {verification.why}"]
     parted = [name for name, e in verification.signals.items() if e.parted]
     wrong = {name: e for name, e in verification.signals.items() if e.rms > WARN and not e.parted}
-    texts = []
+    texts = [f"not confirmed: {verification.why}"] if verification.how == "whole" and verification.why else []
     if parted:
         texts.append(
             f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the steps, "

@@ -13,7 +13,6 @@ nothing that arrives is executed or imported.
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable
 from struct import Struct
 from typing import Any
@@ -28,8 +27,6 @@ MARK = 0xC051_F1E7  # a unit may write into any open file of its process: bytes 
 TIMES = Struct("ddd")  # start and length of a step, length the inputs are meant for
 EVENT = Struct("d")  # time of the event in a step, NaN for none
 INDEX = Struct("I")
-# signals that end a run, which then ends its workers; Windows has the first two
-STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 ONCE = 1 << 16  # bytes asked for in one read: what a pipe holds on Linux
 LARGEST = 1 << 30  # bytes of the longest message of all, a saved state
 

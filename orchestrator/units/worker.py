@@ -21,10 +21,11 @@ import msgpack
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
+from ..interrupts import STOPPING
 from ..settings import UnitSettings
 from . import Simulator, open_unit
 from .answers import LONGEST_TEXT, MOST_WARNINGS
-from .channel import EVENT, INDEX, STOPPING, TIMES, Channel, Code, packed, packer, unpacker
+from .channel import EVENT, INDEX, TIMES, Channel, Code, packed, packer, unpacker
 from .interface import PortValues, SimulationEnded
 from .sandbox import limit_resources
 

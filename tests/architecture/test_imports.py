@@ -19,7 +19,7 @@ FLOORS = (
     ("fmus",),
     (
         "orchestrator.output",
-        "orchestrator.working_directory",
+        "orchestrator.interrupts",
         "orchestrator.delivery",
         "orchestrator.verified_file",
         "orchestrator.cache",

@@ -9,7 +9,7 @@ import sys
 from time import monotonic, sleep
 
 import pytest
-from cosimo.orchestrator.units.channel import STOPPING
+from cosimo.orchestrator.interrupts import STOPPING
 
 PATIENCE = 120.0  # s until a busy machine must have begun the run
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="there a process is ended, not sent a signal")

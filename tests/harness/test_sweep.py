@@ -12,9 +12,9 @@ from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many import point_runs
 from cosimo.orchestrator.harness.sweep import points, sweep
+from cosimo.orchestrator.interrupts import STOPPING
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
-from cosimo.orchestrator.units.channel import STOPPING
 
 MASS = {
     "stop_time": 2.0,

@@ -11,10 +11,10 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
 from cosimo.orchestrator import progress
+from cosimo.orchestrator.interrupts import STOPPING
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
-from cosimo.orchestrator.units.channel import STOPPING
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, covering_scenes

@@ -234,7 +234,7 @@ def test_a_chaotic_motion_says_that_its_histories_are_one_of_many():
 
 def test_a_coupling_that_makes_a_motion_of_its_own_is_unstable():
     """A contact that opens keeps bounded what the steps make grow: no limit is passed, and half the step shows another run."""
-    error = SignalError(3.0, 9.0, grown=5.0)
+    error = SignalError(3.0, 9.0, grown=5.0, late=5.0)
     scene = read_scene(two_masses("jacobi", 1e-2, 1))
     result = run_once(scene, in_process=True)
     judged = verification._judged(result, verification.Verification(True, step=5e-3, runs=2, signals={"a.x_out": error}))
