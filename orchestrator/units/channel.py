@@ -13,8 +13,10 @@ nothing that arrives is executed or imported.
 from __future__ import annotations
 
 import os
+import select
 from collections.abc import Callable
 from struct import Struct
+from time import monotonic
 from typing import Any
 
 import msgpack
@@ -29,6 +31,7 @@ EVENT = Struct("d")  # time of the event in a step, NaN for none
 INDEX = Struct("I")
 ONCE = 1 << 16  # bytes asked for in one read: what a pipe holds on Linux
 LARGEST = 1 << 30  # bytes of the longest message of all, a saved state
+LONGEST_WAIT = 1e6  # s that poll(2) can be given, in ms of 32 bits
 
 
 class Code:
@@ -42,25 +45,53 @@ class NoMessage(EOFError):
     """The bytes that have arrived are no message, or a longer one than asked for."""
 
 
-class Channel:
-    """One end of a pair of pipes; `EOFError` and `BrokenPipeError` where the other end has gone."""
+class Late(EOFError):
+    """The other end has not taken, or not given, a whole message within the limit."""
 
-    def __init__(self, read: int, write: int):
-        self._from, self._to = read, write
+
+class Channel:
+    """One end of a pair of pipes; `EOFError` and `BrokenPipeError` where the other end has gone.
+
+    limit: s that the other end may take to read a message whole, and to write one, then `Late`; None: any time. A process that
+    the other end has started, and that outlives it, may hold the pipe open: so the wait itself ends, whatever was ended.
+    """
+
+    def __init__(self, read: int, write: int, limit: float | None = None):
+        self._from, self._to, self.limit = read, write, limit
         self._sent = self._received = 0
+        self._readable, self._writable = None, None
+        if limit is not None and hasattr(select, "poll"):  # Windows cannot ask a pipe: there `WorkerSimulator` watches
+            os.set_blocking(read, False)
+            os.set_blocking(write, False)
+            self._readable, self._writable = select.poll(), select.poll()
+            self._readable.register(read, select.POLLIN)
+            self._writable.register(write, select.POLLOUT)
 
     def send(self, code: int, content: bytes) -> None:
         """Hand over one message, whole."""
         self._sent += 1
         message: bytes | memoryview = HEAD.pack(MARK, self._sent & 0xFFFFFFFF, len(content), code) + content
-        while (written := os.write(self._to, message)) < len(message):
+        end = self._end()
+        while (written := self._write(message, end)) < len(message):
             message = memoryview(message)[written:]
+
+    def _end(self) -> float:
+        """When the present message must be over."""
+        return 0.0 if self._readable is None or self.limit is None else monotonic() + self.limit
+
+    def _write(self, message: bytes | memoryview, end: float) -> int:
+        while True:
+            try:
+                return os.write(self._to, message)
+            except BlockingIOError:
+                _wait(self._writable, end)
 
     def receive(self, longest: int = LARGEST) -> tuple[int, memoryview]:
         """Wait for one message of at most so many bytes: code and content."""
-        message: bytes | bytearray = self._read(ONCE)
+        end = self._end()
+        message: bytes | bytearray = self._read(ONCE, end)
         while len(message) < HEAD.size:
-            message += self._read(HEAD.size - len(message))
+            message += self._read(HEAD.size - len(message), end)
         mark, number, length, code = HEAD.unpack_from(message)
         self._received += 1
         if mark != MARK or number != self._received & 0xFFFFFFFF or length > longest:
@@ -68,17 +99,25 @@ class Channel:
         if (missing := HEAD.size + length - len(message)) > 0:
             message = bytearray(message)
             while missing > 0:
-                message += self._read(min(missing, ONCE))
+                message += self._read(min(missing, ONCE), end)
                 missing = HEAD.size + length - len(message)
         if missing < 0:  # each answer is waited for before there is another request
             raise NoMessage
         return code, memoryview(message)[HEAD.size :]
 
-    def _read(self, most: int) -> bytes:
+    def _read(self, most: int, end: float) -> bytes:
+        if self._readable is not None:
+            _wait(self._readable, end)  # first, because an answer is seldom there already
         content = os.read(self._from, most)
         if not content:
             raise EOFError
         return content
+
+
+def _wait(ready: Any, end: float) -> None:
+    """Until a pipe can be read or written; a message that comes in drops has no more time than one that comes at once."""
+    if (left := end - monotonic()) <= 0.0 or not ready.poll(1e3 * min(left, LONGEST_WAIT)):
+        raise Late
 
 
 def packed(data: Any) -> bytes:

@@ -25,7 +25,7 @@ import numpy as np
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, visible
 from .answers import REPORT, nothing, read_counters, read_failure, read_parameters, read_texts, read_warnings, within
-from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, NoMessage, packed, packer, unpacker
+from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packed, packer, unpacker
 from .folders import process_folder
 from .interface import PortValues
 from .sandbox import ANSWER, environment, sandboxed, walls
@@ -132,9 +132,10 @@ class WorkerSimulator:
                 f"{error.strerror}.",
             ) from None
         self._pipes = [pipe for pipe in (self._process.stdin, self._process.stdout) if pipe is not None]
-        self._channel = Channel(self._pipes[1].fileno(), self._pipes[0].fileno())
+        starting = None if self._limit is None else max(self._limit, START)
+        self._channel = Channel(self._pipes[1].fileno(), self._pipes[0].fileno(), starting)
         self._closed = threading.Event()
-        if self._limit is not None:
+        if self._limit is not None and os.name == "nt":  # elsewhere the channel has the limit
             threading.Thread(target=self._watch, daemon=True).start()
         known = _known(settings)
         parameters = Expected(Code.DATA, LARGEST // 16, lambda content: read_parameters(content, known))
@@ -151,14 +152,17 @@ class WorkerSimulator:
         if self._lost:
             raise StepFailed(self.name, self._time, "its worker process has ended")
         self._requests += 1
+        self._since = monotonic()
         try:
             self._channel.send(code, content)
+        except Late:
+            raise self._too_late() from None
         except BrokenPipeError:
             raise self._end() from None
         except KeyboardInterrupt:
             self._lost = True  # part of a message may be left in the pipe
             raise
-        self._expected = expected
+        self._expected, self._since = expected, None
 
     def _receive(self) -> Any:
         """The answer to the last request; raises what the unit raised, or `StepFailed` where its process has ended."""
@@ -170,6 +174,8 @@ class WorkerSimulator:
             code, content = self._channel.receive(max(expected.longest, REPORT))
         except NoMessage:
             raise self._no_answer() from None
+        except Late:
+            raise self._too_late() from None
         except EOFError:
             raise self._end() from None
         except KeyboardInterrupt:
@@ -227,6 +233,11 @@ class WorkerSimulator:
         self._kill()
         return self._end("something else than answers came from its worker process, which was ended")
 
+    def _too_late(self) -> StepFailed:
+        self._late = True
+        self._kill()
+        return self._end()
+
     def _end(self, reason: str = "") -> StepFailed:
         """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
         self._lost = self._stale = True
@@ -265,7 +276,7 @@ class WorkerSimulator:
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def _watch(self) -> None:
-        """End the process when an answer is waited for longer than the limit."""
+        """End the process when an answer, or that a request is read, is waited for longer than the limit."""
         assert self._limit is not None
         while not self._closed.wait(self._limit / 4.0):
             since, limit = self._since, self._limit if self._started else max(self._limit, START)
@@ -286,6 +297,7 @@ class WorkerSimulator:
                 f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
             ) from None
         self._started, self.walls = True, walls() if self._restricted else []
+        self._channel.limit = self._limit
 
     def wire_texts(self, inputs: Sequence[str]) -> None:
         self._ask("wire_texts", [*inputs])

@@ -5,6 +5,7 @@ Started in the place of Python, with the standard library alone, as hundreds of 
 
 import os
 import struct
+import time
 
 HEAD = struct.Struct("=IIQB")  # as in orchestrator/units/channel.py
 STEP, UPDATE, GET, READ, CALL, JACOBIAN, STATE, VALUES, NUMBERS, DATA, BYTES = range(11)
@@ -50,6 +51,19 @@ def main() -> None:
             elif kind == b"T":  # so many bytes of the message, and the end
                 os.write(1, message[: int(rest)])
                 os._exit(0)
+            elif kind == b"S":  # after the answer, or without one, nothing is read any more
+                os.write(1, message if rest else b"")
+                time.sleep(60.0)
+            elif kind == b"L":  # the same, and a process that is in no group of this one keeps the pipes open
+                if not os.fork():
+                    os.setsid()
+                    time.sleep(15.0)
+                os.write(1, message if rest else b"")
+                time.sleep(60.0)
+            elif kind == b"B":  # byte by byte
+                while message:
+                    message = message[os.write(1, message[:1]) :]
+                    time.sleep(0.1)
             elif kind == b"D":  # the honest answer so many times
                 message *= int(rest)
         while message:

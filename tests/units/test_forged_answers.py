@@ -112,6 +112,13 @@ COUNTERS = {  # counters are asked for at the end: where the answer is none, the
     "a list of counters": data([1, 2]),
     "a count for a list": data({"steps": [1]}),
 }
+HELD_UP = {
+    "no answer": (Code.STEP, b"S"),
+    "no answer, and a process that keeps the pipes": (Code.STEP, b"L"),
+    "an answer in drops": (Code.STEP, b"B"),
+    "no reading": (Code.STATE, b"S1"),
+    "no reading, and a process that keeps the pipes": (Code.STATE, b"L1"),
+}
 CUT = {"an end inside the head": b"T5", "an end inside the content": b"T30"}
 
 
@@ -123,11 +130,11 @@ def opened(tmp_path, monkeypatch):
     program.chmod(0o700)
     units = []
 
-    def open_forged(request, content: bytes):
+    def open_forged(request, content: bytes, limit: float = 30.0):
         (tmp_path / "answer").write_bytes(content)
         monkeypatch.setenv("FORGED_REQUEST", str(request))
         monkeypatch.setenv("FORGED_ANSWER", str(tmp_path / "answer"))
-        unit = {"component": "cosimo.tests.units.troubled:Troubled", "isolation": "process", "time_limit": 30.0}
+        unit = {"component": "cosimo.tests.units.troubled:Troubled", "isolation": "process", "time_limit": limit}
         settings = read_scene({"stop_time": 1.0, "master": {"step": 0.1}, "units": {"u": unit}}).units["u"]
         monkeypatch.setattr(sys, "executable", str(program))
         units.append(open_unit("u", settings, in_process=True))
@@ -180,8 +187,20 @@ def test_counters_that_are_none_are_left_out(name, opened):
     assert [*unit.work()] == ["requests"]
 
 
+@pytest.mark.parametrize("name", HELD_UP)
+def test_a_conversation_that_is_held_up_ends_at_the_limit_in_both_directions(name, opened):
+    request, content = HELD_UP[name]
+    unit = opened(request, content, limit=0.5)
+    with pytest.raises(StepFailed, match="no answer within 0.5 s; its worker process was ended"):
+        used(unit)
+        unit.set_texts(["x" * 1_000_000])  # more than a pipe holds
+        unit.get()
+    with pytest.raises(StepFailed, match="its worker process has ended"):
+        unit.set_texts(["y"])
+
+
 def test_the_documentation_states_the_count():
-    count = len(FORGED) + len(CUT) + len(COUNTERS)
+    count = len(FORGED) + len(CUT) + len(COUNTERS) + len(HELD_UP)
     assert f"{count} forged answers" in (ROOT / "docs" / "foreign-files.md").read_text()
 
 
