@@ -18,7 +18,7 @@ import shutil
 import sys
 import tempfile
 
-from ..components.core.folders import cache_root
+from ..components.core.folders import cache_root, trusted
 
 
 def same_sources(one, other):
@@ -39,7 +39,10 @@ def stable_copy(source):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             with tempfile.TemporaryDirectory(dir=os.path.dirname(target), ignore_cleanup_errors=True) as fresh:
                 shutil.copytree(source, os.path.join(fresh, "new"), ignore=shutil.ignore_patterns("__pycache__"))
-                os.chmod(os.path.join(fresh, "new"), 0o700)
+                for folder, _, files in os.walk(os.path.join(fresh, "new")):  # a host may unpack for everybody to write
+                    os.chmod(folder, 0o700)
+                    for file in files:
+                        os.chmod(os.path.join(folder, file), 0o600)
                 if os.path.exists(target):
                     os.replace(target, os.path.join(fresh, "damaged"))
                 os.replace(os.path.join(fresh, "new"), target)
@@ -48,13 +51,14 @@ def stable_copy(source):
     return target if private(target) and same_sources(source, target) else source
 
 
-def private(folder):
-    """Whether nobody else may write there: what lies in the folder, byte code too, is executed."""
+def private(target):
+    """Whether nobody else may write there, or put another folder in its place: what lies in it, byte code too, is executed."""
+    above = os.path.dirname(target)
+    below = [os.path.join(folder, name) for folder, folders, files in os.walk(target) for name in (*folders, *files)]
     try:
-        status = os.stat(folder)
+        return all(trusted(os.stat(path)) for path in (os.path.dirname(above), above, target, *below))
     except OSError:
         return False
-    return not hasattr(os, "getuid") or (status.st_uid in (0, os.getuid()) and not status.st_mode & 0o022)
 
 
 def load_package(folder):

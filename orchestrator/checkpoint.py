@@ -9,6 +9,7 @@ digest of the content shows damage.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import warnings
@@ -132,6 +133,11 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     try:
         content = read_verified(path)
         whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
+    except PermissionError as error:
+        if error.errno != errno.EPERM:
+            raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror}.") from None
+        remedy = "Where you trust who wrote it, copy it, and take it from others: chmod go-w."
+        raise BadInput(where, f"{shown}: {error.strerror}", "a checkpoint that nobody else can have written", remedy) from None
     except OSError as error:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
     except DamagedFile:

@@ -15,7 +15,7 @@ from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
 
-from ..components.core.store import replaced
+from ..components.core.store import opened_trusted, replaced
 
 
 class DamagedFile(ValueError):
@@ -25,19 +25,21 @@ class DamagedFile(ValueError):
 def write_verified(path: Path, content: Any) -> None:
     """Write plain data and arrays, a dataclass as the mapping of its fields; the file appears as a whole or not at all.
 
-    Raises `OSError`, and `TypeError` for any other object.
+    Others may not write it: `read_verified` takes no file that they could have written. Raises `OSError`, and `TypeError` for any
+    other object.
     """
     arrays: dict[str, np.ndarray] = {}
     arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
     arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
-    with replaced(path, "wb") as file:
+    with replaced(path, "wb", private=True) as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
 def read_verified(path: Path) -> Any:
     """What `write_verified` was given.
 
-    Raises `OSError` for what cannot be read, `ValueError` for what is none of its files, and for a damaged one `DamagedFile`.
+    Raises `OSError` for what cannot be read, `PermissionError` for what another user can have written, `ValueError` for what is none
+    of its files, and for a damaged one `DamagedFile`.
     """
     try:
         arrays = _read_arrays(path)
@@ -54,11 +56,13 @@ def read_verified(path: Path) -> Any:
 
 def _read_arrays(path: Path) -> dict[str, np.ndarray]:
     """The arrays of a file; of one that is compressed none, because cosimo compresses nothing and a small one may be huge."""
-    with ZipFile(path) as archive:
-        if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
-            return {}
-    with np.load(path, allow_pickle=False) as file:
-        arrays = dict(file)  # a member that is no array comes as bytes
+    with opened_trusted(path) as content:
+        with ZipFile(content) as archive:
+            if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
+                return {}
+        content.seek(0)
+        with np.load(content, allow_pickle=False) as file:
+            arrays = dict(file)  # a member that is no array comes as bytes
     return arrays if all(isinstance(array, np.ndarray) for array in arrays.values()) else {}
 
 

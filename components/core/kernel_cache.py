@@ -33,7 +33,7 @@ from .closure import ImportIndex, closure
 from .compiler import callable_from_python
 from .folders import cache_root
 from .kernel_library import ADDRESS, KERNELS, PYTHON
-from .store import digest_of, read_kept, write_kept
+from .store import digest_of, private, read_kept, temporary_root, write_kept
 
 _PROCESS = uuid4().hex[:8]
 _PACKAGE = __name__.partition(".")[0]
@@ -77,10 +77,10 @@ def private_root() -> Path | None:
     one that another user owns or may write is not taken.
     """
     asked = config.CACHE_DIR  # type: ignore[attr-defined]
-    for folder in (lambda: Path(asked or Path(cache_root()) / "kernels"), _temporary):
+    for folder in (lambda: Path(asked or Path(cache_root()) / "kernels"), lambda: temporary_root() / "kernels"):
         with suppress(OSError):
             root = folder()
-            if _private(root):
+            if private(root.parent if not asked else root) and private(root):
                 tempfile.TemporaryFile(dir=root).close()
                 return root
     return None
@@ -89,20 +89,9 @@ def private_root() -> Path | None:
 def private_folder(name: str) -> Path | None:
     """A folder in `private_root`; None where there is none, or others may write it."""
     with suppress(OSError):
-        if (root := private_root()) is not None and _private(root / name):
+        if (root := private_root()) is not None and private(root / name):
             return root / name
     return None
-
-
-def _temporary() -> Path:
-    return Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
-
-
-def _private(folder: Path) -> bool:
-    """Create the folder if it is missing; whether it is this user's, and no other may write there. Raises `OSError`."""
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    status = folder.stat()
-    return not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & 0o022)
 
 
 class _Locator(_CacheLocator):
@@ -285,7 +274,7 @@ class _OpenCache(FunctionCache):
         neutral = SHARED if shared else own
         package = root / neutral
         folder = package / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
-        if not (_private(package) and _private(folder)):
+        if not (private(package) and private(folder)):
             raise PermissionError(f"others may write {folder}")
         self._impl = object.__new__(self._impl_class)
         self._impl._lineno = function.__code__.co_firstlineno

@@ -21,9 +21,8 @@ from ...components.core import store
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, nearest
-from ...components.core.folders import cache_root
 from ...components.core.kernel_cache import sources_digest
-from ..build import is_sound, write
+from ..build import write
 from ..description import documentation, shared_files
 from ..evidence import Evidence
 from ..versions import version
@@ -160,9 +159,7 @@ def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
     """
     targets, component = list(targets), make()
     return store.kept(
-        Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu",
-        is_sound,
-        lambda path: pack(library(name, make, targets), path.parent, 2),
+        "native", _contents(component, targets), f"{name}.fmu", lambda path: pack(library(name, make, targets), path.parent, 2)
     )
 
 
@@ -217,10 +214,8 @@ def _linked(name: str, target: str, command: list[str], model: str, codes: Seque
 
 def compiler_environment() -> dict[str, str]:
     """Of a compiler: zig keeps what it has compiled in the cache of cosimo, unless the user has set its own variables."""
-    folder = Path(cache_root()) / "zig"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
+    folder = store.cache_folder("zig")
+    if folder is None:
         return dict(os.environ)
     return {"ZIG_GLOBAL_CACHE_DIR": str(folder), "ZIG_LOCAL_CACHE_DIR": str(folder)} | os.environ
 

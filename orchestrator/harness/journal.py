@@ -62,9 +62,11 @@ class Journal:
         key = [version("cosimo"), kind, *map(self._key, of)]
         path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
         with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
-            return _restored(read_verified(path), record)
+            name, content = read_verified(path)
+            if name == path.name:  # what it is; its digest says that it is whole
+                return _restored(content, record)
         value = compute()
-        write_verified(path, value)
+        write_verified(path, [path.name, value])
         return value
 
     def _key(self, part: Any) -> Any:

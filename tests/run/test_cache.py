@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
@@ -14,12 +15,14 @@ from pathlib import Path
 import pytest
 from cosimo.components.core import store
 from cosimo.components.core.errors import BadInput
-from cosimo.components.core.kernel_cache import _private
 from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.many.measures import Row
+from cosimo.orchestrator.harness.many.store import Store, table_of
 from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
+from cosimo.orchestrator.verified_file import read_verified, write_verified
 
 posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
 
@@ -48,7 +51,7 @@ def test_a_damaged_fmu_is_built_anew(own_cache, damage):
     path.write_bytes(damage(whole))
     assert build.built("Pantograph") == path
     assert path.read_bytes() == whole
-    assert [p.name for p in path.parent.iterdir()] == ["Pantograph.fmu"]
+    assert sorted(p.name for p in path.parent.iterdir()) == ["Pantograph.fmu", "Pantograph.fmu.seal"]
 
 
 def test_an_fmu_with_other_content_is_built_anew(own_cache):
@@ -85,11 +88,11 @@ def test_bundles_are_executed_only_where_nobody_else_may_write(own_cache, tmp_pa
 @posix
 def test_kernels_are_read_only_where_nobody_else_may_write(tmp_path):
     folder = tmp_path / "kernels"
-    assert _private(folder)
+    assert store.private(folder)
     assert folder.stat().st_mode & 0o777 == 0o700
     for mode in (0o720, 0o702, 0o777):
         folder.chmod(mode)
-        assert not _private(folder)
+        assert not store.private(folder)
 
 
 def test_a_content_is_checked_before_it_is_used(tmp_path):
@@ -107,15 +110,113 @@ def test_a_content_is_checked_before_it_is_used(tmp_path):
     assert [p.name for p in path.parent.iterdir()] == ["a"]
 
 
+def read_file(path):
+    return store.read_kept(path)
+
+
+def read_fmu(path):
+    made = []
+    store.kept(path.parent.parent.name, path.parent.name, path.name, lambda new: made.append(new) or made_fmu(new))
+    return None if made else b"kept"
+
+
+def made_fmu(path):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with store.replaced(path, "wb") as file:
+        file.write(b"made: " + path.name.encode())
+    return path
+
+
+def flipped(content):
+    return content[: len(content) // 2] + bytes([content[len(content) // 2] ^ 1]) + content[len(content) // 2 + 1 :]
+
+
+def read_piece(path):
+    with contextlib.suppress(OSError, ValueError):
+        name, _ = read_verified(path)
+        return b"kept" if name == path.name else None
+
+
+def read_rows(path):
+    store_of_rows = Store(path.parent)
+    return b"kept" if store_of_rows.size else None
+
+
+def make_rows(path):
+    rows = Store(path.parent)
+    rows.append(table_of([(1, Row("done", path.parent.name))]))
+    rows.flush()
+    return next(path.parent.glob("*.arrow"))
+
+
+MADE = {  # kinds of what is kept, by the way they are read: how a file of it comes to its place, and how it is read
+    "content": (lambda path: store.write_kept(path, path.name.encode()), read_file),
+    "fmu": (read_fmu, read_fmu),
+    "piece": (lambda path: write_verified(path, [path.name, 1.0]), read_piece),
+    "rows": (make_rows, read_rows),
+}
+TAMPERED = {
+    "another's name": lambda path, other: shutil.copy(other, path),
+    "another's name and seal": lambda path, other: [
+        shutil.copy(file, path.with_name(path.name + file.name[len(other.name) :]))
+        for file in other.parent.glob(f"{other.name}*")
+    ],
+    "a bit": lambda path, other: path.write_bytes(flipped(path.read_bytes())),
+    "half of it": lambda path, other: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
+    "nothing": lambda path, other: path.write_bytes(b""),
+    "the group may write": lambda path, other: path.chmod(0o664),
+    "all may write": lambda path, other: path.chmod(0o646),
+    "another user's": lambda path, other: os.chown(path, 12345, -1),
+    "a link to another": lambda path, other: (path.unlink(), path.symlink_to(other)),
+    "a pipe": lambda path, other: (path.unlink(), os.mkfifo(path)),
+    "a folder": lambda path, other: (path.unlink(), path.mkdir()),
+    "no rights": lambda path, other: (path.unlink(), path.symlink_to("/proc/1/mem")),
+}
+
+
+@posix
+@pytest.mark.parametrize("how", TAMPERED)
+@pytest.mark.parametrize("kind", MADE)
+def test_one_rule_for_all_that_is_kept(kind, how, own_cache):
+    """Whole, what its place says, and nobody else's: all else is made again, and read without waiting."""
+    if how == "another user's" and os.getuid() != 0:
+        pytest.skip("only root can give a file away")
+    store._aside.cache_clear()
+    make, read = MADE[kind]
+    folders = [own_cache / "kind" / name for name in ("0123456789abcdef", "fedcba9876543210")]
+    paths = [folder / name for folder, name in zip(folders, ("a.fmu", "b.fmu"), strict=True)]
+    for k, path in enumerate(paths):
+        store.cache_folder("kind", path.parent.name)
+        made = make(path)
+        paths[k] = made if kind == "rows" else path
+    assert all(read(path) for path in paths)
+    TAMPERED[how](*paths)
+    assert read(paths[0]) is None
+    assert read(paths[1])
+
+
+@posix
+@pytest.mark.parametrize("place", [".", "native", "native/0123456789abcdef"])
+def test_a_folder_that_others_may_write_is_not_used(place, own_cache, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    first = store.kept("native", "0123456789abcdef", "a.fmu", made_fmu)
+    assert first.is_relative_to(own_cache)
+    (own_cache / place).chmod(0o777)
+    second = store.kept("native", "0123456789abcdef", "a.fmu", made_fmu)
+    assert not second.is_relative_to(own_cache)
+    assert store.kept("native", "0123456789abcdef", "a.fmu", made_fmu) == second
+
+
 def test_show_clear_and_prune(own_cache, capsys):
     build.built("Pantograph")
     build.built("Catenary")
-    sizes = [p.stat().st_size for p in own_cache.rglob("*.fmu")]
+    sizes = [p.stat().st_size for p in (own_cache / "fmus").rglob("*.*")]
     main_json(["cache", "--json"])
     shown = {e["kind"]: e for e in json.loads(capsys.readouterr().out)["entries"]}
-    assert (shown["fmus"]["files"], shown["fmus"]["size"]) == (2, sum(sizes))
+    assert (shown["fmus"]["files"], shown["fmus"]["size"]) == (4, sum(sizes))
     old = next(own_cache.rglob("Catenary.fmu"))
-    os.utime(old, (1e9, 1e9))
+    for file in old.parent.iterdir():
+        os.utime(file, (1e9, 1e9))
     part = own_cache / "fmus" / "x.part"
     part.touch()
     os.utime(part, (time.time() - 7200.0,) * 2)

@@ -19,7 +19,6 @@ from lxml import etree
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.store import digest_of, kept, replaced
-from ....fmus.loader import cache_root
 from ...loading import MOST_INSIDE, check_archive
 
 NAMESPACES = {
@@ -140,8 +139,7 @@ class Package:
             raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
         content = self.read(path, where, MOST_INSIDE)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
-        file = Path(cache_root()) / "ssp" / digest_of(content)[:16] / f"{stem}.fmu"
-        return kept(file, lambda path: path.read_bytes() == content, lambda path: _written(path, content))
+        return kept("ssp", digest_of(content), f"{stem}.fmu", lambda path: _written(path, content))
 
 
 def _written(path: Path, content: bytes) -> Path:
