@@ -10,6 +10,7 @@ import platform
 import re
 import shutil
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
@@ -27,7 +28,7 @@ HOLDER = "holder.json"  # in it: who writes
 LEFT = re.compile(r"\..+\.[a-z0-9_]{8}\.part")  # names that `replaced` and checkpoints take
 YOUNG = 60.0  # s: where a file system has no locks, what is younger may be another process's
 FULL = (errno.ENOSPC, errno.EDQUOT)  # of a disk, or of what a user may have of one
-_held: set[str] = set()  # directories that this process writes into
+_held: dict[str, int] = {}  # directories that this process writes into, and the thread that does
 
 
 def ensure_directory(directory: str | Path) -> Path:
@@ -75,20 +76,25 @@ def not_written(directory: str | Path, error: OSError) -> BadInput:
 
 @contextmanager
 def locked(directory: str | Path) -> Iterator[Path]:
-    """The directory, created and reserved for this process until the context ends; raises `BadInput` that names the holder.
+    """The directory, created and reserved for this thread until the context ends; raises `BadInput` that names the holder.
 
-    The operating system keeps the lock and frees it however the process ends. Where a file system has no locks, nothing is
-    locked. Entered once more by the same process, it is one lock.
+    The operating system keeps the lock and frees it however the process ends. Where a file system has no locks, other processes
+    are not kept out. Entered once more by the same thread, it is one lock; another thread is refused as another process is.
     """
     new = not Path(directory).exists()
     path = ensure_directory(directory)
     key = str(path.resolve())
-    if key in _held:
+    me = threading.get_ident()
+    if _held.get(key) == me:
         yield path
         return
     try:
+        if _held.setdefault(key, me) != me:
+            raise BlockingIOError
         release = lock_folder(path)
     except BlockingIOError:
+        if _held.get(key) == me:  # another process has it
+            del _held[key]
         raise BadInput(
             "output directory",
             f"{str(directory)!r}, into which {_holder(path)} writes",
@@ -96,8 +102,8 @@ def locked(directory: str | Path) -> Iterator[Path]:
             "Wait for it, or give another directory.",
         ) from None
     except OSError as error:
+        del _held[key]
         raise not_written(directory, error) from None
-    _held.add(key)
     _tidy(path)
     earlier = (path / UNFINISHED).exists()
     try:
@@ -116,7 +122,7 @@ def locked(directory: str | Path) -> Iterator[Path]:
                 path.rmdir()
         raise
     finally:
-        _held.discard(key)
+        del _held[key]
         with suppress(OSError):
             (path / UNFINISHED / HOLDER).unlink()
         with suppress(OSError):  # not where a run has left its rows there

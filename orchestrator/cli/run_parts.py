@@ -14,7 +14,7 @@ from ..harness.validation.case import to_json as to_document
 from ..harness.validation.case import to_table as to_rows
 from ..harness.validation.limits_of_run import judge
 from ..judgement import advise
-from ..judgement.dry_run import first_part, lines, tables
+from ..judgement.dry_run import NOTHING_PROBED, first_part, lines, not_executed, tables, why_not_executed
 from ..output import ensure_directory, write_json, write_table
 from ..results import HELD, Result
 from ..scene.scene import Scene
@@ -25,9 +25,10 @@ NO_ERRORS = "Not verified: the numbers have no known error."  # why is a warning
 
 
 def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
-    """Print what a run would do, and draw the scene into the directory."""
+    """Print what a run would do, and draw the scene into the directory. FMUs that no sandbox holds are not executed for it."""
+    closed = not_executed(scene)
     try:
-        advice = advise(scene, in_process=in_process)
+        advice = NOTHING_PROBED if closed else advise(scene, in_process=in_process)
     except StepFailed as error:
         raise fail(error) from None
     coupling = scene.coupling
@@ -35,9 +36,16 @@ def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
         print_table(*table)
     for line in lines(scene, coupling, advice, in_process=in_process):
         print(line)
-    text, warnings = first_part(scene, advice.seconds)
-    print(text)
-    warn([*scene.remarks, *advice.warnings(scene), *warnings])
+    if closed:
+        print(
+            f"left out: the longest stable step, the cost, and the first part of the run; {why_not_executed(closed)}. --isolate executes "
+            "FMUs in a sandbox, for a dry run as well"
+        )
+        warn(scene.remarks)
+    else:
+        text, warnings = first_part(scene, advice.seconds)
+        print(text)
+        warn([*scene.remarks, *advice.warnings(scene), *warnings])
     if output is not None:
         print_written([scene.show().save(ensure_directory(output) / "scene.svg")])
 

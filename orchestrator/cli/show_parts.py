@@ -15,7 +15,7 @@ from ..harness.component_page import component_page
 from ..harness.studies.full_model import with_required
 from ..harness.studies.trial import Timing, repeated
 from ..harness.validation.reference import load_table, table_files
-from ..judgement.dry_run import stepping_path
+from ..judgement.dry_run import SteppingPath, not_executed, stepping_path, why_not_executed
 from ..scene.drawing import Drawing
 from ..scene.scene import Scene, read_toml, scene_files
 from ..systems import cases
@@ -190,8 +190,9 @@ def of_scene(
     """A scene's title and tables, and its drawing."""
     scene = loaded_scene(name)
     scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})
+    closed = not_executed(scene)
     try:
-        path = stepping_path(scene)
+        path = SteppingPath((), ()) if closed else stepping_path(scene)
     except StepFailed as error:
         raise fail(error) from None
     interfaces, general = scene.coupling.interfaces, ", ".join(path.obstacles)
@@ -218,5 +219,9 @@ def of_scene(
         "texts": [{"from": ".".join(link.source), "to": ".".join(link.target)} for link in scene.coupling.texts],
         "master": [{"setting": key, "value": value} for key, value in master.items()],
         "general_path_because_of": list(path.obstacles),
-        "step": f"by general code, because of {general}" if general else STEPPED,
+        "step": f"not known: {why_not_executed(closed)}"
+        if closed
+        else f"by general code, because of {general}"
+        if general
+        else STEPPED,
     }, scene.show()

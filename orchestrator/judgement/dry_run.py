@@ -19,6 +19,19 @@ from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
+NOTHING_PROBED = Advice((), (), 0, 0.0, 0.0)
+
+
+def not_executed(scene: Scene) -> list[str]:
+    """The units whose code is foreign and in no sandbox: looking at a scene does not execute it."""
+    return [name for name, unit in scene.units.items() if unit.fmu and unit.isolation != "restricted"]
+
+
+def why_not_executed(names: list[str]) -> str:
+    """Why something of a scene is not known, for the reader."""
+    return f"{', '.join(names)} {'is an FMU' if len(names) == 1 else 'are FMUs'}, and looking executes none"
+
+
 ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a sandbox"}
 
 PAIR_COLUMNS = (
@@ -98,6 +111,8 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     for reason in advice.unknown:
         yield f"no limit of the macro step known for {reason}"
     yield from advice.cut
+    if not advice.steps:  # nothing was executed
+        return
     whole = advice.steps * advice.seconds
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
     compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""

@@ -104,7 +104,7 @@ class WorkerSimulator:
         self._limit = settings.time_limit or (ANSWER if self._restricted else None)  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
-        start = sandboxed(name, settings) if self._restricted else []
+        start = sandboxed(f"units.{name}.isolation", settings.fmu) if self._restricted else []
         self._folder = Path(tempfile.mkdtemp(dir=process_folder()))  # of the worker's log and of all its temporary files
         temporary = "/tmp" if self._restricted else str(self._folder)
         try:
@@ -238,6 +238,11 @@ class WorkerSimulator:
         self._kill()
         return self._end()
 
+    def _too_late(self) -> StepFailed:
+        self._late = True
+        self._kill()
+        return self._end()
+
     def _end(self, reason: str = "") -> StepFailed:
         """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
         self._lost = self._stale = True
@@ -297,6 +302,7 @@ class WorkerSimulator:
                 f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
             ) from None
         self._started, self.walls = True, walls() if self._restricted else []
+        self._channel.limit = self._limit
         self._channel.limit = self._limit
 
     def wire_texts(self, inputs: Sequence[str]) -> None:

@@ -9,13 +9,14 @@ import signal
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from time import monotonic, sleep
 
 import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator import recording, results
+from cosimo.orchestrator import output, recording, results
 from cosimo.orchestrator.output import UNFINISHED, locked
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_result, read_scene
@@ -189,6 +190,21 @@ def test_a_lock_is_one_for_what_its_holder_writes(tmp_path):
     with locked(tmp_path):
         run(masses(0.1), output=tmp_path)
     assert sorted(os.listdir(tmp_path)) == ["result.csv", "result.parquet", "run.json"]
+
+
+@pytest.mark.parametrize("without_locks", [False, True], ids=["locks", "a file system without locks"])
+def test_a_second_thread_is_refused_as_a_second_process_is(without_locks, tmp_path, monkeypatch):
+    if without_locks:
+        monkeypatch.setattr(output, "lock_folder", lambda path: lambda: None)
+    with ThreadPoolExecutor(1) as threads, locked(tmp_path):
+        refused = threads.submit(lambda: run(masses(0.1), output=tmp_path)).exception()
+        assert isinstance(refused, BadInput)
+        assert f"process {os.getpid()} on" in str(refused)
+        with locked(tmp_path):  # the one that has it may enter again
+            pass
+        assert isinstance(threads.submit(lambda: run(masses(0.1), output=tmp_path)).exception(), BadInput)
+    with ThreadPoolExecutor(1) as threads:
+        assert threads.submit(lambda: run(masses(0.1), output=tmp_path)).result().outcome == "done"
 
 
 @posix
