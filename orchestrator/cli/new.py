@@ -207,7 +207,7 @@ In the folder of `$module.py`:
     cosimo show $module:$name                    # variables, effects, presets
     cosimo run $module.toml -o out               # out/report.html
     cosimo build $module:$name                   # $name.fmu
-    cosimo check $name.fmu
+    cosimo check $name.fmu --execute
     cosimo stability component:$module:$name
     cosimo schema $module.toml                   # with it, editors complete and check the scene
 """

@@ -173,7 +173,7 @@ def test_build_then_check(tmp_path, capsys):
     assert cosimo("build", "Pantograph", "-o", str(tmp_path)) == 0
     fmu = tmp_path / "Pantograph.fmu"
     assert capsys.readouterr().out.split() == [str(fmu)]
-    assert cosimo("check", str(fmu), "--json") == 0
+    assert cosimo("check", str(fmu), "--execute", "--json") == 0
     findings = json.loads(capsys.readouterr().out)["findings"]
     assert findings
     assert all(f["ok"] for f in findings)
