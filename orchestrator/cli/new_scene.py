@@ -11,10 +11,9 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
-from ...components.core.measure import is_quantity, number_in
 from .common import is_scene, print_written
 from .new import new
-from .options import Conditions, InProcess, Limits, limits_of
+from .options import Conditions, InProcess, Limits, limits_of, number_given
 
 File = Annotated[Path, Argument(metavar="FILE.toml", help="file to write")]
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
@@ -40,16 +39,6 @@ def _write(file: Path, text: str) -> None:
     file.write_text(text, encoding="utf-8")
 
 
-def _number(text: str, unit: str, where: str) -> float:
-    """A number of the command line, which may have its unit; raises `BadInput`."""
-    if is_quantity(text):
-        return number_in(text, unit, where)
-    try:
-        return float(text)
-    except ValueError:
-        raise BadInput(where, repr(text), f"a number in {unit}, or with its unit") from None
-
-
 @new.command()
 def line(
     file: File,
@@ -73,7 +62,7 @@ def line(
 ) -> None:
     """Write the table of an overhead line from its supports. Example: cosimo new line my-line.toml supports.csv
 
-    Wires and droppers as options, such as --contact-tension "22 kN".
+    Wires and droppers as options with their units, such as --contact-tension "22 kN".
     """
     from ..systems.railway import line as lines
     from ..systems.railway.new_line import line_text, supports_of
@@ -82,7 +71,7 @@ def line(
     data: dict[str, dict[str, float]] = {"contact_wire": {}, "messenger": {}, "droppers": {}, "support": {}}
     for option, (table, key, unit) in LINE_NUMBERS.items():
         text, name = given[option], f"--{option.replace('_', '-')}"
-        data[table][key] = _number(text, unit, name)
+        data[table][key] = number_given(text, unit, name, bare=False)
     text = line_text(
         file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", supports_of(supports), data
     )
@@ -110,7 +99,7 @@ def scene(
         str, Option(help="A preset of Pantograph, or the file that cosimo railway fit-pantograph wrote.")
     ] = "EN 50318:2018",
     pantographs: Annotated[int, Option(min=1, max=4, help="How many.")] = 1,
-    distance: Annotated[float, Option(help="Between two of them, m.")] = 200.0,
+    distance: Annotated[str, Option(help="Between two of them, m, or with its unit.")] = "200 m",
     speed: Annotated[str, Option(help="Of the train.")] = "250 km/h",
     limits: Limits = "",
 ) -> None:
@@ -132,7 +121,9 @@ def scene(
         text, tables = _copied_scene(file, source)
         text = f'limits = "{limits}"\n{text}' if limits else text
     elif line is not None:
-        text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, distance, speed, limits)
+        number_given(speed, "m/s", "--speed", bare=False)
+        apart = number_given(distance, "m", "--distance")
+        text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits)
     else:
         text = _joined_scene(file, units or [], limits)
     _write(file, text)
@@ -260,13 +251,10 @@ def case(
     for text in filter(None, (part.strip() for part in speeds.split(","))):
         if not moving:
             raise BadInput("--speeds", repr(text), "a scene whose units have a parameter speed")
-        v = _number(text, "m/s", "--speeds")
+        v = number_given(text, "m/s", "--speeds", bare=False)
         stop = loaded.stop_time * float(loaded.units[moving[0]].parameters["speed"]) / v
         step = loaded.master.step
-        changes = [
-            f'"units.{unit}.parameters.speed" = "{text}"' if is_quantity(text) else f'"units.{unit}.parameters.speed" = {v:g}'
-            for unit in moving
-        ]
+        changes = [f'"units.{unit}.parameters.speed" = "{text}"' for unit in moving]
         parts += [
             "[[runs]]",
             f'condition = "{text}"',

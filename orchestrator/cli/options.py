@@ -11,10 +11,10 @@ from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-from typer import Argument, Option
+from typer import Argument, BadParameter, Option
 
 from ...components.core.errors import BadInput
-from ...components.core.measure import is_quantity
+from ...components.core.measure import is_quantity, number_in
 from ..delivery import PLACES, delivered
 from .completion import parameters, presets, scenes
 
@@ -27,8 +27,18 @@ TOLERANCE = "1%"
 SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipped scene, a scene file, an FMU, or a component")]
 Output = Annotated[Path, Option("-o", "--output", help="Directory for the tables and the report.")]
 OptionalOutput = Annotated[Path | None, Option("-o", "--output", help="Directory for the results.")]
-Stop = Annotated[float | None, Option(help="End of the run, s.")]
-Step = Annotated[float | None, Option(help="Macro step, s.")]
+
+
+def _seconds(text: str | float) -> float:
+    """A time of the command line in s, which may have its unit."""
+    try:
+        return number_given(str(text), "s", "time")
+    except BadInput as error:
+        raise BadParameter(f"{error}") from None  # with the name of the option before it
+
+
+Stop = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="End of the run, s, or with its unit.")]
+Step = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help='Macro step, s, or with its unit as in "10 ms".')]
 AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[
     bool, Option("--in-process", help="Run components in this process, not as FMUs: bit-identical results, faster.")
@@ -175,6 +185,22 @@ def listed(option: str, texts: Sequence[str] | None) -> list[str]:
     if not all(names):
         raise BadInput(option, repr(",".join(texts or ())), "names separated by commas")
     return names
+
+
+OTHERWISE = {"m/s": "km/h", "N": "kN", "N/m": "kN/m", "m": "mm"}  # a unit in which a number of the field is as often written
+
+
+def number_given(text: str, unit: str, option: str, *, bare: bool = True) -> float:
+    """The number of an option in a unit; raises `BadInput`, without `bare` also for one without its unit."""
+    if is_quantity(text):
+        return number_in(text, unit, option)
+    try:
+        value = float(text)
+    except ValueError:
+        raise BadInput(option, repr(text), f"a number in {unit}, or with its unit") from None
+    if not bare and unit in OTHERWISE:
+        raise BadInput(option, repr(text), "a number with its unit", f"{text} {OTHERWISE[unit]} or {text} {unit}?")
+    return value
 
 
 def share(option: str, text: str) -> float:

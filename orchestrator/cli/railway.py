@@ -11,7 +11,7 @@ from typer import Argument, Option
 from ...components.core.errors import BadInput
 from ..output import ensure_directory
 from .common import group, loaded_scene, print_table, print_written, status_spinner, warn
-from .options import OptionalOutput, Output, listed, parameters_of, reports, share
+from .options import OptionalOutput, Output, listed, number_given, parameters_of, reports, share
 
 if TYPE_CHECKING:
     from ...components.railway.line.form import Form
@@ -23,10 +23,14 @@ railway = group("railway", "Pantographs and overhead lines.")
 @reports
 def lumped(
     scene: Annotated[str, Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
-    speeds: Annotated[str, Option(metavar="KM/H[,...]", help="Speeds at which both are run.")] = "20,50,100,150,200,250,300",
+    speeds: Annotated[str, Option(metavar="SPEED[,...]", help='Speeds at which both are run, as in "100 km/h,200 km/h".')] = (
+        "20 km/h,50 km/h,100 km/h,150 km/h,200 km/h,250 km/h,300 km/h"
+    ),
     force: Annotated[
-        float | None,
-        Option(help="Force at which the static elasticity is taken, N; without it the mean force at the lowest speed."),
+        str | None,
+        Option(
+            help="Force at which the static elasticity is taken, N, or with its unit; default: the mean force at the lowest speed."
+        ),
     ] = None,
     span: Annotated[int | None, Option(help="Span that is fitted, counted from 1; without it the middle one.")] = None,
     inerter: Annotated[bool, Option("--inerter", help="An inerter in the place of the mass.")] = False,
@@ -37,13 +41,11 @@ def lumped(
     from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
 
     allowed, loaded = share("--tolerance", tolerance), loaded_scene(scene)
-    try:
-        values = [float(text) for text in listed("--speeds", [speeds])]
-    except ValueError:
-        raise BadInput("--speeds", repr(speeds), "speeds in km/h separated by commas") from None
+    values = [round(3.6 * number_given(text, "m/s", "--speeds", bare=False), 9) for text in listed("--speeds", [speeds])]
+    at = None if force is None else number_given(force, "N", "--force")
     ensure_directory(output)  # now, not after many runs
     with status_spinner("running the line and its lumped catenary"):
-        domain = lumped_domain(loaded, values, force, span, inerter)
+        domain = lumped_domain(loaded, values, at, span, inerter)
     written = [*domain.save(output), report(domain, allowed, output)]
     print_table(
         f"Errors of the lumped catenary of {domain.name}",
@@ -131,13 +133,13 @@ def fit_pantograph(
     The response is that of the head on a fixed base. Parameters that the data do not determine are named with the range that
     explains the data as well.
     """
+    from ..systems.railway.frequency_response import UNITS, read_response, save
     from ..systems.railway.frequency_response import fit_pantograph as fit
-    from ..systems.railway.frequency_response import read_response, save
 
     known = parameters_of(fixed)
     for name, value in known.items():
-        if not isinstance(value, float):
-            raise BadInput(f"--fix {name}", repr(value), "a number")
+        unit = UNITS.get(name.rpartition("_")[2], "1")
+        known[name] = value if isinstance(value, float) else number_given(str(value), unit, f"--fix {name}")
     result = fit(read_response(response), masses, known)
     deviations = dict(zip(result.fit.names, result.fit.deviations, strict=True))
     print_table(

@@ -36,6 +36,7 @@ from .options import (
     OptionalOutput,
     Presets,
     SceneName,
+    Step,
     Stop,
     limits_of,
     listed,
@@ -77,7 +78,7 @@ def run(
         ),
     ] = None,
     algorithm: Annotated[str | None, Option(help="jacobi, gauss-seidel, iterative or interface-model")] = None,
-    step: Annotated[float | None, Option(help="Macro step, s.")] = None,
+    step: Step = None,
     stop: Stop = None,
     record: Annotated[
         list[str] | None,

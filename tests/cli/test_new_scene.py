@@ -47,6 +47,9 @@ def test_five_commands_from_a_crews_files_to_a_judged_report(folder):
     assert command("validate", "case.toml", "-o", "out", "--in-process", "--no-verify") == 0
     (case,) = json.loads((folder / "out" / "validation.json").read_text())["cases"]
     assert case["outcome"] == "recalled"
+    lines = (folder / "mine.toml").read_text(encoding="utf-8")
+    assert "static_force = 120  # N, of EN 50318:2002: give that of your pantograph" in lines
+    assert "working_height = 0  # m, default" in lines
     conditions = {row["condition"] for row in case["rows"]}
     assert "160 km/h: leading.both_wires, AC up to 200 km/h" in conditions
     assert "220 km/h: trailing.both_wires, AC above 200 km/h" in conditions
@@ -131,6 +134,12 @@ def test_bad_input_leaves_no_file(folder, capsys):
         (("line", "new.toml", "back.csv"), "behind the one before"),
         (("line", "new.toml", "commas.csv"), "separated by semicolons"),
         (("line", "new.toml", "supports.csv", "--contact-tension", "22 kg"), "dimension of N"),
+        (("line", "new.toml", "supports.csv", "--contact-tension", "22"), "22 kN or 22 N?"),
+        (("line", "new.toml", "supports.csv", "--messenger-tension", "16"), "16 kN or 16 N?"),
+        (("line", "new.toml", "supports.csv", "--system-height", "1.2"), "1.2 mm or 1.2 m?"),
+        (("line", "new.toml", "supports.csv", "--support-stiffness", "500"), "500 kN/m or 500 N/m?"),
+        (("scene", "new.toml", "--line", "line.toml", "--speed", "160"), "160 km/h or 160 m/s?"),
+        (("case", "new.toml", "lumped-catenary", "--limits", "en50367", "--speeds", "160, 200"), "160 km/h or 160 m/s?"),
         (("scene", "new.toml"), "nothing to make it of"),
         (("scene", "new.toml", "Pantograph", "--from", "overlap"), "units and --from"),
         (("scene", "new.toml", "--from", "overlpa"), "'overlap'"),

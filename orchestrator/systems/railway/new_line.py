@@ -28,6 +28,12 @@ COLUMNS = {  # of the table of supports: key of a support in a line's table, "" 
 START = 30.0  # m, of the last pantograph, at most half of the first span
 TRANSIENT = 1.0  # s, of the start at full speed
 CALM = 1.6  # times the way of the transient, before the first span that is judged: for runs at higher speeds, too
+REFERENCE = "EN 50318:2002"  # whose static force and contact spring are the defaults of `Pantograph`
+TAKEN = {  # parameter of a pantograph that a frequency response does not give -> what to give instead
+    "static_force": "give that of your pantograph",
+    "contact_stiffness": "of the model, not of the strip",
+    "working_height": "where the lowest spring is relaxed, above the unloaded wire",
+}
 PORTS = ("contact", "second_pantograph")  # of the catenary, for the first two; then elements of `further_pantographs`
 NUMBERED = ("first", "second", "third", "fourth")
 
@@ -122,7 +128,7 @@ def scene_text(
     form = read_line(read_text(line, "line"), str(line))
     resolved = resolved_sections(form)
     supports = np.unique(np.concatenate([s.x for s in resolved]).round(9))
-    v = number_in(speed, "m/s", "--speed") if not speed.replace(".", "").isdigit() else float(speed)
+    v = number_in(speed, "m/s", "--speed")
     second = len(resolved) > 1 or any(s.section.second_contact_wire.tension is not None for s in resolved)
     last = float(supports[0] + min(START, 0.5 * (supports[1] - supports[0])))
     starts = [last + distance * (count - 1 - k) for k in range(count)]
@@ -175,11 +181,7 @@ def scene_text(
     unit = _pantograph(pantograph)
     own = [*unit["effects"], *(["second_wire"] if second and "second_wire" not in unit["effects"] else [])]
     for name, start in zip(names, starts, strict=True):
-        given = {
-            **unit["parameters"],
-            "speed": speed if not speed.replace(".", "").isdigit() else float(speed),
-            "start_position": start,
-        }
+        given = {**unit["parameters"], "speed": speed, "start_position": start}
         parts += [
             "",
             f"[units.{name}]",
@@ -188,6 +190,7 @@ def scene_text(
         ]
         parts += [f"effects = [{', '.join(map(_quoted, own))}]", "", f"[units.{name}.parameters]"]
         parts += [f"{key} = {_quoted(value) if isinstance(value, str) else f'{value:.9g}'}" for key, value in given.items()]
+        parts += _taken(unit)
     parts += [
         "",
         "[master]",
@@ -235,6 +238,22 @@ def _pantograph(name: str) -> dict[str, Any]:
         )
     parameters = _flat(unit.get("parameters", {}))
     return {"preset": unit.get("preset", ""), "effects": list(unit.get("effects", ["contact_loss"])), "parameters": parameters}
+
+
+def _taken(unit: Mapping[str, Any]) -> list[str]:
+    """Lines for what neither a fit nor an option says of a pantograph, and from where it is taken."""
+    name = unit["preset"]
+    preset = Pantograph.presets[name].parameters if name else {}
+    reference = Pantograph.presets[REFERENCE].parameters
+    lines = []
+    for key, text in TAKEN.items():
+        variable = Pantograph.variables[key]
+        if key in unit["parameters"]:
+            continue
+        origin = f"of preset {name}" if key in preset else f"of {REFERENCE}" if key in reference else "default"
+        value = preset.get(key, reference.get(key, variable.start))
+        lines.append(f"{key} = {value:.9g}  # {variable.unit}, {origin}: {text}")
+    return lines
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

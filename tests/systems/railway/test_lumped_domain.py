@@ -48,9 +48,11 @@ def test_commands_refuse_what_they_cannot_use(capsys, tmp_path):
     from cosimo.orchestrator.cli import main
 
     for arguments, message in (
-        (("lumped", "en50318-2002", "--speeds", "5,x"), "--speeds: '5,x'"),
+        (("lumped", "en50318-2002", "--speeds", "5 km/h,x"), "--speeds: 'x'"),
+        (("lumped", "en50318-2002", "--speeds", "160"), "160 km/h or 160 m/s?"),
         (("fit-pantograph", str(tmp_path / "none.csv")), "none.csv"),
         (("fit-pantograph", "x.csv", "--fix", "head_mass=heavy"), "head_mass"),
+        (("fit-pantograph", "x.csv", "--fix", "head_mass=7 N"), "dimension of kg"),
     ):
         with pytest.raises(SystemExit) as end:
             main(["railway", *arguments, "-o", str(tmp_path / "out")])
