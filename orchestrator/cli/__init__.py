@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import os
+import stat
 import sys
 from collections.abc import Sequence
 
@@ -17,7 +18,7 @@ from ...components.core.errors import BadInput
 from ..cache import tidy_daily
 from ..output import FULL, NoSpace
 from .application import app
-from .common import BAD_INPUT, FAILED_RUN
+from .common import BAD_INPUT, FAILED_RUN, shown_output
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -25,11 +26,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
     sys.path.append(os.getcwd())  # module:Class on the command line
+    with shown_output():
+        _run(sys.argv[1:] if arguments is None else arguments)
+
+
+def _run(arguments: Sequence[str]) -> None:
     try:
-        app(arguments)
+        _refuse_pipes(arguments)
+        app([*arguments])
     except BadInput as error:
         print(f"cosimo: {error}", file=sys.stderr)
-        raise SystemExit(FAILED_RUN if isinstance(error, NoSpace) else BAD_INPUT) from None
+        raise SystemExit(FAILED_RUN if _disk_is_full(error) else BAD_INPUT) from None
     except MemoryError:  # in a report or a figure: a run ends with what it has
         print("cosimo: out of memory; what was written before stays", file=sys.stderr)
         raise SystemExit(FAILED_RUN) from None
@@ -37,3 +44,27 @@ def main(arguments: Sequence[str] | None = None) -> None:
         place = repr(str(error.filename)) if error.filename is not None else "output"
         print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
         raise SystemExit(FAILED_RUN if error.errno in FULL else BAD_INPUT) from None
+
+
+def _disk_is_full(error: BaseException) -> bool:
+    """Whether a full disk is behind a message, such as of an FMU that cannot be unpacked: nothing that the user gave is wrong then."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, NoSpace) or (isinstance(cause, OSError) and cause.errno in FULL):
+            return True
+        cause = cause.__cause__ or cause.__context__
+    return False
+
+
+def _refuse_pipes(arguments: Sequence[str]) -> None:
+    """Raises `BadInput` for a named pipe, a device or a socket in the place of a file: to open one may wait for ever.
+
+    A pipe that the shell has opened, under /dev, has its writer.
+    """
+    for argument in arguments:
+        try:
+            mode = os.stat(argument).st_mode
+        except (OSError, ValueError):  # no path
+            continue
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and not argument.startswith(("/dev/fd/", "/dev/std", "/proc/self/fd/")):
+            raise BadInput(repr(argument), "a pipe, a device or a socket", "a file or a folder")

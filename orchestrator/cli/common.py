@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from ...components.core.errors import BadInput, nearest, visible_lines
+from ...components.core.errors import BadInput, nearest, visible, visible_lines
 from ..interrupts import Interrupted, handled, interrupt
 from .options import listed, value_of
 
@@ -123,13 +123,13 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
 
     texts = [[f"{cell:.4g}" if isinstance(cell, float) else visible_lines(str(cell)) for cell in row] for row in rows]
     name = max((len(line) for row in texts for line in row[0].splitlines()), default=0)  # the first column has names
-    headers = [
-        Column(c, overflow="fold", min_width=min(name, output_width() // 2) if k == 0 else None) for k, c in enumerate(columns)
-    ]
-    table = Table(*headers, title=title or None, title_justify="left")
+    least = min(name, output_width() // 2)
+    headers = [Column(Text(visible(c)), overflow="fold", min_width=None if k else least) for k, c in enumerate(columns)]
+    # as Text: in a string, Rich takes [red] of a foreign name for markup
+    table = Table(*headers, title=Text(visible_lines(title)) if title else None, title_justify="left")
     for row in texts:
         table.add_row(*(Text(cell, style=COLOURS.get(cell, "")) for cell in row))
-    Console(width=output_width()).print(table, markup=False)
+    Console(file=getattr(sys.stdout, "stream", sys.stdout), width=output_width()).print(table)
 
 
 def print_cells(cells: Cells) -> None:
@@ -180,13 +180,50 @@ def status_spinner(text: str = "") -> Iterator[Callable[[str], None]]:
 def warn(warnings: Sequence[str]) -> None:
     """Each on a line of standard error."""
     for warning in warnings:
-        print(f"cosimo: warning: {visible_lines(warning)}", file=sys.stderr)
+        print(f"cosimo: warning: {_indented(visible_lines(warning))}", file=sys.stderr)
 
 
 def fail(message: object, code: int = FAILED_RUN) -> SystemExit:
     """The exception that ends the command with an exit code, after a message on standard error."""
-    print(f"cosimo: {message}", file=sys.stderr)
+    print(f"cosimo: {_indented(visible_lines(str(message)))}", file=sys.stderr)
     return SystemExit(code)
+
+
+def _indented(text: str) -> str:
+    """A text whose other lines cannot be taken for messages of this program: foreign code may have written them."""
+    first, *others = text.split("\n")
+    return "\n".join([first, *(line if line.startswith(" ") else f"  {line}" for line in others)])
+
+
+class Shown:
+    """Standard output that shows control characters of foreign texts as text, as in titles, names and paths; see `visible`.
+
+    stream: the one behind it, for what writes such characters on purpose.
+    """
+
+    def __init__(self, stream: Any):
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        """Write the text as it can be seen."""
+        return self.stream.write(text if text.isprintable() else visible_lines(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+@contextmanager
+def shown_output() -> Iterator[None]:
+    """Within the context all that is printed can be seen, and written in any encoding."""
+    stream = sys.stdout
+    for each in (stream, sys.stderr):
+        if hasattr(each, "reconfigure"):  # a name that is no UTF-8, a terminal of ASCII
+            each.reconfigure(errors="backslashreplace")
+    sys.stdout = Shown(stream)  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        sys.stdout = stream
 
 
 @contextmanager
