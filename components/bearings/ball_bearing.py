@@ -32,7 +32,7 @@ from ..core.contract import Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.integrators import SUBSTEP_TOO_LONG, OdeComponent
 from ..core.kernels import kernel
-from ..core.variables import count, input_, integer, output, parameter
+from ..core.variables import PARTS, count, input_, integer, output, parameter
 from .geometry import BallGeometry
 from .races import BallDefect, CageFault, Defect, Waviness, wave_shapes
 from .two_dof import (
@@ -123,7 +123,7 @@ class TwoDofBearing(OdeComponent):
     speed_ramp = SpeedRamp
     given_start = GivenStart
 
-    balls = integer(8, "number of balls", low=1, high=200)
+    balls = integer(8, "number of balls", low=1, high=200, structural=PARTS)
     contact_angle = parameter(0.0, "rad", "contact angle, for the speed of the cage", low=0.0, high=1.5)
     start_cage_angle = parameter(0.0, "rad", "angle of ball 1 from the line of the load at time 0")
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
-from ..core.variables import count, input_, integer, output, parameter
+from ..core.variables import PARTS, count, input_, integer, output, parameter
 from .constriction import (
     bridged_resistance,
     conductances_in_series,
@@ -144,7 +144,7 @@ class AngularContactConductance(KernelComponent):
     convection = Convection
     radiation = Radiation
 
-    balls = integer(16, "number of balls", low=3, high=1000)
+    balls = integer(16, "number of balls", low=3, high=1000, structural=PARTS)
     ball_diameter = parameter(7.938e-3, "m", "diameter of the balls", low=1e-6)
     pitch_diameter = parameter(54e-3, "m", "pitch diameter of the balls", low=1e-6)
     inner_conformity = parameter(0.52, "1", "groove radius of the inner ring over ball diameter", low=0.5001, high=1.0)

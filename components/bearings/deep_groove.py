@@ -28,7 +28,7 @@ from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
-from ..core.variables import choice, count, input_, integer, output, parameter
+from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
 from .contacts import GAP
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
@@ -192,7 +192,7 @@ class DeepGrooveBearing(KernelComponent):
     friction = Friction
     thermal_growth = ThermalGrowth
 
-    balls = integer(9, "number of balls", low=3, high=200)
+    balls = integer(9, "number of balls", low=3, high=200, structural=PARTS)
     ball_diameter = parameter(11.1e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
     pitch_diameter = parameter(53.5e-3, "m", "diameter of the circle of their centres", low=1e-6, nominal=0.1)
     inner_conformity = parameter(0.52, "1", "groove radius of the inner race over ball diameter", low=0.5001, high=1.0)

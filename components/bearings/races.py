@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from ..core.component import Effect
 from ..core.kernels import kernel, kernel_tuple
-from ..core.variables import integer, parameter
+from ..core.variables import NUMBERED, integer, parameter
 
 ORDERS = 8
 TWO_PI = 2.0 * math.pi
@@ -36,6 +36,7 @@ class Waviness(Effect):
         size=ORDERS,
         low=1,
         high=10000,
+        structural="a property of the race",
     )
     amplitude = parameter((1e-6, *[0.0] * (ORDERS - 1)), "m", "amplitude of the order", size=ORDERS, nominal=1e-6)
     phase = parameter(0.0, "rad", "phase of the order at the race's own angle 0", size=ORDERS)
@@ -59,7 +60,7 @@ class BallDefect(Effect):
     depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
     width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)
     position = parameter(0.0, "rad", "turn of the ball from its start at which the pit meets the inner race")
-    ball = integer(1, "number of the ball, counted from 1", low=1)
+    ball = integer(1, "number of the ball, counted from 1", low=1, structural=NUMBERED)
 
 
 class CageFault(Effect):
@@ -74,7 +75,7 @@ class CageFault(Effect):
     explicit_only = True
 
     offset = parameter(math.radians(5.0), "rad", "angle of the ball ahead of its place; below half the distance of two balls")
-    ball = integer(2, "number of the ball, counted from 1", low=1)
+    ball = integer(2, "number of the ball, counted from 1", low=1, structural=NUMBERED)
 
 
 @kernel_tuple

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .component import Component, Effect
 from .errors import BadInput, nearest
-from .variables import Causality, Kind, Variable
+from .variables import MESHES, Causality, Kind, Variable
 
 
 def check_declaration(cls: type[Component]) -> None:
@@ -59,6 +59,11 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
 
 
 def _of_variable(variable: Variable, name: str) -> Iterator[tuple[str, str, str, str]]:
+    if variable.mesh and (
+        variable.mesh not in MESHES or variable.causality is not Causality.PARAMETER or variable.size or variable.kind.value == "text"
+    ):
+        yield name, f"mesh = one of {', '.join(MESHES)}, of a number that is a parameter", f"{name} with mesh={variable.mesh!r}", ""
+        return
     if isinstance(variable.start, tuple) and len(variable.start) != variable.size:
         yield name, f"size={len(variable.start)}", f"{name} with {len(variable.start)} start values and size={variable.size}", ""
         return

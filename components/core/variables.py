@@ -44,6 +44,14 @@ class Kind(enum.Enum):
     TEXT = "text"
 
 
+MESHES = {
+    "shorter": "the length of elements",
+    "more": "the number of elements",
+    "random": "the number of random parts, of which each number has others",
+}
+SEED = "a seed"  # selects one of many equally likely histories
+PARTS = "parts of the machine"
+NUMBERED = "one of several parts"  # by its number
 STRUCTURAL = {Kind.INTEGER: "a count", Kind.CHOICE: "a choice between models", Kind.TEXT: "a table as long as its text"}
 
 
@@ -69,6 +77,8 @@ class Variable:
     # of a real parameter: it may change during a run, and acts from the next step on; only where a change has a meaning, and where
     # nothing that initialization computes follows from it but the state
     tunable: bool = False
+    # of a structural parameter that is a discretisation: which way it gets finer, `MESHES`
+    mesh: str = ""
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -79,8 +89,8 @@ class Variable:
         if self.kind is Kind.REAL:
             start = tuple(map(float, self.start)) if isinstance(self.start, tuple) else float(self.start)
             object.__setattr__(self, "start", start)
-        if self.causality is Causality.PARAMETER and self.kind is not Kind.REAL and not self.structural:
-            object.__setattr__(self, "structural", STRUCTURAL[self.kind])
+        if self.causality is Causality.PARAMETER and not self.structural and (self.mesh or self.kind is not Kind.REAL):
+            object.__setattr__(self, "structural", MESHES.get(self.mesh) or STRUCTURAL[self.kind])
 
     @cached_property
     def scalars(self) -> tuple[Variable, ...]:

@@ -11,7 +11,7 @@ from ..core.friction import directed_friction, directed_guard, directed_mode, di
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, kernel
 from ..core.spectrum import step_within
-from ..core.variables import count, input_, integer, output, parameter
+from ..core.variables import PARTS, count, input_, integer, output, parameter
 from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, free_rate
 from .robot_equations import (
     CONTACT,
@@ -64,7 +64,7 @@ class RollingPipeRobot(ShakenRobot):
     route = PipeSlope
 
     body_mass = parameter(1.0, "kg", "mass of the body with its rings, without turning of rollers", low=1e-9)
-    rings = integer(2, "number of rings", low=1)
+    rings = integer(2, "number of rings", low=1, structural=PARTS)
     free_diameter = parameter(0.204, "m", "diameter of a ring over its rollers without load", low=1e-6)
     bending_stiffness = parameter(0.2, "N.m2", "EI of the strip of a ring", low=0.0)
     rolling_resistance = parameter(0.03, "1", "resistance of a rolling roller over the force on it", low=0.0)

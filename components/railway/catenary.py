@@ -144,7 +144,7 @@ class Catenary(HungLine):
     line_profile = LineProfile
 
     method = choice("explicit", ("explicit", "implicit"), "time integration")
-    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, structural="it decides how many nodes there are")
+    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, mesh="shorter")
     substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.component import Effect
-from ..core.variables import input_, integer, output, parameter, text
+from ..core.variables import PARTS, input_, integer, output, parameter, text
 
 FURTHER = 6  # contact points that `further_pantographs` can have
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
@@ -83,7 +83,7 @@ class FurtherPantographs(Effect):
     explicit_only = True
     requires = ("second_pantograph",)
 
-    count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER)
+    count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER, structural=PARTS)
     contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, moving=True, size=FURTHER)
     contact_force = input_(0.0, "N", "force of a further pantograph on the wire, positive upwards", nominal=100.0, size=FURTHER)
     wire_height = output(

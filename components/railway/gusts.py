@@ -23,7 +23,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.kernels import DONE, OWN, kernel
-from ..core.variables import integer, output, parameter
+from ..core.variables import SEED, integer, output, parameter
 from .gust_loads import DISTANCE, FIELDS, INTERVAL, Buffeting
 from .line.plan import CLAMPED_TO, CONTACT, FROM, LANE, TO
 from .mesh import Mesh, around
@@ -69,8 +69,8 @@ class Gusts(Effect):
     lowest = parameter(0.02, "Hz", "lowest frequency", low=1e-4)
     highest = parameter(5.0, "Hz", "highest frequency", low=1e-3)
     shortest = parameter(12.0, "m", "shortest wave along the line", low=0.1)
-    components = integer(200, "number of waves", low=1, high=2000)
-    seed = integer(1, "of the random frequencies, wave numbers and phases", low=0, high=2**31 - 1)
+    components = integer(200, "number of waves", low=1, high=2000, mesh="random")
+    seed = integer(1, "of the random frequencies, wave numbers and phases", low=0, high=2**31 - 1, structural=SEED)
 
     load = output(
         "N/m",

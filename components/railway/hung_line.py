@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.contract import KernelComponent
 from ..core.kernels import in_python, kernel
-from ..core.variables import integer, parameter
+from ..core.variables import NUMBERED, PARTS, integer, parameter
 from .line.dropper_table import line_of
 from .line.form import Form, Found, find_form_at_rest, form_of
 from .line.from_table import lay_out, support_positions, unused_by
@@ -37,13 +37,13 @@ PLACED = "it decides where nodes are, and how many"
 class HungLine(KernelComponent):
     """The parameters of a uniform line, and the layout of that or of the effect `line_table`."""
 
-    spans = integer(10, "number of spans", low=1, high=1000)
+    spans = integer(10, "number of spans", low=1, high=1000, structural=PARTS)
     span_length = parameter(60.0, "m", "length of a span", low=1.0, structural=PLACED)
     contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
     contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
     messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
     messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
-    droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
+    droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS, structural=PARTS)
     dropper_position = parameter(
         (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)),
         "m",
@@ -57,7 +57,7 @@ class HungLine(KernelComponent):
     messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0)
     support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0)
     support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0)
-    first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
+    first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0, structural=NUMBERED)
 
     def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
         """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""

@@ -8,7 +8,7 @@ from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OWN, kernel
-from ..core.variables import input_, integer, output, parameter, text
+from ..core.variables import SEED, input_, integer, output, parameter, text
 from .sines import fill_bands, sum_of_sines
 
 WRONG_ACCELERATION, WRONG_LENGTHS, WRONG_FREQUENCIES = range(OWN + 1, OWN + 4)  # statuses
@@ -134,8 +134,8 @@ class LiftFluctuation(Effect):
     intensity = parameter(0.05, "1", "standard deviation over the mean lift", low=0.0, high=1.0)
     lowest = parameter(0.2, "Hz", "lowest frequency", low=1e-3)
     highest = parameter(20.0, "Hz", "highest frequency", low=1e-3)
-    components = integer(40, "number of sines", low=1, high=1000)
-    seed = integer(1, "of the random frequencies and phases", low=0, high=2**31 - 1)
+    components = integer(40, "number of sines", low=1, high=1000, mesh="random")
+    seed = integer(1, "of the random frequencies and phases", low=0, high=2**31 - 1, structural=SEED)
 
 
 class WireUnevenness(Effect):
@@ -153,8 +153,8 @@ class WireUnevenness(Effect):
     longest = parameter(60.0, "m", "longest wave length, 1 / n0", low=1e-2)
     shortest = parameter(0.4, "m", "shortest wave length", low=1e-3)
     exponent = parameter(2.0, "1", "exponent p of the spectrum", low=0.0, high=10.0)
-    components = integer(60, "number of sines", low=1, high=2000)
-    seed = integer(1, "of the random wave lengths and phases", low=0, high=2**31 - 1)
+    components = integer(60, "number of sines", low=1, high=2000, mesh="random")
+    seed = integer(1, "of the random wave lengths and phases", low=0, high=2**31 - 1, structural=SEED)
 
 
 class MeasuredUnevenness(Effect):

@@ -187,7 +187,7 @@ class BeamRotor(KernelComponent):
     youngs_modulus = parameter(211e9, "Pa", "Young's modulus", low=1.0)
     shear_modulus = parameter(81.2e9, "Pa", "shear modulus", low=1.0)
     density = parameter(STEEL, "kg/m3", "density of the shaft", low=1e-6)
-    element = parameter(0.25, "m", "longest element", low=1e-6, structural="it decides how many elements there are")
+    element = parameter(0.25, "m", "longest element", low=1e-6, mesh="shorter")
     start_speed = parameter(100.0, "rad/s", "speed of rotation at the start, positive from x to y")
     start_angle = parameter(0.0, "rad", "angle of the rotor at the start")
     start_fall = parameter(

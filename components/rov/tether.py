@@ -70,7 +70,7 @@ class Tether(OdeComponent):
     drag = Drag
     current = TetherCurrent
 
-    segments = integer(10, "number of segments", low=2, high=500)
+    segments = integer(10, "number of segments", low=2, high=500, mesh="more")
     length = parameter(35.0, "m", "length without tension", low=1e-3)
     diameter = parameter(7.5e-3, "m", "diameter", low=1e-6)
     youngs_modulus = parameter(6.437e7, "Pa", "modulus of elasticity", low=1.0)

@@ -26,7 +26,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.kernels import DONE, OWN, kernel
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import SEED, input_, integer, output, parameter
 
 GRAVITY = 9.80665  # m/s²
 TURN = 2.0 * math.pi
@@ -86,8 +86,8 @@ class WaveSpectrum(Effect):
     explicit_only = True
 
     peakedness = parameter(3.3, "1", "peak over that of Pierson and Moskowitz", low=1.0, high=20.0)
-    components = integer(200, "number of components", low=1, high=5000)
-    seed = integer(1, "of the random phases and frequencies", low=0, high=2**31 - 1)
+    components = integer(200, "number of components", low=1, high=5000, mesh="random")
+    seed = integer(1, "of the random phases and frequencies", low=0, high=2**31 - 1, structural=SEED)
 
 
 @kernel

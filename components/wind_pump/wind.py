@@ -8,7 +8,7 @@ from typing import Any
 from ..core.component import Effect
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.kernels import DONE, OWN, kernel
-from ..core.variables import integer, output, parameter
+from ..core.variables import SEED, integer, output, parameter
 
 DAY = 86400.0  # s
 FOREVER = 1e12  # s
@@ -48,7 +48,7 @@ class Turbulence(Effect):
     intensity = parameter(0.15, "1", "standard deviation over the mean speed", low=0.0, high=1.0)
     length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, recalled", low=1e-3)
     interval = parameter(0.5, "s", "time between samples", low=1e-3)
-    seed = integer(1, "number that selects one of many equally likely winds", low=0, high=2**31 - 1)
+    seed = integer(1, "number that selects one of many equally likely winds", low=0, high=2**31 - 1, structural=SEED)
 
 
 class Gusts(Effect):

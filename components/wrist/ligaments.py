@@ -7,7 +7,7 @@ from typing import Any
 from ..core.component import Effect
 from ..core.kernels import DONE, kernel
 from ..core.stateless import StatelessComponent, stateless_kernels
-from ..core.variables import choice, input_, integer, output, parameter
+from ..core.variables import NUMBERED, choice, input_, integer, output, parameter
 from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, axes_refusals, axes_status, crossing
 from .ligament_springs import (
     COLUMNS,
@@ -51,7 +51,7 @@ class Constraint(Effect):
     requires = ("morphology",)
 
     kind = choice("springs", ("springs", "rigid"), "springs, or rigid without stiffness, toe and damping")
-    cut = integer(0, f"ligament that is cut: 0 none, {ORDER}", low=0, high=COUNT)
+    cut = integer(0, f"ligament that is cut: 0 none, {ORDER}", low=0, high=COUNT, structural=NUMBERED)
     stiffness = parameter(STIFFNESS, "N/m", "stiffness of each ligament beyond its toe", low=0.0, size=COUNT)
     off_axis = parameter(OFF_AXIS, "m", "distance of one end from the axis; 0: isometric", low=0.0, high=5e-3, size=COUNT)
     prestrain = parameter(0.0, "1", "strain of the ligaments at rest", low=-0.5, high=0.5)

@@ -20,10 +20,10 @@ from ...components.core import store
 from ...fmus.versions import version
 from ..checkpoint import digest
 from ..interrupts import Interrupted, handled, interrupt
+from ..code_digests import component_digest, components_digest
 from ..output import UNFINISHED, locked
 from ..scene.scene import Scene
 from ..verified_file import read_verified, write_verified
-from .code_digests import component_digest, components_digest
 
 T = TypeVar("T")
 FOLDER = "study"  # in the folder of what is not finished

@@ -12,7 +12,7 @@ READERS = {
     "components/core/closure.py": "imports of a source: what is packed, and what machine code depends on",
     "components/core/declaration.py": "the line of a declaration, for a message",
     "fmus/own.py": "the lines of imports that become relative in a bundle",
-    "orchestrator/harness/code_digests.py": "a digest that comments do not change",
+    "orchestrator/code_digests.py": "a digest that comments do not change",
 }
 READ = {"getsource", "getsourcelines", "findsource", "dis"}
 FILES = sorted(path for package in ("components", "fmus", "orchestrator") for path in (ROOT / package).rglob("*.py"))

@@ -19,12 +19,12 @@ from ....components.core.errors import BadInput, nearest
 from ....components.core.store import digest_of
 from ....fmus.versions import version
 from ...checkpoint import digest as scene_digest
+from ...code_digests import components_digest
 from ...results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
 from ..analysis.records import KINDS, after_transient
 from ..analysis.sections import section as section_of
-from ..code_digests import components_digest
 from ..studies.quantities import TimeHistory, quantities_of, recording
 
 if TYPE_CHECKING:

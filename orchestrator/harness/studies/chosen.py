@@ -12,8 +12,8 @@ from typing import Any
 
 from ....components.core import store
 from ....components.core.folders import cache_root
+from ...code_digests import components_digest
 from ...scene.scene import Scene
-from ..code_digests import components_digest
 from .effects import Effects, Finding, effects
 from .full_model import effects_on, with_effects
 

@@ -23,10 +23,10 @@ import numpy as np
 from ....components.core import store
 from ....components.core.errors import BadInput
 from ....components.core.folders import cache_root
+from ...code_digests import short_digest
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
-from ..code_digests import short_digest
 from .accuracy import Accuracy, Point
 from .accuracy_table import read_points, write_points
 from .quantities import percent, quantities_of, recording

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator import code_digests
 from cosimo.orchestrator.cli import choices, main
 from cosimo.orchestrator.cli.choices import is_verified
-from cosimo.orchestrator.harness import code_digests
-from cosimo.orchestrator.harness.code_digests import components_digest
+from cosimo.orchestrator.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points

@@ -7,10 +7,10 @@ import inspect
 from functools import cache
 from pathlib import Path
 
-from ...components.catalogue import CATALOGUE, component_class
-from ...components.core.store import digest_of
-from ...fmus.build import sources
-from ..scene.scene import Scene
+from ..components.catalogue import CATALOGUE, component_class
+from ..components.core.store import digest_of
+from ..fmus.build import sources
+from .scene.scene import Scene
 
 
 def components_digest(scene: Scene) -> str:
