@@ -23,6 +23,7 @@ KINDS = {
     "ssp": "FMUs out of .ssp files",
     "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",
+    "meshes": "errors that meshes of scenes make",
     "lists": "names and titles of all components, scenes and cases",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger

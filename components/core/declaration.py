@@ -60,9 +60,17 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
 
 def _of_variable(variable: Variable, name: str) -> Iterator[tuple[str, str, str, str]]:
     if variable.mesh and (
-        variable.mesh not in MESHES or variable.causality is not Causality.PARAMETER or variable.size or variable.kind.value == "text"
+        variable.mesh not in MESHES
+        or variable.causality is not Causality.PARAMETER
+        or variable.size
+        or variable.kind.value == "text"
     ):
-        yield name, f"mesh = one of {', '.join(MESHES)}, of a number that is a parameter", f"{name} with mesh={variable.mesh!r}", ""
+        yield (
+            name,
+            f"mesh = one of {', '.join(MESHES)}, of a number that is a parameter",
+            f"{name} with mesh={variable.mesh!r}",
+            "",
+        )
         return
     if isinstance(variable.start, tuple) and len(variable.start) != variable.size:
         yield name, f"size={len(variable.start)}", f"{name} with {len(variable.start)} start values and size={variable.size}", ""

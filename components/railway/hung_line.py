@@ -57,7 +57,9 @@ class HungLine(KernelComponent):
     messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0)
     support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0)
     support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0)
-    first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0, structural=NUMBERED)
+    first_watched_support = integer(
+        4, "number of the first support whose uplift is an output; 0 is the start", low=0, structural=NUMBERED
+    )
 
     def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
         """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""

@@ -146,7 +146,7 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         return (
             f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
             f"repeated with a macro step of {step:g} s and the same internal steps{slower}. "
-            f"{verification['why'][:1].upper()}{verification['why'][1:]}."
+            f"{verification['why'][:1].upper()}{verification['why'][1:]}. {covered_text(verification.get('mesh', {}))}"
         )
     shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"
     text = (
@@ -159,4 +159,20 @@ def verification_text(verification: Mapping[str, Any]) -> str:
     ]
     text += f" Refined inside, each by itself: {'; '.join(parts)}." if parts else ""
     missing = ", ".join(inner_name(place) for place in verification.get("not_refined", {}))
-    return f"{text} The errors leave out what {missing} makes, which could not be refined." if missing else text
+    text += f" The errors leave out what {missing} makes, which could not be refined." if missing else ""
+    return f"{text} {covered_text(verification.get('mesh', {}))}"
+
+
+def covered_text(mesh: Mapping[str, Any]) -> str:
+    """What errors cover beside the steps, and what they leave out. mesh: of the verification in run.json."""
+    text = ""
+    if places := mesh.get("places"):
+        name, most = max(mesh["signals"].items(), key=lambda one: one[1])
+        before = ", measured before" if mesh.get("kept") else ""
+        text = f"They include the mesh ({', '.join(places)}), by one with half as many elements{before}: {100.0 * most:.2g} % of {name}. "
+    for reason in dict.fromkeys(mesh.get("not_covered", {}).values()):
+        names = ", ".join(name for name, why in mesh["not_covered"].items() if why == reason)
+        text += f"They leave out the mesh ({names}): {reason}. "
+    left_out = mesh.get("left_out", {})
+    kinds = [f"{what} ({', '.join(n for n, w in left_out.items() if w == what)})" for what in dict.fromkeys(left_out.values())]
+    return f"{text}{'Also left out' if 'leave out' in text else 'Left out'}: {', '.join([*kinds, 'what the model simplifies'])}."

@@ -8,6 +8,7 @@ from math import isfinite, nan
 from typing import Any
 
 from .comparison import SURE, Difference, SignalError
+from .mesh import MeshError
 
 NOT_ASKED = "not asked for"
 STEPS = "steps"  # macro step and internal steps, as what makes an error
@@ -26,7 +27,8 @@ class Verification:
     unseen: signals that their rows do not show -> how far they depart from straight lines between two.
     unstable: whether a repetition became unstable.  stopped: the signal that ended the repetition, by its name.
     inside: internal steps that were halved, too, place -> s.  parts: place of a tolerance or mesh -> how the signals change where
-    it alone is refined.  not_refined: place of one that could not be refined -> why.  seconds: CPU time that it took.
+    it alone is refined.  mesh: what meshes make of the errors.
+    not_refined: place of one that could not be refined -> why.  seconds: CPU time that it took.
     """
 
     done: bool
@@ -46,6 +48,7 @@ class Verification:
     excerpt: Mapping[str, Any] = field(default_factory=dict)
     unseen: Mapping[str, float] = field(default_factory=dict)
     inside: Mapping[str, float] = field(default_factory=dict)
+    mesh: MeshError = field(default_factory=MeshError)
     seconds: float = 0.0
     unstable: bool = False
     stopped: str = ""
@@ -54,11 +57,14 @@ class Verification:
     def errors(self) -> dict[str, SignalError]:
         """Errors of signals that steps, tolerances and meshes make together."""
         of_parts = {name: [gaps[name] for gaps in self.parts.values()] for name in self.signals}
+        of_mesh = {
+            name: self.mesh.signals.get(name, (0.0, 0.0)) if not e.parted else (0.0, 0.0) for name, e in self.signals.items()
+        }
         return {
             name: replace(
                 e,
-                rms=e.rms + SURE * sum(gap.rms for gap in of_parts[name]),
-                largest=e.largest + SURE * sum(gap.largest for gap in of_parts[name]),
+                rms=e.rms + SURE * sum(gap.rms for gap in of_parts[name]) + of_mesh[name][0],
+                largest=e.largest + SURE * sum(gap.largest for gap in of_parts[name]) + of_mesh[name][1],
             )
             for name, e in self.signals.items()
         }
@@ -82,6 +88,7 @@ class Verification:
         where_known = {
             "windows": windows if self.windows else {},
             "quantities": {cause: _finite(errors) for cause, errors in self.quantities.items()},
+            "mesh": self.mesh.to_json(),
             "parts": {place: dict(zip(("signal", "difference"), self.worst_of_part(place), strict=True)) for place in self.parts},
             "not_refined": dict(self.not_refined),
             "unseen": dict(self.unseen),

@@ -7,6 +7,7 @@ WARN = 0.05  # error from which a run warns: a twentieth of a signal's deviation
 AIM = 0.01  # error that the suggested step is for: less is not seen in a curve
 ORDER_UNSURE = 0.02  # difference from which a third run is made: below it, twice the difference bounds an error of first order
 HARDLY = 1e-3  # deviation over rms below which a signal is judged by its size: it stands still, as a conserved quantity does
+MESH_ORDERS = (0.5, 1.0)  # between which the order of a mesh is taken: coarse meshes show higher ones than the finer ones have
 UNSEEN = 0.5  # departure from a straight line between two rows from which rows do not show a signal; one that jumps has a third
 FEWEST_ROWS = 10  # that tell how a signal goes on between two
 NO_MATTER = 5e-3  # of a figure: what the ends of a run make of it may stay in its error

@@ -2,8 +2,8 @@
 
 The run is repeated with half of every step, the macro step and the internal steps of the units, and with a quarter if the two differ by
 much. Where an error is large, a further run with half the macro step alone tells which of them makes it. A run that is too long for this
-is repeated over windows, with half the macro step alone. With "full", tolerances and meshes of the units are refined as well, one
-after the other.
+is repeated over windows, with half the macro step alone. Meshes are coarsened, see `mesh`. With "full", tolerances of the units are
+refined as well, one after the other.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ..interrupts import Interrupted
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
-from ..shorter_steps import numbers_in_use, shorter, substeps, with_mesh
+from ..shorter_steps import numbers_in_use, shorter, substeps
 from .comparison import (
     SURE,
     Difference,
@@ -38,34 +38,35 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
+<<<<<<< HEAD
 from .instability import unfollowed
 from .record import NOT_ASKED, STEPS, Verification
 from .thresholds import GROWN, LASTING, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
+=======
+from .mesh import mesh_error
+from .record import STEPS, Verification
+from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
+>>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
 FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
-MESH = 0.5
 
 
-def refinements(scene: Scene) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
-    """By the place of each tolerance, and of the meshes together: changes that refine it, and of these the shorter steps it needs.
-
-    Rows are recorded at the same times. Raises `BadInput` for a mesh of [study] that is none.
-    """
+def refinements(scene: Scene) -> dict[str, dict[str, Any]]:
+    """By the place of each tolerance: changes that refine it. Rows are recorded at the same times."""
     interval = {"record.interval": scene.master.step} if scene.record.interval is None and not scene.master.control else {}
-    tolerances = numbers_in_use(scene, "tolerance").items()
-    changes: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
-        place: ({place: FINER_TOLERANCE * value, **interval}, {}) for place, value in tolerances
-    }
-    if scene.study.mesh:
-        finer = with_mesh(scene, MESH) | interval
-        changes[", ".join(scene.study.mesh)] = finer, {place: finer[place] for place in substeps(scene)}
-    return changes
+    return {place: {place: FINER_TOLERANCE * value, **interval} for place, value in numbers_in_use(scene, "tolerance").items()}
 
 
+<<<<<<< HEAD
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
+=======
+Wish = Literal["auto", "whole", "full", "steps", "no"]
+WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "steps", "no")
+NOT_ASKED = "not asked for"
+>>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
 Distances = Callable[[Result, Result], Mapping[str, float]]  # shares by which a run and a finer one differ in quantities, by name
 
 
@@ -86,16 +87,15 @@ def run(
     """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
 
     verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
-    whatever it takes; "full" also refines tolerances and meshes of the units; "no" leaves the errors unknown.
+    whatever it takes; "full" also refines the tolerances of the units; each finds the errors that meshes make, too, from a coarser
+    one, see `judgement.mesh`, but for "steps", which is "auto" without them; "no" leaves the errors unknown.
     distances: of further quantities, whose errors are then in `info["verification"]["quantities"]`.
     The other arguments are those of `orchestrator.run.run`: packaging, progress, checkpoints, where the result is stored.
     Raises `BadInput` for what cannot start. `result.info["verification"]` says what was found.
     """
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
-    if verify == "full":
-        refinements(scene)  # a mesh that is none is refused before the run
-    wish = WindowsWish(SECONDS) if verify == "auto" and _here(scene, in_process) else None
+    wish = WindowsWish(SECONDS) if verify in ("auto", "steps") and _here(scene, in_process) else None
     result = run_once(
         scene,
         in_process=in_process,
@@ -134,12 +134,22 @@ def verified_result(
     if result.outcome != "done":
         return _with(result, Verification(False, f"the run is {result.outcome}"))
     if wish == "no":
+<<<<<<< HEAD
         return _judged(result, Verification(False, NOT_ASKED))
     if windows is not None and (windows.result or windows.why):
         return _judged(result, _of_windows(result.scene, windows))
     begun = process_time()
+=======
+        return _with(result, Verification(False, NOT_ASKED))
+    begun, of_steps = process_time(), "auto" if wish == "steps" else wish
+>>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
     try:
-        verification = _repeated(result, wish, in_process, distances or (lambda *_: {}))
+        if windows is not None and (windows.result or windows.why):
+            verification = _of_windows(result.scene, windows)
+        else:
+            verification = _repeated(result, of_steps, in_process, distances or (lambda *_: {}))
+        if verification.done and wish != "steps":
+            verification = _with_mesh(result, verification, wish, in_process, distances)
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
     except MemoryError:
@@ -149,6 +159,7 @@ def verified_result(
     return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
+<<<<<<< HEAD
 class _Why(NamedTuple):
     """Why a repetition has no result, and whether that is because it became unstable."""
 
@@ -161,6 +172,20 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
 
     Raises `Interrupted` where a signal has stopped it.
     """
+=======
+def _with_mesh(
+    result: Result, verification: Verification, wish: Wish, in_process: bool, distances: Distances | None
+) -> Verification:
+    """The verification with what meshes make of the errors."""
+    found = mesh_error(result, _again, lambda: wish != "auto" or 0.75 * _cost(result, in_process) <= SECONDS, distances)
+    figures = {name: e + found.figures.get(name, nan if found.places else 0.0) for name, e in verification.figures.items()}
+    of_mesh = {", ".join(found.places): found.quantities} if found.quantities else {}
+    return replace(verification, mesh=found, figures=figures, quantities={**verification.quantities, **of_mesh})
+
+
+def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
+    """The run of the scene with changes; None where it is refused or does not come to its end, and why."""
+>>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
     try:
         again = run_once(scene.with_changes(changes), in_process=True)
     except BadInput as error:  # such as an FMU whose step is fixed
@@ -203,15 +228,22 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     figures = _figures(shown, unsure=needs_third(first_gap))
     parts: dict[str, Mapping[str, Difference]] = {}
     not_refined = {}
+<<<<<<< HEAD
     for place, (finer, steps) in refinements(scene).items() if wish == "full" else ():
         before, why_not = _again(scene, steps) if steps else (result, _Why())
         refined, why = _again(scene, finer)
         if before is None or refined is None:
             not_refined[place] = why.text or why_not.text
+=======
+    for place, finer in refinements(scene).items() if wish == "full" else ():
+        refined, why = _again(scene, finer)
+        if refined is None:
+            not_refined[place] = why
+>>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
             continue
-        parts[place], of_place = differences(before, refined), _figures([before, refined], unsure=False)
+        parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
         if of_quantities:
-            quantities[place] = {name: SURE * d for name, d in distances(before, refined).items()}
+            quantities[place] = {name: SURE * d for name, d in distances(result, refined).items()}
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(
         True,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import floor, isfinite, isnan, log10
 
+from ..meshes import meshes_of
 from ..scene.scene import Scene
 from .comparison import SURE, SignalError, worst_of
 from .record import NOT_ASKED, Verification
@@ -56,6 +57,14 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
                 f"{inner_name(place)} is too coarse for {worst}: refined by itself, it changes this signal by "
                 f"{_percent(change)} of its deviation (rms). Lower it"
             )
+    worst, error = verification.mesh.worst
+    if error > WARN:
+        meshes = ", ".join(verification.mesh.places)
+        finer = ", ".join(f"{m.name} = {m.value / 2.0 if m.by_length else 2.0 * m.value:g}" for m in meshes_of(scene).values())
+        texts.append(
+            f"the mesh ({meshes}) is too coarse for {worst}: its error is about {_percent(error)} of the signal's deviation (rms), as "
+            f"a mesh with half as many elements shows. Take {finer} for about half of it"
+        )
     for place, why in verification.not_refined.items():
         texts.append(f"the errors leave out what {inner_name(place)} makes, which could not be refined: {why}")
     if unseen := verification.unseen:

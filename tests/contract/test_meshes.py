@@ -27,7 +27,9 @@ def structural():
 
 def test_every_structural_parameter_says_whether_it_is_a_mesh():
     """A count says what it counts: "a count" alone is what a declaration without a word gets."""
-    silent = [f"{n}.{v.name}" for n, v in structural() if not v.mesh and v.kind is Kind.INTEGER and v.structural == STRUCTURAL[v.kind]]
+    silent = [
+        f"{n}.{v.name}" for n, v in structural() if not v.mesh and v.kind is Kind.INTEGER and v.structural == STRUCTURAL[v.kind]
+    ]
     assert silent == []
     assert {(n, v.name): v.mesh for n, v in structural() if v.mesh} == FOUND
     seeds = [f"{n}.{v.name}" for n, v in structural() if v.name.endswith("seed") != (v.structural == "a seed")]

@@ -117,7 +117,7 @@ def test_a_run_that_is_not_verified_says_so():
     scene = read_scene(two_masses("jacobi", 1e-2, 1))
     result = cosimo.run(scene, in_process=True, verify="no")
     assert result.info["verification"] == {"done": False, "why": "not asked for"}
-    with pytest.raises(BadInput, match="auto, whole, full, no"):
+    with pytest.raises(BadInput, match="auto, whole, full, steps, no"):
         cosimo.run(scene, in_process=True, verify="maybe")
 
 
@@ -281,21 +281,12 @@ def test_chaos_is_told_from_a_drifting_phase():
     assert not drift.parted
 
 
-def test_full_refines_tolerances_and_meshes_one_by_one():
-    scene = load_scene("en50318-2002").with_changes({"stop_time": 1.0})
-    plain = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
-    full = cosimo.run(scene, in_process=True, verify="full").info["verification"]
-    assert full["parts"]
-    assert not any(place.endswith(".substep") for place in full["parts"])
-    assert full["signals"]["pantograph.contact_force"]["rms"] > plain["signals"]["pantograph.contact_force"]["rms"]
-
-
 class Refined(OfTime):
     """2 rad/s: `exact`, `value` with an error of its internal steps, `rough` with one of its mesh."""
 
     substep = parameter(1e-2, "s", "internal step")
     tolerance = parameter(1e-6, "1", "tolerance of nothing", low=5e-7)
-    element = parameter(0.1, "m", "length of elements", low=0.06)
+    element = parameter(0.0, "m", "length of elements")
     value = output("1", "too large with the internal step")
     exact = output("1", "exact")
     rough = output("1", "too large with the mesh")
@@ -322,7 +313,6 @@ def refined_scene(**parameters):
             "connections": ["inner.exact -> late.given"],
             "units": {"inner": {"component": f"{HERE}:Refined", "parameters": parameters}, "late": {"component": f"{HERE}:Late"}},
             "master": {"step": 0.05, "extrapolation": 0, "algorithm": "jacobi"},
-            "study": {"mesh": ["inner.element"]},
         }
     )
 
@@ -337,30 +327,15 @@ def test_each_warning_names_the_steps_that_make_its_own_error():
 
 
 def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
-    """Tolerance and mesh at their lower limits, below which the scene refuses them; then the mesh alone can be refined."""
+    """Tolerance at its lower limit, below which the scene refuses it."""
     plain = cosimo.run(refined_scene(), verify="whole").info["verification"]
     both = cosimo.run(refined_scene(), verify="full")
     found = both.info["verification"]
     assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
-    assert list(found["not_refined"]) == ["units.inner.parameters.tolerance", "inner.element"]
-    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["units.inner.parameters.tolerance"]
-    assert "leave out what inner.tolerance, inner.element makes" in verification_text(found)
-    assert sum("could not be refined" in text for text in both.info["warnings"]) == 2
-    half = cosimo.run(refined_scene(element=0.15), verify="full")
-    found = half.info["verification"]
     assert list(found["not_refined"]) == ["units.inner.parameters.tolerance"]
-    assert list(found["parts"]) == ["inner.element"]
-    assert found["parts"]["inner.element"]["signal"] == "inner.rough"  # not that of the internal steps, which get shorter with it
-    assert found["parts"]["inner.element"]["difference"] == pytest.approx(0.075 / 1.075, rel=0.05)
-    assert any(text.startswith("inner.element is too coarse for inner.rough") for text in half.info["warnings"])
-    assert not any("too long for inner.rough" in text for text in half.info["warnings"])
-
-
-@pytest.mark.parametrize("name", ["inner.exact", "inner.no_such", "nowhere.element", "inner.element.x"])
-def test_a_mesh_that_is_none_is_refused_before_the_run(name, monkeypatch):
-    monkeypatch.setattr(verification, "run_once", lambda *_, **__: pytest.fail("it ran"))
-    with pytest.raises(BadInput, match=r"study\.mesh"):
-        cosimo.run(refined_scene().with_changes({"study.mesh": [name]}), verify="full")
+    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["units.inner.parameters.tolerance"]
+    assert "leave out what inner.tolerance makes" in verification_text(found)
+    assert sum("could not be refined" in text for text in both.info["warnings"]) == 1
 
 
 def test_components_that_run_as_fmus_are_repeated_in_process():

@@ -1,0 +1,176 @@
+"""What the meshes of a scene's components make of the error of each number, from a run whose meshes are coarser.
+
+Half as many elements cost half a run or less. With x, x2, x4 of a number with elements of the lengths 1, 2 and 4 and the difference
+d = |x - x2|, the error of x is
+
+    signals   d / (2^p - 1), p the order that |x2 - x4| shows, within 1/2 to 1
+    figures   d + |x2 - x4| / 56, as the difference of two figures may vanish by chance; the second is what order 3 leaves of x
+
+Higher orders are not believed: a wave that elements of four times the length do not resolve shows one that finer ones do not have.
+What is measured of a scene is kept in the cache, so that a second run of it pays nothing. Another number of random parts, such as
+the waves of a sea, is another history: it has no error of this kind, and is named with the seeds.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from ...components.core import store
+from ...components.core.errors import BadInput
+from ...components.core.folders import cache_root
+from ...fmus.versions import version
+from ..checkpoint import digest
+from ..code_digests import components_digest
+from ..meshes import coarsened, coarser, meshes_of
+from ..results import Result
+from ..scene.scene import Scene
+from .comparison import Difference, differences
+from .thresholds import MESH_ORDERS
+
+LEFT = 56.0  # 2^p (2^p - 1) at p = 3: error of x over |x2 - x4|
+KEPT = "meshes"  # folder in the cache
+Again = Callable[[Scene, Mapping[str, Any]], tuple[Result | None, str]]
+Distances = Callable[[Result, Result], Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class MeshError:
+    """What meshes make of the errors.
+
+    places: parameters that are meshes, "unit.parameter", which are covered.  signals: name -> rms and largest, shares of the scale.
+    figures: in their units.  quantities: shares, of further quantities.  not_covered: mesh -> why not.  left_out: "unit.parameter" or
+    unit -> what it is that no repetition covers.  kept: whether it was measured before.
+    """
+
+    places: tuple[str, ...] = ()
+    signals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    figures: Mapping[str, float] = field(default_factory=dict)
+    quantities: Mapping[str, float] = field(default_factory=dict)
+    not_covered: Mapping[str, str] = field(default_factory=dict)
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    kept: bool = False
+
+    @property
+    def worst(self) -> tuple[str, float]:
+        """The signal with the largest error, and this, rms; ("", 0) without any."""
+        return max(((name, rms) for name, (rms, _) in self.signals.items()), key=lambda one: one[1], default=("", 0.0))
+
+    def to_json(self) -> dict[str, Any]:
+        """The object `mesh` of `verification` in run.json; {} where there is no mesh and nothing is left out."""
+        covered = {
+            "places": list(self.places),
+            "signals": {name: rms for name, (rms, _) in self.signals.items()},
+            "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
+            "kept": self.kept,
+        }
+        named = {"not_covered": dict(self.not_covered), "left_out": dict(self.left_out)}
+        return (covered if self.places else {}) | {key: reasons for key, reasons in named.items() if reasons}
+
+
+def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], distances: Distances | None = None) -> MeshError:
+    """Of a result that has reached its end; affordable: whether runs of half and of a quarter of its cost may be made
+    where nothing is kept."""
+    scene = result.scene
+    left_out = _never_covered(scene)
+    if not meshes_of(scene):
+        return MeshError(left_out=left_out)
+    file = _file(scene)
+    if distances is None and (kept := _read(file)) is not None and {*result.columns, *result.texts} <= {*kept.signals}:
+        return replace(kept, left_out=left_out, kept=True)
+    places = tuple(m.name for m in meshes_of(scene).values())
+    if not affordable():
+        why = "a run with a coarser mesh takes too long to be made without being asked for (--verify whole)"
+        return MeshError(not_covered=dict.fromkeys(places, why), left_out=left_out)
+    try:
+        changes = coarser(scene, 2)
+    except BadInput as error:
+        return MeshError(not_covered=dict.fromkeys(places, str(error)), left_out=left_out)
+    coarse, why = again(scene, changes)
+    if coarse is None:
+        return MeshError(not_covered=dict.fromkeys(places, f"a coarser one is refused: {why}"), left_out=left_out)
+    gaps = differences(coarse, result)
+    if not any(gap.rms for gap in gaps.values()):
+        return MeshError(not_covered=dict.fromkeys(places, "a coarser one has the same nodes"), left_out=left_out)
+    coarsest, sizes = None, [coarsened(scene, changes)] * 2
+    with suppress(BadInput):
+        coarsest, _ = again(scene, further := coarser(scene, 4))
+        sizes[1] = coarsened(scene, further)
+    found = MeshError(
+        places,
+        _of_signals(gaps, differences(coarsest, coarse) if coarsest is not None else {}, (sizes[0], sizes[1])),
+        _of_figures(*(_figures(one) for one in (result, coarse, coarsest) if one is not None)),
+        dict(distances(coarse, result)) if distances is not None else {},
+        left_out=left_out,
+    )
+    _write(file, found)
+    return found
+
+
+def _never_covered(scene: Scene) -> dict[str, str]:
+    """What no repetition covers, each with what it is."""
+    return {m.name: m.what for m in meshes_of(scene, random=True).values()} | {
+        name: "the mesh of an FMU, which is not known" for name, unit in scene.units.items() if not unit.component
+    }
+
+
+def _of_signals(
+    gaps: Mapping[str, Difference], gaps_before: Mapping[str, Difference], sizes: tuple[float, float]
+) -> dict[str, tuple[float, float]]:
+    """Of the differences between a coarser run and the run, and between two coarser ones; sizes: their elements over the run's."""
+    errors = {}
+    for name, gap in gaps.items():
+        order = _order(gaps_before[name].rms / gap.rms, sizes) if name in gaps_before and gap.rms > 0.0 else MESH_ORDERS[1]
+        factor = 1.0 / (sizes[0] ** order - 1.0)
+        errors[name] = factor * gap.rms, factor * gap.largest
+    return errors
+
+
+def _order(seen: float, sizes: tuple[float, float]) -> float:
+    """The order p within `MESH_ORDERS` at which the difference of the coarser meshes is so many times the other one."""
+    low, high = MESH_ORDERS
+    for _ in range(20):
+        p = 0.5 * (low + high)
+        low, high = (p, high) if (sizes[1] ** p - sizes[0] ** p) < seen * (sizes[0] ** p - 1.0) else (low, p)
+    return 0.5 * (low + high)
+
+
+def _of_figures(
+    fine: Mapping[str, float], coarse: Mapping[str, float], coarsest: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    errors = {}
+    for name in fine.keys() & coarse.keys():
+        chance = abs(coarse[name] - coarsest[name]) / LEFT if coarsest and name in coarsest else 0.0
+        errors[name] = abs(fine[name] - coarse[name]) + (chance if isfinite(chance) else 0.0)
+    return errors
+
+
+def _figures(result: Result) -> dict[str, float]:
+    with suppress(BadInput):
+        return {row.name: row.value for row in result.summary}
+    return {}
+
+
+# -- what was measured of a scene, on this machine -------------------------------------------------------------------------------
+def _file(scene: Scene) -> Path:
+    key = store.digest_of("mesh 1", version("cosimo"), digest(scene), components_digest(scene))
+    return Path(cache_root()) / KEPT / key
+
+
+def _read(file: Path) -> MeshError | None:
+    if (content := store.read_kept(file)) is None:
+        return None
+    kept = json.loads(content)
+    return MeshError(tuple(kept["places"]), {n: (rms, most) for n, (rms, most) in kept["signals"].items()}, kept["figures"])
+
+
+def _write(file: Path, found: MeshError) -> None:
+    content = {"places": found.places, "signals": dict(found.signals), "figures": dict(found.figures)}
+    with suppress(OSError):  # a second run of the scene measures again
+        file.parent.mkdir(parents=True, exist_ok=True)
+        store.write_kept(file, json.dumps(content).encode())
