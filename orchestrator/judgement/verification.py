@@ -38,15 +38,10 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
-<<<<<<< HEAD
 from .instability import unfollowed
+from .mesh import mesh_error
 from .record import NOT_ASKED, STEPS, Verification
 from .thresholds import GROWN, LASTING, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
-=======
-from .mesh import mesh_error
-from .record import STEPS, Verification
-from .thresholds import GROWN, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
->>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
@@ -59,14 +54,8 @@ def refinements(scene: Scene) -> dict[str, dict[str, Any]]:
     return {place: {place: FINER_TOLERANCE * value, **interval} for place, value in numbers_in_use(scene, "tolerance").items()}
 
 
-<<<<<<< HEAD
-Wish = Literal["auto", "whole", "full", "no"]
-WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
-=======
 Wish = Literal["auto", "whole", "full", "steps", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "steps", "no")
-NOT_ASKED = "not asked for"
->>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
 Distances = Callable[[Result, Result], Mapping[str, float]]  # shares by which a run and a finer one differ in quantities, by name
 
 
@@ -134,15 +123,8 @@ def verified_result(
     if result.outcome != "done":
         return _with(result, Verification(False, f"the run is {result.outcome}"))
     if wish == "no":
-<<<<<<< HEAD
         return _judged(result, Verification(False, NOT_ASKED))
-    if windows is not None and (windows.result or windows.why):
-        return _judged(result, _of_windows(result.scene, windows))
-    begun = process_time()
-=======
-        return _with(result, Verification(False, NOT_ASKED))
     begun, of_steps = process_time(), "auto" if wish == "steps" else wish
->>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
     try:
         if windows is not None and (windows.result or windows.why):
             verification = _of_windows(result.scene, windows)
@@ -159,7 +141,21 @@ def verified_result(
     return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
-<<<<<<< HEAD
+def _with_mesh(
+    result: Result, verification: Verification, wish: Wish, in_process: bool, distances: Distances | None
+) -> Verification:
+    """The verification with what meshes make of the errors."""
+
+    def again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
+        coarse, why = _again(scene, changes)
+        return coarse, why.text
+
+    of_meshes = mesh_error(result, again, lambda: wish != "auto" or 0.75 * _cost(result, in_process) <= SECONDS, distances)
+    figures = {name: e + of_meshes.figures.get(name, nan if of_meshes.places else 0.0) for name, e in verification.figures.items()}
+    of_mesh = {", ".join(of_meshes.places): of_meshes.quantities} if of_meshes.quantities else {}
+    return replace(verification, mesh=of_meshes, figures=figures, quantities={**verification.quantities, **of_mesh})
+
+
 class _Why(NamedTuple):
     """Why a repetition has no result, and whether that is because it became unstable."""
 
@@ -172,20 +168,6 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
 
     Raises `Interrupted` where a signal has stopped it.
     """
-=======
-def _with_mesh(
-    result: Result, verification: Verification, wish: Wish, in_process: bool, distances: Distances | None
-) -> Verification:
-    """The verification with what meshes make of the errors."""
-    found = mesh_error(result, _again, lambda: wish != "auto" or 0.75 * _cost(result, in_process) <= SECONDS, distances)
-    figures = {name: e + found.figures.get(name, nan if found.places else 0.0) for name, e in verification.figures.items()}
-    of_mesh = {", ".join(found.places): found.quantities} if found.quantities else {}
-    return replace(verification, mesh=found, figures=figures, quantities={**verification.quantities, **of_mesh})
-
-
-def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
-    """The run of the scene with changes; None where it is refused or does not come to its end, and why."""
->>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
     try:
         again = run_once(scene.with_changes(changes), in_process=True)
     except BadInput as error:  # such as an FMU whose step is fixed
@@ -228,18 +210,10 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     figures = _figures(shown, unsure=needs_third(first_gap))
     parts: dict[str, Mapping[str, Difference]] = {}
     not_refined = {}
-<<<<<<< HEAD
-    for place, (finer, steps) in refinements(scene).items() if wish == "full" else ():
-        before, why_not = _again(scene, steps) if steps else (result, _Why())
-        refined, why = _again(scene, finer)
-        if before is None or refined is None:
-            not_refined[place] = why.text or why_not.text
-=======
     for place, finer in refinements(scene).items() if wish == "full" else ():
         refined, why = _again(scene, finer)
         if refined is None:
-            not_refined[place] = why
->>>>>>> cc59157e (The ± includes the mesh of every component that has one: from a coarser run, measured once per scene and kept)
+            not_refined[place] = why.text
             continue
         parts[place], of_place = differences(result, refined), _figures([result, refined], unsure=False)
         if of_quantities:
