@@ -68,6 +68,11 @@ def is_verified(result: Result, tolerance: float) -> bool:
     if missing := ", ".join(map(inner_name, verification.get("not_refined", {}))):
         print(f"NOT verified: {missing} could not be refined")
         return False
+    if not_covered := verification.get("mesh", {}).get("not_covered"):
+        print(
+            f"NOT verified: the mesh ({', '.join(not_covered)}) is not covered: {'; '.join(dict.fromkeys(not_covered.values()))}"
+        )
+        return False
     worst = max(error for errors in numbers.values() for error in errors.values())
     within = worst <= tolerance
     print(

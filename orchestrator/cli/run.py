@@ -110,9 +110,10 @@ def run(
     verify: Annotated[
         str | None,
         Option(
-            metavar="whole|full",
-            help="Find errors by repeating the whole run with half the steps, whatever it costs; full: and with finer internal "
-            "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it.",
+            metavar="whole|full|steps",
+            help="Find errors by repeating the whole run with half the steps and with coarser meshes, whatever it costs; full: and "
+            "with finer tolerances; steps: as by default, without meshes. Default: the whole run where that takes at most 5 s of "
+            "CPU time, else windows of it.",
         ),
     ] = None,
     no_verify: NoVerify = False,
@@ -157,7 +158,7 @@ def run(
     changes |= changes_of(loaded, values, presets)
     changes |= _isolated(loaded) if isolate else {}
     loaded = changed(loaded, changes)
-    mode = verify_mode(verify, no_verify, ("whole", "full"))
+    mode = verify_mode(verify, no_verify, ("whole", "full", "steps"))
     if in_process and native:
         raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
     if all(unit.fmu for unit in loaded.units.values()):
