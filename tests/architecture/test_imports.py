@@ -43,6 +43,8 @@ FLOORS = (
         "orchestrator.native",
         "orchestrator.scene_fmu",
         "orchestrator.judgement",
+        "orchestrator.code_digests",
+        "orchestrator.meshes",
         "orchestrator.shorter_steps",
         "orchestrator.views",
         "orchestrator.pacing",
