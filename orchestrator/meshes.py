@@ -27,7 +27,7 @@ def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
 
     random: instead of them numbers of random parts, seeds and tables, whose error no coarser mesh shows.
     """
-    found = {}
+    meshes = {}
     for name, unit in scene.units.items():
         declared = component_class(unit.component, name).variables if unit.component else {}
         chosen = {n: v for n, v in declared.items() if (_of_chance(v) if random else v.mesh in ("shorter", "more"))}
@@ -39,8 +39,8 @@ def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
             v = used[n]
             value = component.get(n) if v.kind is not Kind.TEXT else 0.0
             what = "the interpolation of a table" if v.kind is Kind.TEXT else v.structural
-            found[f"units.{name}.parameters.{n}"] = Mesh(f"{name}.{n}", value, what, v.low, v.high, v.mesh == "shorter")
-    return dict(sorted(found.items()))
+            meshes[f"units.{name}.parameters.{n}"] = Mesh(f"{name}.{n}", value, what, v.low, v.high, v.mesh == "shorter")
+    return dict(sorted(meshes.items()))
 
 
 def _of_chance(variable: Any) -> bool:

@@ -34,7 +34,7 @@ from .comparison import Difference, differences
 from .thresholds import MESH_ORDERS
 
 LEFT = 56.0  # 2^p (2^p - 1) at p = 3: error of x over |x2 - x4|
-KEPT = "meshes"  # folder in the cache
+FOLDER = "meshes"  # folder in the cache
 Again = Callable[[Scene, Mapping[str, Any]], tuple[Result | None, str]]
 Distances = Callable[[Result, Result], Mapping[str, float]]
 
@@ -101,15 +101,15 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     with suppress(BadInput):
         coarsest, _ = again(scene, further := coarser(scene, 4))
         sizes[1] = coarsened(scene, further)
-    found = MeshError(
+    of_meshes = MeshError(
         places,
         _of_signals(gaps, differences(coarsest, coarse) if coarsest is not None else {}, (sizes[0], sizes[1])),
         _of_figures(*(_figures(one) for one in (result, coarse, coarsest) if one is not None)),
         dict(distances(coarse, result)) if distances is not None else {},
         left_out=left_out,
     )
-    _write(file, found)
-    return found
+    _write(file, of_meshes)
+    return of_meshes
 
 
 def _never_covered(scene: Scene) -> dict[str, str]:
@@ -159,7 +159,7 @@ def _figures(result: Result) -> dict[str, float]:
 # -- what was measured of a scene, on this machine -------------------------------------------------------------------------------
 def _file(scene: Scene) -> Path:
     key = store.digest_of("mesh 1", version("cosimo"), digest(scene), components_digest(scene))
-    return Path(cache_root()) / KEPT / key
+    return Path(cache_root()) / FOLDER / key
 
 
 def _read(file: Path) -> MeshError | None:
@@ -169,8 +169,8 @@ def _read(file: Path) -> MeshError | None:
     return MeshError(tuple(kept["places"]), {n: (rms, most) for n, (rms, most) in kept["signals"].items()}, kept["figures"])
 
 
-def _write(file: Path, found: MeshError) -> None:
-    content = {"places": found.places, "signals": dict(found.signals), "figures": dict(found.figures)}
+def _write(file: Path, error: MeshError) -> None:
+    content = {"places": error.places, "signals": dict(error.signals), "figures": dict(error.figures)}
     with suppress(OSError):  # a second run of the scene measures again
         file.parent.mkdir(parents=True, exist_ok=True)
         store.write_kept(file, json.dumps(content).encode())
