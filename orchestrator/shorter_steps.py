@@ -11,12 +11,15 @@ from typing import Any, ParamSpec, TypeVar
 from ..components.catalogue import component_class
 from ..components.core.errors import BadInput
 from ..components.core.variables import Causality
+from .meshes import coarser, meshes_of
 from .scene.scene import Scene
 from .units.component import make
 
 P = ParamSpec("P")
 R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
+_coarser: ContextVar[int] = ContextVar("times the length of elements", default=1)
+_meshed: ContextVar[list[Scene] | None] = ContextVar("scenes with a mesh that were run", default=None)
 
 
 def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
@@ -97,25 +100,54 @@ def shorter_steps(parts: int) -> Iterator[None]:
         _parts.reset(token)
 
 
-def parts_of_step() -> int:
-    """In how many parts each step is."""
-    return _parts.get()
+@contextmanager
+def coarser_meshes(factor: int) -> Iterator[None]:
+    """Every run inside has elements so many times as long; raises `BadInput` there for a mesh that is too coarse for it."""
+    token = _coarser.set(factor)
+    try:
+        yield
+    finally:
+        _coarser.reset(token)
+
+
+@contextmanager
+def meshed_scenes() -> Iterator[list[Scene]]:
+    """The scenes that are run inside and have a mesh."""
+    token = _meshed.set(scenes := [])
+    try:
+        yield scenes
+    finally:
+        _meshed.reset(token)
+
+
+def asked() -> tuple[int, int]:
+    """In how many parts each step is, and how many times as long elements are."""
+    return _parts.get(), _coarser.get()
 
 
 def asked_for(scene: Scene) -> Scene:
-    """The scene as it is to be run: as it is, or with the shorter steps of `shorter_steps`."""
-    return scene if (parts := parts_of_step()) == 1 else scene.with_changes(shorter(scene, parts, denser=False))
+    """The scene as it is to be run: as it is, or with what `shorter_steps` and `coarser_meshes` ask for."""
+    parts, factor = asked()
+    if (seen := _meshed.get()) is not None and meshes_of(scene):
+        seen.append(scene)
+    changes = shorter(scene, parts, denser=False) if parts > 1 else {}
+    changes |= coarser(scene, factor) if factor > 1 else {}
+    return scene.with_changes(changes) if changes else scene
 
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
-    """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps that are asked for as well."""
-    known: dict[Any, R] = {}
+    """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps and meshes that are asked for, too."""
+    known: dict[Any, tuple[R, list[Scene]]] = {}
 
     @wraps(function)
     def kept(*args: P.args, **kwargs: P.kwargs) -> R:
-        key = (_parts.get(), args, tuple(kwargs.items()))
+        key = (asked(), args, tuple(kwargs.items()))
         if key not in known:
-            known[key] = function(*args, **kwargs)
-        return known[key]
+            with meshed_scenes() as scenes:
+                known[key] = function(*args, **kwargs), scenes
+        value, scenes = known[key]
+        if (seen := _meshed.get()) is not None:
+            seen += scenes
+        return value
 
     return kept

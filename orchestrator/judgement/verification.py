@@ -151,7 +151,9 @@ def _with_mesh(
         return coarse, why.text
 
     of_meshes = mesh_error(result, again, lambda: wish != "auto" or 0.75 * _cost(result, in_process) <= SECONDS, distances)
-    figures = {name: e + of_meshes.figures.get(name, nan if of_meshes.places else 0.0) for name, e in verification.figures.items()}
+    figures = {
+        name: e + of_meshes.figures.get(name, nan if of_meshes.places else 0.0) for name, e in verification.figures.items()
+    }
     of_mesh = {", ".join(of_meshes.places): of_meshes.quantities} if of_meshes.quantities else {}
     return replace(verification, mesh=of_meshes, figures=figures, quantities={**verification.quantities, **of_mesh})
 

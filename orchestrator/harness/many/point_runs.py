@@ -16,7 +16,7 @@ from ...open_units import OpenScene
 from ...progress import Stop
 from ...results import Result
 from ...run import Run, run
-from ...shorter_steps import asked_for, parts_of_step
+from ...shorter_steps import asked, asked_for
 from .measures import Row, Task, row_of_result
 from .plan import changes
 
@@ -26,7 +26,7 @@ _here = local()  # the runs of this thread
 
 def runs_of(task: Task, stop: Stop | None = None) -> PointRuns:
     """The runs of a task in this thread: those of its last batch, where it was of the same task."""
-    key = task.base, parts_of_step()
+    key = task.base, asked()
     if getattr(_here, "key", None) != key:
         close_runs()
         _here.key, _here.runs = key, PointRuns(task, stop)

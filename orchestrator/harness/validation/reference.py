@@ -92,7 +92,7 @@ class Row:
 
     reference: TableRow
     measured: float
-    error: float = math.nan  # of the macro steps; NaN where it is not known
+    error: float = math.nan  # of the steps and meshes; NaN where it is not known
 
     @property
     def missing(self) -> bool:

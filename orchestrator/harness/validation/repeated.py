@@ -1,17 +1,31 @@
-"""Errors of a case's numbers: the case is repeated with half of every step."""
+"""Errors of a case's numbers: the case is repeated with half of every step, and where its scenes have meshes, with coarser ones.
+
+What meshes change is kept in the cache, as it is for runs: it belongs to the scenes that the case runs, and to its numbers.
+"""
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from time import process_time
 
+from ....components.core import store
 from ....components.core.errors import BadInput, StepFailed
+from ....components.core.folders import cache_root
+from ....fmus.versions import version
+from ...checkpoint import digest
+from ...code_digests import components_digest
 from ...judgement.comparison import SURE, UNSURE
+from ...judgement.mesh import FOLDER
 from ...judgement.thresholds import ORDER_UNSURE, SECONDS
 from ...judgement.verification import NOT_ASKED, Wish
 from ...run_info import CompileTime
-from ...shorter_steps import shorter_steps
+from ...scene.scene import Scene
+from ...shorter_steps import coarser_meshes, meshed_scenes, shorter_steps
 from .case import Case, Findings, Row
 from .questions import Options
 
@@ -23,7 +37,7 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     same to the last digit has no error: no step is in it.
     """
     begun = process_time()
-    with CompileTime() as compiling:
+    with CompileTime() as compiling, meshed_scenes() as scenes:
         findings = case.findings(options)
     cost = 2.0 * (process_time() - begun - compiling.spent[1])
     findings = case.with_studies(findings, options)
@@ -32,10 +46,10 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     if wish == "auto" and cost > SECONDS:
         why = f"to repeat the case with half of its steps would take about {cost:.2g} s: ask with --verify whole"
         return replace(findings, unverified=why)
-    return _with_errors(findings, case, options)
+    return _with_errors(findings, case, options, scenes)
 
 
-def _with_errors(findings: Findings, case: Case, options: Options) -> Findings:
+def _with_errors(findings: Findings, case: Case, options: Options, scenes: Sequence[Scene]) -> Findings:
     try:
         with shorter_steps(2):
             finer = case.findings(replace(options, in_process=True))
@@ -44,8 +58,11 @@ def _with_errors(findings: Findings, case: Case, options: Options) -> Findings:
     if not finer.complete or len(finer.rows) != len(findings.rows):
         return replace(findings, unverified="a run with half of its steps did not reach its end")
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
+    gaps, why = _mesh_gaps(findings, case, options, scenes)
+    rows = tuple(_with_mesh(row, gap) for row, gap in zip(rows, gaps, strict=True)) if gaps else rows
+    notes = (*findings.notes, f"The errors leave out the mesh: {why}") if why else findings.notes
     claims = tuple(replace(c, rows=tuple(r for r in rows if r.reference.claim == c.claim.number)) for c in findings.claims)
-    return replace(findings, rows=rows, claims=claims)
+    return replace(findings, rows=rows, claims=claims, notes=notes)
 
 
 def _with_error(row: Row, finer: Row) -> Row:
@@ -53,3 +70,33 @@ def _with_error(row: Row, finer: Row) -> Row:
     if gap == 0.0 or not math.isfinite(gap):
         return row
     return replace(row, error=(UNSURE if gap > ORDER_UNSURE * abs(row.measured) else SURE) * gap)
+
+
+def _mesh_gaps(findings: Findings, case: Case, options: Options, scenes: Sequence[Scene]) -> tuple[list[float] | None, str]:
+    """Of each row the change with elements twice as long; None where no scene has a mesh, or where that is refused, and why."""
+    if not scenes:
+        return None, ""
+    of_scenes = sorted({digest(scene) + components_digest(scene) for scene in scenes})
+    measured = [row.measured for row in findings.rows]
+    key = store.digest_of("mesh of a case 1", version("cosimo"), case.name, json.dumps([of_scenes, measured]))
+    file = Path(cache_root()) / FOLDER / key
+    if (content := store.read_kept(file)) is not None:
+        return json.loads(content), ""
+    try:
+        with coarser_meshes(2):
+            coarse = case.findings(replace(options, in_process=True))
+    except (BadInput, StepFailed) as error:
+        return None, str(error)
+    if not coarse.complete or len(coarse.rows) != len(findings.rows):
+        return None, "a run with a coarser one did not reach its end"
+    gaps = [abs(row.measured - other.measured) for row, other in zip(findings.rows, coarse.rows, strict=True)]
+    gaps = [gap if math.isfinite(gap) else 0.0 for gap in gaps]
+    with suppress(OSError):  # the next time it is measured again
+        file.parent.mkdir(parents=True, exist_ok=True)
+        store.write_kept(file, json.dumps(gaps).encode())
+    return gaps, ""
+
+
+def _with_mesh(row: Row, gap: float) -> Row:
+    """The row with what the mesh makes of its error: at first order as much as elements of twice the length change it."""
+    return replace(row, error=gap + (row.error if math.isfinite(row.error) else 0.0)) if gap else row

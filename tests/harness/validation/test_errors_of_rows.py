@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.validation.questions import Evidence, Options, 
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.shorter_steps import kept_runs, shorter_steps
+from cosimo.orchestrator.shorter_steps import kept_runs, meshed_scenes, shorter_steps
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import exact_two_masses, two_masses
 
@@ -134,3 +134,24 @@ def test_the_readmes_case_has_errors(tmp_path):
     assert found.unverified == ""
     mean = next(row for row in found.rows if row.reference.measure == "std")
     assert 0.0 < mean.error < 0.5
+
+
+def test_a_row_has_the_error_of_the_mesh_too_which_is_measured_once(tmp_path, monkeypatch):
+    """sin 2 t (1 + h): elements of twice the length change it by as much as it is wrong; the second time nothing is run."""
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.repeated.cache_root", lambda: str(tmp_path))
+    unit = {"component": "cosimo.tests.run.judgement.test_mesh:ByLength"}
+    runs = []
+
+    def end():
+        runs.append(1)
+        scene = read_scene({"stop_time": 1.0, "units": {"a": unit}, "master": {"step": 0.05}})
+        return float(run(scene, in_process=True)["a.value"][-1])
+
+    first, second = (find(case(-10.0, 10.0, measure=end), Options()).rows[0] for _ in range(2))
+    assert first.error == second.error == pytest.approx(0.1 * abs(math.sin(2.0)))
+    assert len(runs) == 3 + 2
+    kept = kept_runs(end)
+    with meshed_scenes() as scenes:
+        kept()
+        kept()
+    assert len(scenes) == 2
