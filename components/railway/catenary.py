@@ -342,8 +342,10 @@ def put_outputs(t, mesh, s, p, e):
     for k in range(WATCHED):
         j = W * mesh.support[min(p.first_watched_support + k, mesh.support.size - 1)]
         y[OUT.support_uplift + k] = q[j]
-        if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
-            y[OUT.support_uplift + k] = max(q[j], q[j + 2])
+        if (
+            mesh.height.size > mesh.position.size and mesh.mass[j + 2] > 0.0
+        ):  # of the wires that are there the one that rises further
+            y[OUT.support_uplift + k] = max(q[j], q[j + 2]) if mesh.mass[j] > 0.0 else q[j + 2]
     if e.gusts is not None:
         position = u[points[0, 0]]
         y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)

@@ -288,7 +288,7 @@ def table(
     result = run(scene, in_process=in_process, verify="no")
     if result.outcome != "done":
         raise BadInput("new table", f"a run that {result.outcome}: {result.message}", "a scene that reaches its end")
-    rows = [row for row in result.summary if isfinite(row.value)]
+    rows = [row for row in result.summary if isfinite(row.value) and not row.part]
     if not rows:
         raise BadInput("new table", f"{result.scene.name}, which has no figures", "a scene whose [analysis] has a system")
     standings = ", ".join(standing for standing in STANDINGS if standing != MISSING)

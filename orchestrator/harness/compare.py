@@ -36,6 +36,7 @@ class FigureDifference:
     text: str
     values: np.ndarray
     errors: np.ndarray
+    part: bool = False  # of what is judged as a whole only: no answer
 
     @property
     def difference(self) -> float:
@@ -221,7 +222,7 @@ def compared(results: Sequence[Result], names: Sequence[str]) -> Comparison:
     return Comparison(
         _different(names),
         tuple(results),
-        tuple(sorted(figures, key=lambda one: -one.share if isfinite(one.share) else -1.0)),
+        tuple(sorted(figures, key=lambda one: (one.part, -one.share if isfinite(one.share) else -1.0))),
         _signals(results, common),
         _settings(results),
         tuple(n for n in every if n not in common),
@@ -246,6 +247,7 @@ def _figures(tables: Sequence[SummaryTable]) -> list[FigureDifference]:
             first[name].text,
             np.array([of_run[name].value if name in of_run else nan for of_run in rows]),
             np.array([of_run[name].error if name in of_run else nan for of_run in rows]),
+            first[name].part,
         )
         for name in order
     ]
@@ -311,7 +313,9 @@ def _answer(comparison: Comparison) -> list[Block]:
         if result.outcome != "done"
     ]
     blocks: list[Block] = [Text(ended, "warning")] if ended else []
-    apart = [one for one in comparison.figures if isfinite(one.share) and one.share and not one.within_errors][:MOST_NUMBERS]
+    apart = [one for one in comparison.figures if isfinite(one.share) and one.share and not (one.within_errors or one.part)][
+        :MOST_NUMBERS
+    ]
     if apart:
         return [*blocks, Answer([(f"{number(100.0 * one.share)} %", f"{_what(one)}: {_ends(one)}", "") for one in apart])]
     if comparison.figures:

@@ -17,6 +17,7 @@ class SummaryRow:
     """One number of a run. name: "unit.quantity", unique in a run.  text: what it is, with how it was made where that matters.
 
     error: its numerical error, in the same unit; NaN where the run was not verified, or the error is not known.
+    part: of what is judged as a whole only, such as one wire of two: never what a run is judged by.
     """
 
     name: str
@@ -24,6 +25,7 @@ class SummaryRow:
     unit: str
     text: str
     error: float = nan
+    part: bool = False
 
     @property
     def shown(self) -> str:
@@ -37,6 +39,7 @@ class SummaryRow:
             "error": self.error if isfinite(self.error) else None,
             "unit": self.unit,
             "text": self.text,
+            **({"part": True} if self.part else {}),
         }
 
 
@@ -98,9 +101,12 @@ def with_errors(rows: Iterable[SummaryRow], info: Mapping[str, Any]) -> Summary:
     return tuple(row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in rows)
 
 
-def rows(unit: str, values: Mapping[str, float | None], texts: Mapping[str, tuple[str, str]]) -> Iterable[SummaryRow]:
+def rows(
+    unit: str, values: Mapping[str, float | None], texts: Mapping[str, tuple[str, str]], part: bool = False
+) -> Iterable[SummaryRow]:
     """Rows of a unit of a scene for the values that there are. texts: quantity -> (unit of measure, what it is)."""
-    return (SummaryRow(f"{unit}.{name}", float(value), *texts[name]) for name, value in values.items() if value is not None)
+    given = {name: float(value) for name, value in values.items() if value is not None}
+    return (SummaryRow(f"{unit}.{name}", value, *texts[name], part=part) for name, value in given.items())
 
 
 def pacing_rows(info: Mapping[str, Any]) -> Summary:

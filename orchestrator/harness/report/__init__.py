@@ -96,10 +96,11 @@ def _answer(result: Result, systems: Systems, answers: Mapping[str, str]) -> lis
     if not rows:
         return []
     patterns = systems[result.scene.analysis.system].headline
-    first = [row for row in rows if any(fnmatch(row.name.rpartition(".")[2], pattern) for pattern in patterns)]
+    whole = [row for row in rows if not row.part]
+    first = [row for row in whole if any(fnmatch(row.name.rpartition(".")[2], pattern) for pattern in patterns)]
     numbers = [
         (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))), answers.get(row.name, ""))
-        for row in (first or rows[:FIRST_NUMBERS])[:MOST_NUMBERS]
+        for row in (first or (whole or rows)[:FIRST_NUMBERS])[:MOST_NUMBERS]
     ]
     unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
     known = any(np.isfinite(row.error) for row in rows)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Passage:
     """One pantograph of a run. supports: position in m of each uplift in `record.uplifts`.
 
-    part: one strip of two, or one wire of two; where it loses contact, the other may carry the current.
+    part: "one wire alone" of two, or "one strip alone"; where it loses contact, the other may carry the current. "" of a whole.
     """
 
     pantograph: str
@@ -33,7 +33,7 @@ class Passage:
     speed: float  # m/s
     record: ContactRecord
     supports: tuple[float, ...]
-    part: bool = False
+    part: str = ""
 
 
 @dataclass(frozen=True)
@@ -205,18 +205,18 @@ def passages(result: Result) -> list[Passage]:
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
         all_passages.append(Passage(contact.unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     named = {p.pantograph: p for p in all_passages}
-    parts = set()
+    parts: dict[str, str] = {}
     for name, rear in named.items():
         if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):
             height = np.minimum(first.record.height, rear.record.height)
             whole = replace(first.record, force=first.record.force + rear.record.force, height=height)
             all_passages.insert(0, replace(first, pantograph=f"{first.pantograph}.both_wires", record=whole))
-            parts |= {name, first.pantograph}
+            parts |= dict.fromkeys((name, first.pantograph), "one wire alone")
         if name.endswith(STRIPS) and (front := named.get(name.removesuffix(STRIPS))):
             whole = replace(front.record, force=front.record.force + rear.record.force)
             all_passages.insert(0, replace(front, pantograph=f"{front.pantograph}.both_strips", record=whole))
-            parts |= {name, front.pantograph}
-    all_passages = [replace(p, part=p.pantograph in parts) for p in all_passages]
+            parts |= dict.fromkeys((name, front.pantograph), "one strip alone")
+    all_passages = [replace(p, part=parts.get(p.pantograph, "")) for p in all_passages]
     return sorted(all_passages, key=lambda p: -p.record.position[0])
 
 

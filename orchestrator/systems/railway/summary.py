@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ....components.railway.mesh import NO_WIRE
 from ...harness.summary import Summary, SummaryRow, rows
 from .records import measured, passages, statistics
 
@@ -30,6 +31,7 @@ TEXTS = {
     "uplift_mm": ("mm", "maximum uplift at a support"),
 }
 OF_THE_WHOLE = ("arcs", "arcing", "longest_arc_ms")  # no arc burns at a strip or a wire while the other keeps contact
+OF_A_WIRE_THAT_IS_THERE = ("loss_raw", "loss_filtered", "statistical_max", "statistical_min", "height_range_mm")
 HEADLINE = ("mean", "std", "max", "min", "loss_raw", "uplift_mm")  # what a run is judged by
 
 
@@ -37,7 +39,8 @@ def summary(result: Result) -> Summary:
     """In the window of analysis, of the force filtered as the settings of the statistics say."""
     numbers: list[SummaryRow] = []
     for i, passage in enumerate(passages(result)):
-        numbers += rows(passage.pantograph, shown(passage, statistics(result, pantograph=i)), TEXTS)
+        texts = {name: (unit, f"{text}, of {passage.part}") for name, (unit, text) in TEXTS.items()} if passage.part else TEXTS
+        numbers += rows(passage.pantograph, shown(passage, statistics(result, pantograph=i)), texts, bool(passage.part))
     return tuple(numbers)
 
 
@@ -45,4 +48,6 @@ def shown(passage: Passage, of_it: ContactStatistics) -> dict[str, float]:
     """The statistics that say something of this passage, in the order of `TEXTS`."""
     values = measured(of_it)
     left_out = (() if passage.supports else ("uplift_mm",)) + (OF_THE_WHOLE if passage.part else ())
+    if passage.part and (passage.record.height >= 0.5 * NO_WIRE).any():  # of an overlap: where the wire is not, its force is 0
+        left_out += OF_A_WIRE_THAT_IS_THERE
     return {name: values[name] for name in TEXTS if name not in left_out}

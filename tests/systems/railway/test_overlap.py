@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.catenary import OUT, Catenary, put_outputs
 from cosimo.components.railway.contact import contact_compliance, wire_height
 from cosimo.components.railway.line.form import find_form
 from cosimo.components.railway.line.from_table import resolved_sections
@@ -131,3 +131,22 @@ def test_a_head_on_both_wires_meets_the_impedance_of_both():
     velocity = (moved[19] - moved[7]) / 12e-3
     assert velocity == pytest.approx(np.array(forces) / (2.0 * Z), rel=2e-3)
     assert velocity.sum() / sum(forces) == pytest.approx(2.0 / (2.0 * (Z + Z)), rel=2e-3)
+
+
+def test_uplift_at_a_support_is_that_of_the_wires_that_are_there():
+    """Pushed down by 7 mm where only one of both wires is: -7 mm, not the 0 of the wire that is not there."""
+    made = catenary(2.0)
+    mesh, N, W = made.mesh, made.mesh.mass.size, made.mesh.bending_gradient.size
+    state = made.x[:N].copy()
+    seen = set()
+    for support in range(mesh.support.size):
+        lanes = [lane for lane in (0, 2) if mesh.mass[W * mesh.support[support] + lane] > 0.0]
+        seen.add(tuple(lanes))
+        for pushed in lanes:
+            made.x[:N] = 0.0
+            made.x[W * mesh.support[support] + pushed] = -7e-3
+            y, s, p, e = made.y, *made.arguments
+            put_outputs(made.t, mesh, s, p._replace(first_watched_support=support), e)
+            assert y[OUT.support_uplift] == (-7e-3 if len(lanes) == 1 else 0.0)
+    made.x[:N] = state
+    assert {(0,), (2,), (0, 2)} <= seen

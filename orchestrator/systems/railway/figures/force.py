@@ -190,7 +190,8 @@ def spectrum_figure(result: Result, passages: list[Passage], low_pass: Filter) -
         f, a = amplitude_spectrum(force[window(x, start, end)], rate)
         kept = (f > 0.0) & (f <= HIGHEST)
         fill = {"fill": "tozeroy", "fillcolor": tint(CYCLE[i], 0.12)} if len(passages) == 1 else {}
-        data.append(line(f[kept], a[kept], p.pantograph, CYCLE[i], 1.6, hover="%{x:.2f} Hz: %{y:.1f} N", **fill))
+        seen = {"visible": "legendonly"} if p.part else {}  # the force that changes from wire to wire would set the axis
+        data.append(line(f[kept], a[kept], p.pantograph, CYCLE[i], 1.6, hover="%{x:.2f} Hz: %{y:.1f} N", **fill, **seen))
     shapes = [vertical(low_pass.cutoff, colour=MUTED, dash="dash")]
     notes = [_frequency_label(f"filter {low_pass.cutoff:g} Hz", low_pass.cutoff, MUTED) | {"yanchor": "top"}]
     speed = passages[0].speed
