@@ -113,7 +113,7 @@ def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: i
         root,
         "DefaultExperiment",
         {
-            "startTime": "0",
+            "startTime": repr(start) if (start := getattr(component, "default_start", 0.0)) else "0",
             "stopTime": repr(component.default_stop),
             "stepSize": repr(component.default_step),
             **_tolerance(component),

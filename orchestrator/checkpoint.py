@@ -15,6 +15,7 @@ import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import floor
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -63,14 +64,17 @@ def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfa
         )
     if every is None or to is None:
         return
-    if not 0.0 < every < scene.stop_time:
-        raise BadInput("checkpoint_every", f"{every:g} s", f"a time within the run, which ends at {scene.stop_time:g} s")
+    if not 0.0 < every < scene.duration:
+        raise BadInput("checkpoint_every", f"{every:g} s", f"less than the length of the run, {scene.duration:g} s")
     folder = Path(to).resolve().parent
     if Path(to).is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
         raise BadInput("checkpoint_to", repr(str(to)), "a file in a directory that can be written")
     unable = [name for name, interface in interfaces.items() if not (interface.saves_state and interface.packs_state)]
     if unable:
         raise BadInput("checkpoint_every", f"{every:g} s", f"units whose state can go to a file; {', '.join(unable)} cannot")
+
+
+NEAR = 1e-9  # of an interval: rounding of a time that is far from 0
 
 
 class Checkpoints(BatchObserver):
@@ -90,11 +94,11 @@ class Checkpoints(BatchObserver):
             "digest": digest(scene),
             "kinds": _kinds(master),
         }
-        self._due, self._failed = every, False
+        self._start, self._due, self._failed = scene.start_time, scene.start_time + every, False
 
     def resumed(self, t: float) -> None:
         """The run goes on from here."""
-        self._due = (t // self.every + 1.0) * self.every
+        self._due = self._start + (floor((t - self._start) / self.every + NEAR) + 1.0) * self.every
 
     def __call__(self, tick: int, t: float) -> None:
         if t >= self._due and tick < self._loop.end:
@@ -104,11 +108,11 @@ class Checkpoints(BatchObserver):
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`."""
         clock = self._loop.clock
-        return max(int((self._due - clock.seconds(tick)) / clock.seconds(length)) - 1, 0)
+        return max(int((self._due - clock.time(tick)) / clock.seconds(length)) - 1, 0)
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
-        t = self._loop.clock.seconds(self._loop.tick)
+        t = self._loop.clock.time(self._loop.tick)
         try:
             parts = {name: part.state() for name, part in self._parts.items()}
             state = {"tick": self._loop.tick, "t": t, "master": self._loop.master.state(), "parts": parts}

@@ -14,11 +14,11 @@ from .engine.algorithms.contact import ContactSimulator
 from .engine.algorithms.step_control import counts_alone
 from .engine.coupling import Endpoint
 from .engine.stepping.adaptive import clock_for
-from .engine.stepping.faults import edges
 from .scene.scene import Scene
 from .units import Simulator, open_unit
 from .units.component import ComponentSimulator
 from .units.exit_guard import ExitGuard
+from .units.interface import Span
 
 if TYPE_CHECKING:
     from .units.native import NativeFmu
@@ -54,11 +54,12 @@ class OpenScene:
         recorded there, however seldom: the interval of the rows must not change what stands in them.
         """
         self.scene = scene
-        self.clock = clock_for(scene, scene.coupling, *edges(scene.faults))
+        self.clock = clock_for(scene, scene.coupling)
         stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
         self.units: dict[str, Simulator] = {}
+        span = Span(scene.start_time, scene.stop_time)
         for name, unit in scene.units.items():
-            self.units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name))
+            self.units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name), span=span)
             stack.callback(self.units[name].close)
         self.units |= {contact.name: ContactSimulator(contact, scene.master.extrapolation) for contact in scene.contacts}
         if watched is None:

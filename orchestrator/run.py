@@ -38,6 +38,7 @@ from .recording import OutputFailed, ResultFiles, Spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
+from .settings.study import wanted
 from .shorter_steps import asked_for
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
@@ -62,7 +63,7 @@ def run(
     real_time: bool = False,
     windows: WindowsWish | None = None,
 ) -> Result:
-    """Simulate a scene from 0 to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
+    """Simulate a scene to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
     run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails gives a partial
@@ -171,7 +172,7 @@ class Run:
         """Make all that watches the steps: recorders, the monitor of instability, checkpoints, progress, signals."""
         scene, coupling, master, stack = self.scene, self.coupling, self.master, self.stack
         intervals = (scene.record.interval, scene.record.snapshot_interval)
-        end = self.clock.ticks(scene.stop_time)
+        end = self.clock.tick(scene.stop_time)
         step = scene.master.step
         every, snapshot_every = (
             self.clock.multiple(i, step) if i else Fraction(1) for i in intervals
@@ -206,7 +207,7 @@ class Run:
         if self.files is not None:
             self.files.watch([self.signals, *self.arrays.values()])
             self.observers.append(self.files)
-        steps = int(scene.stop_time / scene.master.step)
+        steps = int(scene.duration / scene.master.step)
         if self._wish is not None and not obstacle(scene):
             angles = {
                 f"{unit}.{name}"
@@ -223,7 +224,7 @@ class Run:
             self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, self.stepping, self.parts())
             self.observers.append(self.checkpoints)
         if self.progress:
-            since = past.t if past else 0.0
+            since = past.t if past else scene.start_time
             self.observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, since)))
         if self.pacing is not None:
             self.observers.append(stack.enter_context(self.pacing))
@@ -261,6 +262,7 @@ class Run:
             self.stepping.run(self.observers)
             if self.monitor is not None:
                 self.monitor.close(self._now)
+            self._check_figures()
             self.outcome = "done"
         except Runaway as error:
             self.outcome = "unstable" if isinstance(error, Unstable) else "failed"
@@ -304,6 +306,13 @@ class Run:
         wanted = self._interrupt.wanted
         self.outcome, self._signal = "stopped", wanted if isinstance(wanted, Signals) else SIGINT
         self.message = f"stopped by {self._signal.name} at t = {self._now:.9g} s"
+
+    def _check_figures(self) -> None:
+        """Raises `StepFailed` where a quantity of interest is of an output that was no number."""
+        wished = {wanted(text).signal for text in self.scene.study.quantities}
+        for (unit, name), t in self.master.no_numbers.items():
+            if f"{unit}.{name}" in wished:
+                raise StepFailed(unit, t, f"output {name}, of which study.quantities asks a figure, was no number")
 
     def _raiser(self, error: BaseException) -> str:
         """The unit in whose own code an exception was raised: a component that is none of the catalogue; "" for ours."""
@@ -386,11 +395,11 @@ class Run:
     @property
     def _now(self) -> float:
         """Simulated time, s."""
-        return self.clock.seconds(self.stepping.tick)
+        return self.clock.time(self.stepping.tick)
 
     def _start(self, past: Checkpoint | None) -> None:
         self.faults.before_start()
-        (self.account or self.master).initialize(0.0)
+        (self.account or self.master).initialize(self.scene.start_time)
         repeats = self.scene.master.abilities.iterates or isinstance(self.stepping, AdaptiveStepping)
         if repeats or past is not None or self.checkpoints is not None:
             for unit in self._own:
@@ -418,7 +427,7 @@ class Run:
         start, run, cpu = self._since - self.started, self._until[0] - self._since, self._until[1] - self._cpu
         (real, used), (whole, whole_used) = self._compiled, self.compiling.spent
         return {
-            "simulated": self._now,
+            "simulated": self.clock.seconds(self.stepping.tick),
             "start": max(start - real, 0.0),
             "compile": whole,
             "run": max(run - (whole - real), 0.0),

@@ -27,6 +27,7 @@ FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, as shells give it
 NAMED = 5  # changes that a title names
 OPTIONS = {
+    "start_time": "--start",
     "stop_time": "--stop",
     "master.step": "--step",
     "master.algorithm": "--algorithm",
@@ -309,12 +310,15 @@ def changes_of(scene: Scene, values: Sequence[str] | None, presets: Sequence[str
     return with_presets(scene, presets or []) | dict(change(scene, text) for text in values or [])
 
 
-def loaded_scene(name: str) -> Scene:
-    """A scene as `load_scene` reads it, for a person: with a warning where the schema of its editor is stale."""
+def loaded_scene(name: str, given: Mapping[str, Any] | None = None) -> Scene:
+    """A scene as `load_scene` reads it, for a person: with a warning where the schema of its editor is stale.
+
+    given: settings by options of the command line, by their places, of which None is no change.
+    """
     from ..systems import load_scene
     from .schema import stale
 
-    scene = load_scene(name)
+    scene = load_scene(name, {place: value for place, value in (given or {}).items() if value is not None})
     warn(stale(name, [unit.component for unit in scene.units.values()]))
     return scene
 
@@ -323,9 +327,8 @@ def scene_of(
     name: str, values: Sequence[str] | None, presets: Sequence[str] | None, more: Mapping[str, Any] | None = None
 ) -> Scene:
     """A scene with the changes of the command line; more: those of other options, of which None is no change."""
-    loaded = loaded_scene(name)
-    others = {place: value for place, value in (more or {}).items() if value is not None}
-    return changed(loaded, {**changes_of(loaded, values, presets), **others})
+    loaded = loaded_scene(name, more)
+    return changed(loaded, changes_of(loaded, values, presets))
 
 
 def is_scene(name: str) -> bool:

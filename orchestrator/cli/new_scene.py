@@ -170,7 +170,7 @@ def _joined_scene(file: Path, units: list[str], limits: str) -> str:
     from ..systems import load_scene, read_scene
 
     named: dict[str, Any] = {}
-    stops, steps = [], []
+    starts, stops, steps = [], [], []
     for text in units:
         name, _, what = text.rpartition("=")
         name = name or snake_case(what.rpartition(":")[2].rpartition("/")[2].removesuffix(".fmu"))
@@ -181,10 +181,12 @@ def _joined_scene(file: Path, units: list[str], limits: str) -> str:
         if not what.endswith(".fmu"):
             component_class(what, "new scene")  # a near name where there is none
         alone = load_scene(what)
+        starts.append(alone.start_time)
         stops.append(alone.stop_time)
         steps.append(alone.master.step)
         named[name] = unit_of(_beside(Path(what), file) if what.endswith(".fmu") else what)
     data = scene_data(named, (), max(stops), min(steps), {}, {"title": file.stem})
+    data |= {"start_time": min(starts)} if any(starts) else {}
     coupling = read_scene(data, file.stem, file.parent).coupling
     joined = [f"{a} <-> {b}" for one, other in combinations(named, 2) for a, b in _fitting(one, other, coupling)]
     data["connections"] = joined
@@ -252,6 +254,8 @@ def case(
         if not moving:
             raise BadInput("--speeds", repr(text), "a scene whose units have a parameter speed")
         v = number_given(text, "m/s", "--speeds", bare=False)
+        if loaded.start_time:
+            raise BadInput("--speeds", f"{scene}, which starts at {loaded.start_time:g} s", "a scene that starts at 0")
         stop = loaded.stop_time * float(loaded.units[moving[0]].parameters["speed"]) / v
         step = loaded.master.step
         changes = [f'"units.{unit}.parameters.speed" = "{text}"' for unit in moving]

@@ -39,6 +39,9 @@ def _seconds(text: str | float) -> float:
 
 Stop = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="End of the run, s, or with its unit.")]
 Step = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help='Macro step, s, or with its unit as in "10 ms".')]
+Start = Annotated[
+    float | None, Option(parser=_seconds, metavar="SECONDS", help="Start of the run, s, or with its unit; units are told it.")
+]
 AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[
     bool, Option("--in-process", help="Run components in this process, not as FMUs: bit-identical results, faster.")

@@ -36,6 +36,7 @@ from .options import (
     OptionalOutput,
     Presets,
     SceneName,
+    Start,
     Step,
     Stop,
     limits_of,
@@ -79,6 +80,7 @@ def run(
     ] = None,
     algorithm: Annotated[str | None, Option(help="jacobi, gauss-seidel, iterative or interface-model")] = None,
     step: Step = None,
+    start: Start = None,
     stop: Stop = None,
     record: Annotated[
         list[str] | None,
@@ -144,17 +146,17 @@ def run(
     from ..judgement.verification import run as run_scene
     from . import run_parts
 
-    loaded = loaded_scene(scene)
     given = {
         "master.step": step,
+        "start_time": start,
         "stop_time": stop,
         "master.algorithm": algorithm,
         "record.signals": listed("--record", record) if record else None,
         "limits": limits_of(limits, conditions),
     }
-    changes = {place: value for place, value in given.items() if value is not None}
+    loaded = loaded_scene(scene, given)
     effects_within = _tolerance_of_effects(effects, tolerance)
-    changes |= switched_on(loaded, effects) if effects_within is None else {}
+    changes = switched_on(loaded, effects) if effects_within is None else {}
     changes |= changes_of(loaded, values, presets)
     changes |= _isolated(loaded) if isolate else {}
     loaded = changed(loaded, changes)

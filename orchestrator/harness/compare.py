@@ -259,7 +259,9 @@ def _signals(results: Sequence[Result], names: Sequence[str]) -> tuple[SignalDif
         return ()
     first, parts = results[0], []
     for other in results[1:]:
-        kept = first.time <= other.time[-1] * (1.0 + 1e-12)
+        kept = _shared(first, other)
+        if not kept.any():
+            return ()
         here = replace(first, time=first.time[kept], columns={n: first.columns[n][kept] for n in names}, texts={})
         parts.append(differences(here, replace(other, columns={n: other.columns[n] for n in names}, texts={})))
     rows = [
@@ -272,6 +274,12 @@ def _signals(results: Sequence[Result], names: Sequence[str]) -> tuple[SignalDif
         for name in names
     ]
     return tuple(sorted(rows, key=lambda row: -row.share))
+
+
+def _shared(first: Result, other: Result) -> np.ndarray:
+    """Rows of the first run at whose times the other one has been, (n,) truth values."""
+    near = 1e-12 * float(np.abs(other.time[[0, -1]]).max())
+    return (first.time >= other.time[0] - near) & (first.time <= other.time[-1] + near)
 
 
 def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:
@@ -346,7 +354,7 @@ def _charts(comparison: Comparison) -> list[Block]:
         lines = tuple(Series(name, run.time, np.asarray(run.columns[one.name], dtype=float)) for name, run in runs)
         gaps = []
         for name, run in runs[1:]:
-            kept = first.time <= run.time[-1] * (1.0 + 1e-12)
+            kept = _shared(first, run)
             t = first.time[kept]
             gaps.append(Series(name, t, np.interp(t, run.time, run.columns[one.name]) - first.columns[one.name][kept]))
         over.append(Panel(label, lines, title=one.name))

@@ -40,6 +40,10 @@ def scene_evidence(scene: Scene) -> Evidence:
     every = {"record.interval": None, "record.snapshots": (), "record.snapshot_interval": None, "record.signals": signals}
     whole = recording(scene.with_changes(every))
     quantities = quantities_to_judge(scene)
+    if scene.start_time:
+        raise BadInput(
+            f"{scene.name}: --evidence", f"start_time = {scene.start_time:g} s", "a scene that starts at 0", "Leave it out."
+        )
     runs = {factor: trial(whole, {"master.step": factor * step}, repeats=1) for factor in (*FACTORS, FINEST)}
     if failed := [run for factor, run in runs.items() if factor in (1.0, 0.5, 2.0 * FINEST, FINEST) and not run.done]:
         raise BadInput(

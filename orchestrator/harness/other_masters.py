@@ -77,7 +77,7 @@ class OtherMasters:
         step = self._scene.master.step
         for _ in range(HALVINGS):
             step /= 2.0
-            if self._scene.stop_time > MOST_STEPS * step:
+            if self._scene.duration > MOST_STEPS * step:
                 return None
             try:
                 comparison = self.compare(step)

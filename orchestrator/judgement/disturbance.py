@@ -122,15 +122,15 @@ class Disturbed:
         self.scene, self.open_scene = scene, OpenScene(scene, stack, in_process=True, watched=())
         self.master = self.open_scene.master
         account = EnergyAccount(self.master, coupling, correction=scene.master.energy_correction) if coupling.bonds else None
-        (account or self.master).initialize(0.0)
+        (account or self.master).initialize(scene.start_time)
         self._steppable: Steppable = account or self.master
         self._start = self._steppable.save()
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
 
     @property
     def longest(self) -> float:
-        """The longest macro step that the scene's stop time has room for, s."""
-        return self.scene.stop_time / (FEWEST + BEFORE + 1)
+        """The longest macro step that the scene's run has room for, s."""
+        return self.scene.duration / (FEWEST + BEFORE + 1)
 
     def growth(self, h: float, steps: int) -> GrowthRate:
         """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
@@ -152,7 +152,7 @@ class Disturbed:
         return IntrinsicGrowth(differences, h)
 
     def _fitting(self, h: float, steps: int) -> int:
-        return max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
+        return max(min(steps, int(self.scene.duration / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
 
     def _sizes(self, h: float, n: int) -> tuple[np.ndarray, int, str]:
         """Sizes of what n steps behind the push make of it, the steps made, and why there are fewer."""
@@ -168,7 +168,7 @@ class Disturbed:
         """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""
         master, rows = self.master, np.zeros((0, len(self._nominal)))
         self._steppable.restore(self._start)
-        times = [k * h for k in range(n + BEFORE + 1)]
+        times = [self.scene.start_time + k * h for k in range(n + BEFORE + 1)]
         try:
             for k, t in enumerate(times[: BEFORE + 1]):
                 if pushed and k == BEFORE:

@@ -117,7 +117,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
     compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""
     yield (
-        f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s, "
+        f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.duration:g} s, "
         f"beside starting{compiling}"
     )
     if in_process and 2.0 * whole > SECONDS:
@@ -174,22 +174,22 @@ def first_part(scene: Scene, seconds: float) -> tuple[str, list[str]]:
     seconds: real time that a macro step takes, as estimated; a part that would take too long is not run.
     """
     step = scene.master.step
-    stop = min(max(PREFIX_STEPS * step, PROBED * scene.stop_time), scene.stop_time)
-    if (takes := stop / step * seconds) > PREFIX_SECONDS:
-        return f"the first {stop:.3g} s: not run, as they take about {takes:.2g} s", []
+    length = min(max(PREFIX_STEPS * step, PROBED * scene.duration), scene.duration)
+    if (takes := length / step * seconds) > PREFIX_SECONDS:
+        return f"the first {length:.3g} s: not run, as they take about {takes:.2g} s", []
     record = {
         f"record.{key}": step
         for key in ("interval", "snapshot_interval")
-        if (given := getattr(scene.record, key)) is not None and given > stop
+        if (given := getattr(scene.record, key)) is not None and given > length
     }
-    result = run(scene.with_changes({"stop_time": stop, "faults": [], **record}), in_process=True)
+    result = run(scene.with_changes({"stop_time": scene.start_time + length, "faults": [], **record}), in_process=True)
     verification = result.info["verification"]
     if result.outcome != "done" or not verification["done"]:
-        return f"the first {stop:.3g} s: {result.outcome}. {result.message or verification['why']}", []
+        return f"the first {length:.3g} s: {result.outcome}. {result.message or verification['why']}", []
     signals = verification["signals"]
     worst = max(signals, key=lambda name: signals[name]["rms"], default="")
     error = f"up to {100.0 * signals[worst]['rms']:.2g} % of a signal's deviation, of {worst}" if worst else "of no signal"
-    return f"the first {stop:.3g} s: numerical errors {error}", list(result.info["warnings"])
+    return f"the first {length:.3g} s: numerical errors {error}", list(result.info["warnings"])
 
 
 ADAPTIVE = {"control": "master.control", "events": "master.events"}
@@ -208,7 +208,7 @@ def stepping_path(scene: Scene) -> SteppingPath:
         run = Run(scene, stack, in_process=True, native=False, progress=False)
         run.prepare()
         run.faults.before_start()
-        (run.account or run.master).initialize(0.0)
+        (run.account or run.master).initialize(scene.start_time)
         reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
         if isinstance(run.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]

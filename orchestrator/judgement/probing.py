@@ -182,9 +182,9 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     with ExitStack() as stack:
         compiling = stack.enter_context(CompileTime())
         open_scene = OpenScene(scene, stack, in_process, watched=())
-        open_scene.master.initialize(0.0)
+        open_scene.master.initialize(scene.start_time)
         limits, unknown = pair_limits(open_scene)
-        steps, costs = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _costs(open_scene)
+        steps, costs = ceil(scene.duration / scene.master.step * (1.0 - 1e-12)), _costs(open_scene)
         if not any(cost.cut for cost, _ in costs.values()):
             return Advice(limits, unknown, steps, _timed(open_scene), compiling.seconds)
         seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
@@ -206,9 +206,9 @@ def _timed(open_scene: OpenScene) -> float:
     """Median time of a macro step, s."""
     scene, master, times, spent = open_scene.scene, open_scene.master, [], 0.0
     h = scene.master.step
-    for k in range(min(WARM_UP + TIMED_STEPS, int(scene.stop_time / h * (1.0 + 1e-12)))):
+    for k in range(min(WARM_UP + TIMED_STEPS, int(scene.duration / h * (1.0 + 1e-12)))):
         begin = perf_counter()
-        master.step(k * h, h)
+        master.step(scene.start_time + k * h, h)
         times.append(perf_counter() - begin)
         spent += times[-1] if k >= WARM_UP else 0.0
         if spent > TIMED_SECONDS:
@@ -396,7 +396,7 @@ def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     with ExitStack() as stack:
         try:
             open_scene = OpenScene(scene, stack, in_process=True, watched=())
-            open_scene.master.initialize(0.0)
+            open_scene.master.initialize(scene.start_time)
             return pair_limits(open_scene)[0]
         except (BadInput, StepFailed):
             return ()

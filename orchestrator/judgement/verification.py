@@ -73,7 +73,7 @@ def run(
     real_time: bool = False,
     distances: Distances | None = None,
 ) -> Result:
-    """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
+    """Simulate a scene to its stop_time, and find the numerical error of each number by repeating the run.
 
     verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
     whatever it takes; "full" also refines the tolerances of the units; each finds the errors that meshes make, too, from a coarser
@@ -313,10 +313,11 @@ def _cost(result: Result, in_process: bool) -> float:
     spent = max(timing["cpu"], timing["run"] if any(u.isolation != "none" for u in result.scene.units.values()) else 0.0)
     if _here(result.scene, in_process) or 6.0 * spent <= SECONDS:
         return float(spent)
-    share = max(PROBED, 16.0 * result.scene.master.step / result.scene.stop_time)
+    share = max(PROBED, 16.0 * result.scene.master.step / result.scene.duration)
     if share >= 0.5:
         return float(spent)
-    probe = run_once(result.scene.with_changes({"stop_time": share * result.scene.stop_time, "faults": []}), in_process=True)
+    stop = result.scene.start_time + share * result.scene.duration
+    probe = run_once(result.scene.with_changes({"stop_time": stop, "faults": []}), in_process=True)
     return float(probe.info["timing"]["cpu"] / share) if probe.outcome == "done" else float(spent)
 
 

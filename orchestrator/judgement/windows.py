@@ -131,7 +131,9 @@ class Windows(BatchObserver):
         names = [".".join(end) for end in master.positions]
         rows: list[tuple[np.ndarray, np.ndarray]] = []
         begins = np.array([t for _, t, _ in self._saved])
-        judged = np.where(begins > 0.0, JUDGED * self._steps, 0).astype(int)  # steps of a window before what is judged
+        judged = np.where(begins > self._stepping.clock.time(0), JUDGED * self._steps, 0).astype(
+            int
+        )  # steps of a window before what is judged
         chosen = places(bends(recorded, begins + judged * h, begins + self._steps * h))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +44,16 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
     return files[str(name_or_path)]
 
 
-def read_file(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """The data of a scene's file, and remarks about what of it could not be used; faults are one `BadInput`."""
+def read_file(path: Path, given: Collection[str] = ()) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The data of a scene's file, and remarks about what of it could not be used; faults are one `BadInput`.
+
+    given: places of settings that are known from elsewhere, of which nothing has to be said.
+    """
     with loading(str(path)):
         if path.suffix in SYSTEMS:
             from .ssp.read import read as read_system  # loads what only systems need
 
-            system = read_system(path)
+            system = read_system(path, given)
             return system.data, system.remarks
         return read_toml(path), ()
 

@@ -121,7 +121,8 @@ class Scene(SceneSettings):
     def __repr__(self) -> str:
         return (
             f"<Scene {self.name}: {', '.join(self.units)}; {len(self.connections)} connections; "
-            f"{self.master.algorithm}, step {self.master.step:g} s, to {self.stop_time:g} s>"
+            f"{self.master.algorithm}, step {self.master.step:g} s, "
+            f"{f'{self.start_time:g} ' if self.start_time else ''}to {self.stop_time:g} s>"
         )
 
     __str__ = __repr__
@@ -176,12 +177,32 @@ class Scene(SceneSettings):
         return split_name(name, self.units)
 
 
-def load_scene(name_or_path: str | Path, analysis: Models | None = None) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`."""
+def load_scene(name_or_path: str | Path, analysis: Models | None = None, changes: Mapping[str, Any] | None = None) -> Scene:
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`.
+
+    changes: as of `with_settings`, judged with what the file says.
+    """
     path = scene_path(name_or_path)
-    data, remarks = read_file(path)
+    data, remarks = read_file(path, changes or ())
     with loading(str(path), "a scene"):
-        return read_scene(data, path.stem, path.parent, remarks, analysis)
+        return read_scene(with_settings(data, changes or {}), path.stem, path.parent, remarks, analysis)
+
+
+def with_settings(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Plain data of a scene with settings outside of [units] by their dotted places; None: the default."""
+    changed = dict(data)
+    for place, value in changes.items():
+        *path, last = place.split(".")
+        table = changed
+        for key in path:
+            if not isinstance(inner := table.get(key, {}), Mapping):
+                return data  # which is refused when it is read
+            table[key] = table = dict(inner)
+        if value is None:
+            table.pop(last, None)
+        else:
+            table[last] = value
+    return changed
 
 
 def read_scene(

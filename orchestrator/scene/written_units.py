@@ -11,7 +11,7 @@ from ...components.core.measure import is_quantity, number_in
 from ..settings.names import split_name
 from ..units.fmu import declared_signals
 
-TIMES = ("stop_time", "master.step", "record.interval")  # settings that may vary and are times
+TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that may vary and are times
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
 

@@ -72,7 +72,7 @@ class Layout:
         signals = tuple(dict.fromkeys(shown.end for shown in scene.coupling.shown.values() if shown.kind))
         block = None
         if signals:
-            figures = running.figures_of(len(signals), scene.analysis.transient)
+            figures = running.figures_of(len(signals), scene.counts_from)
             block = Block(figures, (), (), dict.fromkeys(running.KERNELS, ("double %t", "double %h")))
             sources.append(Source(scene.name, "figures", block, running.KERNELS, (block.s,)))
         return cls(units, master, first, block, first + records.block.cells, signals, sources)

@@ -47,17 +47,17 @@ Changes = Mapping[int, Sequence[tuple[int, int]]]  # macro steps taken -> faults
 
 def fault_changes(scene: Scene) -> Changes:
     """When faults begin and end; `BadInput` for an instant at which no macro step ends."""
-    step = Fraction(repr(scene.master.step))
+    step, start = Fraction(repr(scene.master.step)), Fraction(repr(scene.start_time))
     for i, fault in enumerate(scene.faults, 1):
         for key, time in (("begin", fault.begin), ("end", fault.end)):
-            if time is not None and Fraction(repr(time)) % step:
+            if time is not None and time > scene.start_time and (Fraction(repr(time)) - start) % step:
                 raise BadInput(
                     f"build {scene.name} --native: faults[{i}].{key}",
                     f"{time!r} s",
-                    f"a whole multiple of the macro step, {step!s} s",
+                    f"a whole multiple of the macro step, {step!s} s{' behind the start' if start else ''}",
                 )
-    early = [i for i, fault in enumerate(scene.faults) if acts_from_start(fault)]
-    return changes_of(scene.faults, early, lambda time: int(Fraction(repr(time)) / step))
+    early = [i for i, fault in enumerate(scene.faults) if acts_from_start(fault, scene.start_time)]
+    return changes_of(scene.faults, early, lambda time: int((Fraction(repr(time)) - start) / step))
 
 
 def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:

@@ -28,6 +28,7 @@ def described(scene: Scene) -> SimpleNamespace:
     return SimpleNamespace(
         title=scene.title,
         __doc__=text,
+        default_start=scene.start_time,
         default_stop=scene.stop_time,
         default_step=scene.master.step,
         variables={},

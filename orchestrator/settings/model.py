@@ -17,6 +17,11 @@ Seconds = Annotated[
     Field(strict=True, gt=0.0, allow_inf_nan=False),
     BeforeValidator(lambda value: number_in(value, "s", "") if is_quantity(value) else value),
 ]
+Time = Annotated[
+    float,
+    Field(strict=True, allow_inf_nan=False),
+    BeforeValidator(lambda value: number_in(value, "s", "") if is_quantity(value) else value),
+]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 Truth = Annotated[bool, Field(strict=True)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, SerializeAsAny, WithJsonSchema, field_serializer, model_validator
@@ -10,7 +11,7 @@ from ...components.core.errors import BadInput
 from .analysis import AnalysisKeys
 from .explore import ExploreSettings
 from .master import MasterSettings
-from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Truth, Whole
+from .model import UNIT_NAME, Model, Number, Positive, Seconds, Sweep, Time, Truth, Whole
 from .plan import RunLimits
 from .study import RUNNING_KINDS, StudySettings
 from .units import OrSubsystem, UnitSettings
@@ -200,7 +201,8 @@ class SceneSettings(Model):
     """Units, connections, master, records. `scene.Scene` is what they are once checked against the units."""
 
     title: str = Field(default="", description="what reports are headed with")
-    stop_time: Seconds = Field(description="s; every run starts at 0")
+    stop_time: Time = Field(description="s")
+    start_time: Time = Field(default=0.0, description="s; of the first row, and what units are told")
     connections: tuple[str | ConnectionSettings, ...] = Field(
         default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor'
     )
@@ -245,15 +247,30 @@ class SceneSettings(Model):
 
     @model_validator(mode="after")
     def _lengths_fit(self) -> Self:
-        step, stop, record = self.master.step, self.stop_time, self.record
-        if step > stop:
-            raise BadInput("master.step", f"{step:g} s", f"at most the length of the run, {stop:g} s")
-        if stop > MOST_STEPS * step:
-            raise BadInput("master.step", f"{step:g} s", f"at least {stop / MOST_STEPS:g} s, which makes {MOST_STEPS:g} steps")
+        step, length, record = self.master.step, self.duration, self.record
+        if not length > 0.0:
+            raise BadInput("stop_time", f"{self.stop_time:g} s", f"a time after start_time, {self.start_time:g} s")
+        if step > length:
+            raise BadInput("master.step", f"{step:g} s", f"at most the length of the run, {length:g} s")
+        if length > MOST_STEPS * step:
+            raise BadInput("master.step", f"{step:g} s", f"at least {length / MOST_STEPS:g} s, which makes {MOST_STEPS:g} steps")
+        if (latest := max(abs(self.start_time), abs(self.stop_time))) > MOST_STEPS * step:
+            where, least = "master.step", f"at least {latest / MOST_STEPS:g} s"
+            raise BadInput(where, f"{step:g} s", least, f"Times of {latest:g} s have no digits for shorter steps.")
         for label, interval in (("interval", record.interval), ("snapshot_interval", record.snapshot_interval)):
-            if interval is not None and interval > stop:
-                raise BadInput(f"record.{label}", f"{interval:g} s", f"at most stop_time, {stop:g} s")
+            if interval is not None and interval > length:
+                raise BadInput(f"record.{label}", f"{interval:g} s", f"at most the length of the run, {length:g} s")
         return self
+
+    @property
+    def duration(self) -> float:
+        """Length of the run, s: the number that the decimals of its start and its end give."""
+        return float(Decimal(repr(self.stop_time)) - Decimal(repr(self.start_time)))
+
+    @property
+    def counts_from(self) -> float:
+        """Time from which on figures count, s: the start and the transient of [analysis] behind it."""
+        return self.start_time + self.analysis.transient
 
     def settings(self) -> dict[str, Any]:
         """What was given, as plain data; `read_scene` of it gives the scene again."""

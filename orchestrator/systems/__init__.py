@@ -65,22 +65,25 @@ class _Views:
 ANALYSIS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.items()}, _Views())
 
 
-def load_scene(name_or_path: str | Path) -> Scene:
+def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
     """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`.
 
     A component of the catalogue, "module:Class" or an FMU is a scene of it alone, over the run and with the step that it declares.
+    changes: settings outside of [units] by their dotted places, such as {"master.step": 1e-3}; they are judged with what the file
+    says, and not after it.
     """
+    changes = changes or {}
     name = str(name_or_path)
     if name.endswith(".fmu"):
         path = Path(name)
-        stop, step, remarks = default_experiment(path)
-        data = scene_data({FMU_ALONE: path.name}, (), stop, step, {}, {"title": path.name})
-        return read_scene(data, path.stem, path.parent, remarks)
+        times, remarks = default_experiment(path, changes)
+        data = {"title": path.name, "units": {FMU_ALONE: {"fmu": path.name}}, **times}
+        return read_scene(scenes.with_settings(data, changes), path.stem, path.parent, remarks)
     if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
         cls = component_class(name, "scene")
         data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
-        return read_scene(data, cls.__name__)
-    return scenes.load_scene(name_or_path, ANALYSIS)
+        return read_scene(scenes.with_settings(data, changes), cls.__name__)
+    return scenes.load_scene(name_or_path, ANALYSIS, changes)
 
 
 def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = ()) -> Scene:
@@ -122,7 +125,7 @@ def scene_of(scene: Scene | str | Path) -> Scene:
 
 
 def run(scene: Scene | str | Path, **options: Any) -> Result:
-    """Simulate a scene, given as such, by its name or by its path, from 0 to its stop_time, and find the error of each number.
+    """Simulate a scene, given as such, by its name or by its path, to its stop_time, and find the error of each number.
 
     options, with their defaults: those of `judgement.verification.run`: verify ("auto", "whole", "full", "no"), in_process, native,
     progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...components.core.errors import BadInput
 from ..settings import UnitSettings
-from .interface import Interface, Simulator
+from .interface import WITHOUT_END, Interface, Simulator, Span
 
 if TYPE_CHECKING:
     from .native import NativeFmu
@@ -23,10 +23,12 @@ def describe(name: str, settings: UnitSettings) -> Interface:
     return describe_component(name, settings)
 
 
-def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None) -> Simulator:
+def open_unit(
+    name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None, span: Span = WITHOUT_END
+) -> Simulator:
     """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are bit-identical.
 
-    `native`: the native FMU of a component, which is run instead.
+    `native`: the native FMU of a component, which is run instead.  span: what FMUs are told of the run.
     """
     if settings.time_limit is not None and settings.isolation == "none":
         raise BadInput(
@@ -35,18 +37,18 @@ def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: Na
     if settings.isolation != "none":
         from .process import WorkerSimulator
 
-        return WorkerSimulator(name, settings, in_process=in_process, native=native)
+        return WorkerSimulator(name, settings, in_process=in_process, native=native, span=span)
     if native is not None:
         from .native import open_native
 
-        return open_native(name, settings, native)
+        return open_native(name, settings, native, span)
     if settings.fmu or not (in_process or ":" in settings.component):
         from .fmu import open_fmu
 
-        return open_fmu(name, settings)
+        return open_fmu(name, settings, span)
     from .component import ComponentSimulator, make
 
     return ComponentSimulator(name, make(name, settings))
 
 
-__all__ = ["Interface", "Simulator", "describe", "open_unit"]
+__all__ = ["Interface", "Simulator", "Span", "describe", "open_unit"]

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...components.core.errors import BadInput, nearest
+from ...components.core.measure import is_quantity, number_in
 from ..loading import MOST_ELEMENTS, MOST_REFERENCE, MOST_VARIABLES, MOST_XML, check_archive
 from .interface import Kind
 from .solvers import METHODS
@@ -118,6 +119,25 @@ class Description:
         """Whether this project has made it: a component discards the steps it cannot make, and never ends a simulation."""
         return (self.model.generationTool or "").startswith(OWN_TOOL)
 
+    def time(self, name: str) -> float | None:
+        """An attribute of the default experiment, s, or the tolerance; None where it is not given, or no number."""
+        try:
+            value = float(getattr(self.model.defaultExperiment, name, None) or "nan")
+        except ValueError:
+            return None
+        return value if isfinite(value) else None
+
+    @property
+    def tolerance(self) -> float | None:
+        """Relative tolerance of the default experiment."""
+        return value if (value := self.time("tolerance")) is not None and value > 0.0 else None
+
+    @property
+    def default_step(self) -> float | None:
+        """Step of the default experiment, s, or the fixed internal step where it gives none."""
+        fixed = self.interface.fixedInternalStepSize if self.fmi3 and self.model.coSimulation and not self.exchange else None
+        return next((step for step in (self.time("stepSize"), float(fixed or 0.0)) if step and step > 0.0), None)
+
     def chosen(self, settings: UnitSettings, where: str) -> Description:
         """With the interface that a scene's entry asks for; `BadInput` where the file has none such, or for needless options."""
         wanted, model = settings.interface, self.model
@@ -195,26 +215,33 @@ def _read(path: str, _changed: int, where: str) -> Description:
     return Description(path, model, _scalars(model, {}, texts), derives, texts, _requested(model, root), terminals)
 
 
-def default_experiment(path: Path) -> tuple[float, float, tuple[str, ...]]:
-    """(stop time, step, both in s, remarks) of an FMU's default experiment; 1 s and a thousandth of it where it gives none."""
+def default_experiment(path: Path, given: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Start time, stop time and step, s, as in a scene, of an FMU's default experiment; remarks about what it does not say.
+
+    given: settings of a scene by their places, which count instead. Where nothing else is said, a run begins at 0, lasts 1 s, and
+    has a step of the FMU's fixed internal step, or of a thousandth of the run.
+    """
     if not path.is_file():
         raise BadInput("scene", repr(str(path)), "an FMU that can be read", "There is no such file.")
-    given = read(str(path), "scene").model.defaultExperiment
+    description = read(str(path), "scene")
     remarks = []
 
-    def number(name: str, default: float, words: str) -> float:
-        try:
-            value = float(getattr(given, name, None) or 0.0)
-        except ValueError:
-            value = 0.0
-        if isfinite(value) and value > 0.0:
-            return value
-        remarks.append(f"{path.name} gives no {words}; {default:g} s is taken")
-        return default
+    def of_time(place: str) -> float | None:
+        value = given.get(place)
+        return number_in(value, "s", place) if is_quantity(value) else value
 
-    stop = number("stopTime", 1.0, "stop time")
-    step = min(number("stepSize", 1e-3 * stop, "step"), stop)
-    return stop, step, tuple(remarks)
+    start, stop, step = (of_time(place) for place in ("start_time", "stop_time", "master.step"))
+    if start is None:
+        start = description.time("startTime") or 0.0
+    if stop is None and ((stop := description.time("stopTime")) is None or stop <= start):
+        stop = start + 1.0
+        remarks.append(f"{path.name} gives no stop time{f' after {start:g} s' if start else ''}; {stop:g} s is taken")
+    length = float(stop) - float(start) if stop > start else 1.0  # which is refused, with the scene
+    if step is None and (step := description.default_step) is None:
+        step = 1e-3 * length
+        remarks.append(f"{path.name} gives no step; {step:g} s is taken")
+    times = {"start_time": float(start)} if start else {}
+    return {**times, "stop_time": float(stop), "master": {"step": min(step, length)}}, tuple(remarks)
 
 
 def _checked(file: zipfile.ZipFile, path: str) -> bytes:

@@ -66,14 +66,14 @@ class Fmi2Simulator(FmuSimulator):
         return callbacks
 
     def _set_up(self) -> None:
-        tolerance = self._tolerance or 0.0
+        tolerance, (start, stop) = self._tolerance or 0.0, self._span
         self._call(
             "SetupExperiment",
             ctypes.c_int(tolerance > 0.0),
             ctypes.c_double(tolerance),
-            ctypes.c_double(0.0),
-            ctypes.c_int(0),
-            ctypes.c_double(0.0),
+            ctypes.c_double(start),
+            ctypes.c_int(stop is not None),
+            ctypes.c_double(stop or 0.0),
         )
 
     def _enter_initialization(self) -> None:

@@ -44,9 +44,14 @@ class Fmi3Simulator(FmuSimulator):
         super()._set_values({n: v for n, v in values.items() if n not in sizes})
 
     def _enter_initialization(self) -> None:
-        tolerance = self._tolerance or 0.0
+        tolerance, (start, stop) = self._tolerance or 0.0, self._span
         self._call(
-            "EnterInitializationMode", BOOLEAN(tolerance > 0.0), DOUBLE(tolerance), DOUBLE(0.0), BOOLEAN(False), DOUBLE(0.0)
+            "EnterInitializationMode",
+            BOOLEAN(tolerance > 0.0),
+            DOUBLE(tolerance),
+            DOUBLE(start),
+            BOOLEAN(stop is not None),
+            DOUBLE(stop or 0.0),
         )
 
     def start(self) -> None:

@@ -10,7 +10,7 @@ from ...components.core.measure import BASES, parse
 from ...components.core.measure import Unit as Measure
 from ...fmus.description import MOVING
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
-from .interface import Interface, Signal
+from .interface import Interface, Signal, Span
 from .values import checked_values, members
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
         arrays=_arrays(there),
         terminals=description.terminals,
         remarks=_clock_remarks(description.model),
+        foreign=not description.holds_component,
         refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
         **_capabilities(description, real),
     )
@@ -140,19 +141,20 @@ def _depends(
     return tuple(n for n in inputs for v in [scalars[n].variable] if (v.type, v.valueReference) in references)
 
 
-def open_fmu(name: str, settings: UnitSettings) -> FmuSimulator:
+def open_fmu(name: str, settings: UnitSettings, span: Span) -> FmuSimulator:
     """The running FMU of a scene's entry; a component of the catalogue is built first if the cache has no FMU of it."""
     where = f"units.{name}"
     if settings.fmu:
         description = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}
         given |= checked_values(description, settings, where)
+        tolerance = settings.tolerance or description.tolerance
         if description.exchange:
             from .model_exchange import Fmi2ModelExchange, Fmi3ModelExchange
 
             exchange = Fmi3ModelExchange if description.fmi3 else Fmi2ModelExchange
-            return exchange(name, description, given, settings.tolerance, settings.solver or "CVode")
-        return _class(description)(name, description, given, settings.tolerance)
+            return exchange(name, description, given, tolerance, settings.solver or "CVode", span)
+        return _class(description)(name, description, given, tolerance, None, span)
     from ...fmus.build import built
     from .component import make
 
@@ -160,7 +162,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuSimulator:
     starts = dict(zip(component.inputs, component.u[0].tolist(), strict=True))
     given = {f"effects.{e}": e in component.on for e in component.effects} | component.parameters | starts
     description = read(str(built(settings.component)), where)
-    return _class(description)(name, description, given, None, component)
+    return _class(description)(name, description, given, None, component, span)
 
 
 def _class(description: Any) -> type[FmuSimulator]:

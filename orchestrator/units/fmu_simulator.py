@@ -22,7 +22,7 @@ from .. import working_directory
 from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
-from .interface import ARRAY_THRESHOLD, PortValues, SimulationEnded
+from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Span
 from .outputs import derivatives, reader
 from .states import State, States
 from .values import Block, blocks, decoded, same
@@ -64,11 +64,15 @@ class FmuSimulator:
         values: Mapping[str, Any],
         tolerance: float | None = None,
         twin: Component | None = None,
+        span: Span = WITHOUT_END,
     ):
-        """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons."""
+        """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons.
+
+        span: what the FMU is told of the run.
+        """
         self.name, self.description, self._values, self._twin = name, description, dict(values), twin
         self._tolerance, self._fmi3 = tolerance, description.fmi3
-        self._time, self._steps = 0.0, 0
+        self._span, self._time, self._steps = span, span.start, 0
         self._initializing = self._started = False
         self._ended: float | None = None  # s, where the FMU ended the simulation
         self._step_start = self._step_end = 0.0  # s, of the present step
@@ -323,7 +327,7 @@ class FmuSimulator:
                     self._read(block)
         try:
             self.update(values)
-            if not isfinite(sum(self.get())):
+            if self._twin is not None and not isfinite(sum(self.get())):  # of a foreign FMU the master says which
                 raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._log_lines()}")
         except StepFailed:
             if self._twin is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,6 +20,16 @@ ARRAY_THRESHOLD = 24  # numbers: more of them are handed over as arrays, fewer a
 def port_values(values: np.ndarray) -> PortValues:
     """Numbers of a table, (n,), as units get them."""
     return values.copy() if values.size > ARRAY_THRESHOLD else values.tolist()
+
+
+class Span(NamedTuple):
+    """Of a run, as FMUs are told of it before they are initialized, s; stop None: not told."""
+
+    start: float = 0.0
+    stop: float | None = None
+
+
+WITHOUT_END = Span()
 
 
 @dataclass(frozen=True)
@@ -70,6 +80,7 @@ class Interface:
     port_members: Mapping[str, str] = field(default_factory=dict)  # the attributes of its class have them
     terminals: Terminals = field(default_factory=Terminals)  # ports of an FMU
     remarks: tuple[str, ...] = ()  # what a user of the unit should know, for the warnings of a run
+    foreign: bool = False  # an FMU that a scene names: what it gives may be no number where nothing uses it
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 

@@ -25,7 +25,7 @@ from .fmi2 import Fmi2Simulator
 from .fmi3 import Fmi3Simulator
 from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING
-from .interface import PortValues, SimulationEnded
+from .interface import PortValues, SimulationEnded, Span
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
 from .states import State
 from .values import signature
@@ -49,18 +49,18 @@ class ModelExchange(FmuSimulator):
     truth_value: Any = ctypes.c_int
     derivatives_function = "GetDerivatives"
 
-    def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None, method: str):
-        experiment = description.model.defaultExperiment
-        suggested = float(experiment.tolerance or 0.0) if experiment is not None else 0.0
+    def __init__(
+        self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None, method: str, span: Span
+    ):
         self.kind = f"FMU for model exchange with {method}"
-        self._method, self._relative = method, tolerance or suggested or TOLERANCE
+        self._method, self._relative = method, tolerance or TOLERANCE
         self._n = self._nz = 0  # states and event indicators, known when the sizes of arrays are
         self._solver: Solver | None = None
         self._goes_on_at: float | None = None  # s, where a multistep integrator stands; None: it has to begin anew
         self._left_inputs = np.zeros(0)  # what the moving inputs were when it got there
         self._worst = DONE  # worst status of an equation since the last look
         self._counts = dict.fromkeys(("solver_steps", "derivative_calls", "events"), 0)
-        super().__init__(name, description, values, self._relative)
+        super().__init__(name, description, values, self._relative, None, span)
 
     # Calls of the library
 

@@ -11,7 +11,7 @@ import numpy as np
 from .component import make
 from .description import Description, read
 from .fmi2 import Fmi2CoSimulation
-from .interface import PortValues
+from .interface import PortValues, Span
 
 if TYPE_CHECKING:
     from ...components.core.component import Component
@@ -31,9 +31,9 @@ class NativeSimulator(Fmi2CoSimulation):
 
     kind = "native FMU"
 
-    def __init__(self, name: str, description: Description, fmu: NativeFmu, component: Component):
+    def __init__(self, name: str, description: Description, fmu: NativeFmu, component: Component, span: Span):
         self._starts = fmu.starts
-        super().__init__(name, description, {}, None, component)
+        super().__init__(name, description, {}, None, component, span)
         self._constants = dict(component.parameters)
 
     def initialize(self, t: float, values: PortValues) -> None:
@@ -44,6 +44,6 @@ class NativeSimulator(Fmi2CoSimulation):
         return self._constants
 
 
-def open_native(name: str, settings: UnitSettings, fmu: NativeFmu) -> NativeSimulator:
+def open_native(name: str, settings: UnitSettings, fmu: NativeFmu, span: Span) -> NativeSimulator:
     """The running unit of a component whose FMU is built."""
-    return NativeSimulator(name, read(fmu.path, f"units.{name}"), fmu, make(name, settings))
+    return NativeSimulator(name, read(fmu.path, f"units.{name}"), fmu, make(name, settings), span)

@@ -27,7 +27,7 @@ from ...components.core.errors import BadInput, StepFailed, visible
 from .answers import REPORT, nothing, read_counters, read_failure, read_parameters, read_texts, read_warnings, within
 from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packed, packer, unpacker
 from .folders import process_folder
-from .interface import PortValues
+from .interface import PortValues, Span
 from .sandbox import ANSWER, environment, sandboxed, walls
 
 if TYPE_CHECKING:
@@ -88,11 +88,12 @@ class WorkerSimulator:
 
     event: float | None = None
 
-    def __init__(self, name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None):
+    def __init__(self, name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None, span: Span):
         self.name = name
         kind = "native FMU" if native else "component" if in_process or ":" in settings.component else "FMU"
         self.kind = f"{kind} in a worker process"
-        self._begin = self._time = self._length = 0.0  # s: start of the simulation and of the step, and the step's length
+        self._begin = self._time = span.start
+        self._length = 0.0  # s: start of the simulation and of the step, and the step's length
         self._requests, self._numbers = 0, 0
         self._expected: Expected | None = None  # of the answer that is still to come
         self._started = self._lost = self._late = self._gone = False
@@ -142,7 +143,7 @@ class WorkerSimulator:
         given = settings.model_dump(exclude={"isolation", "time_limit"})
         fmu = native and [native.path, dict(native.starts)]
         with suppress(StepFailed):  # it has ended already; `wire` says so
-            self._call("open", given, in_process, fmu, self._restricted, expected=parameters)
+            self._call("open", given, in_process, fmu, self._restricted, [*span], expected=parameters)
 
     # -- messages ----------------------------------------------------------------------------------------------------
     def _send(self, code: int, content: bytes, expected: Expected) -> None:

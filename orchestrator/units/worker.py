@@ -26,7 +26,7 @@ from ..settings import UnitSettings
 from . import Simulator, open_unit
 from .answers import LONGEST_TEXT, MOST_WARNINGS
 from .channel import EVENT, INDEX, TIMES, Channel, Code, packed, packer, unpacker
-from .interface import PortValues, SimulationEnded
+from .interface import PortValues, SimulationEnded, Span
 from .sandbox import limit_resources
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
@@ -43,15 +43,19 @@ class Worker:
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 
-    def open(self, settings: dict[str, Any], in_process: bool, native: list[Any] | None, restricted: bool) -> dict[str, Any]:
-        """Open the unit with the fields of its settings and of its native FMU; its parameters."""
+    def open(
+        self, settings: dict[str, Any], in_process: bool, native: list[Any] | None, restricted: bool, span: list[Any]
+    ) -> dict[str, Any]:
+        """Open the unit with the fields of its settings, of its native FMU and of the span of the run; its parameters."""
         limit_resources(restricted)
         fmu = None
         if native is not None:
             from .native import NativeFmu  # which loads FMPy
 
             fmu = NativeFmu(*native)
-        self._unit = open_unit(self._name, UnitSettings.model_validate(settings), in_process=in_process, native=fmu)
+        self._unit = open_unit(
+            self._name, UnitSettings.model_validate(settings), in_process=in_process, native=fmu, span=Span(*span)
+        )
         return self._unit.parameters()
 
     def wire(self, inputs: list[str], outputs: list[str]) -> None:

@@ -106,6 +106,14 @@ MODELS: dict[str, list[V]] = {
         V("choice", 7, "Boolean", "parameter", "fixed", "false"),
         V("text", 8, "String", "parameter", "fixed", "start"),
     ],
+    "told": [
+        V("now", 11, "Float64", "output", "continuous"),
+        *(V(n, k, "Float64", "output", "discrete") for k, n in enumerate(("start", "stop", "tolerance", "length", "sensor"), 1)),
+        V("known_from", 6, "Float64", "parameter", "fixed", "-1e9"),
+        V("longest", 7, "Float64", "parameter", "fixed", "1e9"),
+        *(V(n, k, "Int32", "parameter", "fixed", "0") for k, n in enumerate(("chatty", "rounding", "writes"), 8)),
+        V("third", 12, "Float64", "output", "discrete"),
+    ],
     "moody": [
         V("now", 6, "Float64", "output", "continuous"),
         V("tolerance", 7, "Float64", "output", "discrete"),

@@ -138,12 +138,14 @@ class Iterative(Master):
         return super().counters() | more
 
     def warnings(self) -> list[str]:
+        texts = super().warnings()
         if not self.unconverged:
-            return []
+            return texts
         return [
+            *texts,
             f"{self.unconverged} of {self.steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
             f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
-            "master.iteration.method"
+            "master.iteration.method",
         ]
 
     def save(self, reuse: Saved | None = None) -> SavedIterative:

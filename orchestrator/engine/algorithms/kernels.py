@@ -452,7 +452,8 @@ def run_steps(t, h, m):
         _keep(step, m)
         total = 0.0
         for k in range(m.inverse.size):
-            total += signals[k] * m.inverse[k]
+            if m.inverse[k] != 0.0:  # 0: nothing depends on it
+                total += signals[k] * m.inverse[k]
         request.done += 1
         if not abs(total) < LIMIT:
             request.unit = BEYOND

@@ -107,6 +107,8 @@ class Master:
             node.look_rows = program.add((LOOK, [node]))
         bonded = [(self.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
         table = len(read) + len(guessed)
+        self._used = {link.source for link in coupling.links} | {*coupling.events}
+        self.no_numbers: dict[Endpoint, float] = {}  # outputs that nothing uses and that were no numbers -> s, when first
         groups = [sorted((self.node_of[name] for name in names), key=self._direct_share) for names in coupling.groups]
         answers = [self._answers(group) for group in groups]
         places = [[self.nodes.index(node) for node in group] for group in groups]
@@ -354,6 +356,10 @@ class Master:
         self.check_finite(t)
         self.perform("push", t, 0.0)
 
+    def _is_idle(self, end: Endpoint) -> bool:
+        """Whether nothing in the coupling depends on an output, and it is one of a foreign FMU, which may be no number."""
+        return self.coupling.interfaces[end[0]].foreign and end not in self._used
+
     def initialize_units(self, t: float) -> None:
         """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
         self.prepare_initial_signals()
@@ -396,7 +402,11 @@ class Master:
             needed |= set(node.sources) - given
             given |= {cell for cell, end in ends.items() if end[0] == node.unit.name}
         interfaces = self.coupling.interfaces
-        return [(cell, cell in needed, ABOUT_ZERO * interfaces[u].outputs[n].nominal) for cell, (u, n) in ends.items()]
+        return [
+            (cell, cell in needed, ABOUT_ZERO * interfaces[u].outputs[n].nominal)
+            for cell, (u, n) in ends.items()
+            if not self._is_idle((u, n))
+        ]
 
     def _direct_share(self, node: Node) -> float:
         """Share of a unit's signals that depend on its inputs directly.
@@ -421,7 +431,12 @@ class Master:
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
-        return []
+        sample = dict(zip(self.positions, self.sample(), strict=True))
+        return [
+            f"{unit}.{name} was no number at t = {t:.9g} s{'' if isfinite(sample[unit, name]) else ', nor at the end'}; "
+            "no connection uses it"
+            for (unit, name), t in self.no_numbers.items()
+        ]
 
     def save(self, reuse: Saved | None = None) -> Saved:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
@@ -462,9 +477,16 @@ class Master:
             loop.jacobian = jacobian
 
     def check_finite(self, t: float) -> None:
-        """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
+        """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run.
+
+        One of a foreign FMU that is no number, and that nothing uses, is noted and looked at no more.
+        """
         for (unit, name), value in zip(self.positions, self.sample(), strict=True):
             if not isfinite(value):
-                raise Runaway(unit, t, f"output {name} is {value}")
+                if not self._is_idle((unit, name)):
+                    raise Runaway(unit, t, f"output {name} is {value}")
+                self.no_numbers.setdefault((unit, name), t)
+                self.records.memory.inverse[self.positions[unit, name]] = 0.0
+                continue
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
                 raise Unstable(unit, t, f"output {name} has grown to {value:.3g}")

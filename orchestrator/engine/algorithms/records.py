@@ -168,7 +168,7 @@ FAULT_END, FAULT_END_STATE = _record("""
     held    f* what takes the place of the input, or is added to it
 """)
 
-# outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output; bonded: links that are noted; buffer: what
+# outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output, or 0; bonded: links that are noted; buffer: what
 # FMUs are handed; initial_order: units of the groups; space, pivots: workspace of the initialization
 FIELDS = (
     "request units links pasts program order outputs_at inverse bonded signals buffer groups initial_order answers space pivots "

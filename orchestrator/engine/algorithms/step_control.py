@@ -119,7 +119,8 @@ class Doubling:
         again()
         halves = np.array(self._master.signals)[self._at]
         allowed = self._settings.absolute * self._nominal + self._settings.relative * np.abs(halves)
-        return float(np.max(np.abs(halves - whole) / allowed, initial=0.0)) / (2.0**self._counts - 1.0), self._counts + 1
+        largest = float(np.fmax.reduce(np.abs(halves - whole) / allowed, initial=0.0))  # NaN: an output that nothing uses
+        return largest / (2.0**self._counts - 1.0), self._counts + 1
 
 
 def counts_alone(name: str, signal: Signal) -> bool:

@@ -104,8 +104,10 @@ def targets(
     """
     if fault.begin >= scene.stop_time:
         raise BadInput(f"{where}.begin", f"{fault.begin:g} s", f"a time before the end of the run, {scene.stop_time:g} s")
+    if fault.end is not None and fault.end <= scene.start_time:
+        raise BadInput(f"{where}.end", f"{fault.end:g} s", f"a time after the start of the run, {scene.start_time:g} s")
     for key, time in (("begin", fault.begin), ("end", fault.end)):
-        rest = (time or 0.0) / scene.master.step % 1.0
+        rest = max((time or 0.0) - scene.start_time, 0.0) / scene.master.step % 1.0
         if min(rest, 1.0 - rest) > 1e-9:
             for name, interface in interfaces.items():
                 if not interface.variable_step:

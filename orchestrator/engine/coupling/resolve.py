@@ -248,11 +248,11 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     check_stepping(scene.master, coupling.interfaces, coupling.links, coupling.bonds, coupling.rates)
     for name, interface in coupling.interfaces.items():
         _check_fixed_step(name, interface.fixed_step, scene)
-        whole = (scene.stop_time / (master.step * coupling.rates.get(name, 1))) % 1.0
+        whole = (scene.duration / (master.step * coupling.rates.get(name, 1))) % 1.0
         if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:
             raise BadInput(
                 "master.step",
-                f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.stop_time:g} s",
+                f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.duration:g} s",
                 f"a step that divides the run; {name} cannot make the last one shorter",
             )
 
@@ -260,9 +260,9 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
 def _check_fixed_step(name: str, fixed: float, scene: SceneSettings) -> None:
     """All steps of a unit with internal steps of one length are multiples of it, the last, shorter one, too."""
     step = scene.master.step * (scene.units[name].every if fixed else 1)
-    for length in (step, scene.stop_time) if fixed else ():
+    for length in (step, scene.duration) if fixed else ():
         if abs(length / fixed - round(length / fixed)) > 1e-9 * max(length / fixed, 1.0):
-            where = "master.step" if length == step else "stop_time"
+            where = "master.step" if length == step else "stop_time" if not scene.start_time else "stop_time - start_time"
             raise BadInput(where, f"{length:.9g} s", f"a multiple of {fixed:.9g} s, the fixed internal step of {name}")
 
 
@@ -334,5 +334,5 @@ def _check_rate(name: str, scene: SceneSettings) -> None:
     for option in ("control", "events"):
         if getattr(master, option):
             raise BadInput(where, actual, f"1 with master.{option}; a step that changes has no n-th one")
-    if master.step * scene.units[name].every > scene.stop_time * (1.0 + 1e-9):
-        raise BadInput(where, actual, f"at most the steps of the run, {scene.stop_time / master.step:.0f}")
+    if master.step * scene.units[name].every > scene.duration * (1.0 + 1e-9):
+        raise BadInput(where, actual, f"at most the steps of the run, {scene.duration / master.step:.0f}")

@@ -15,6 +15,7 @@ from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Res
 from ..coupling import Coupling
 from ..coupling.graph import Endpoint, is_discrete
 from .clock import Clock
+from .faults import edges
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
@@ -212,7 +213,7 @@ class AdaptiveStepping(Stepping):
         h = self.clock.seconds(ahead - self.tick)
         if self._estimate is not None:
             self._estimate.prepare(h)
-        self.master.step(self.clock.seconds(self.tick), h)
+        self.master.step(self.clock.time(self.tick), h)
 
     def _back(self) -> None:
         self.counts["restores"] += 1
@@ -225,12 +226,12 @@ class AdaptiveStepping(Stepping):
 
     def _halves(self, ahead: int) -> None:
         """The step from where it started, in two halves; a single tick stays whole."""
-        tick, seconds = self.tick, self.clock.seconds
+        tick, seconds, time = self.tick, self.clock.seconds, self.clock.time
         middle = tick + (ahead - tick) // 2
         self._back()
         if middle > tick:
-            self.master.step(seconds(tick), seconds(middle - tick))
-        self.master.step(seconds(middle), seconds(ahead - middle))
+            self.master.step(time(tick), seconds(middle - tick))
+        self.master.step(time(middle), seconds(ahead - middle))
 
     def report(self) -> dict[str, Any]:
         """Counters of the steps, for run.json."""
@@ -268,11 +269,12 @@ class AdaptiveStepping(Stepping):
         return [f"{beyond} of {self.counts['accepted']} steps had errors above what master.control allows, {smallest}"]
 
 
-def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Clock:
-    """The clock of a scene: its ticks divide the durations (s), and are as small as step control and events need them."""
+def clock_for(scene: SceneSettings, coupling: Coupling) -> Clock:
+    """The clock of a scene: its ticks divide its steps and times, and are as small as step control and events need them."""
     control, step = scene.master.control, scene.master.step
     smallest = [control.min_step] if control is not None and control.min_step is not None else []
-    clock = Clock.dividing(step, scene.stop_time, *durations, *smallest)
+    ends = [scene.stop_time, *edges(scene.faults, scene.start_time)]
+    clock = Clock.dividing(step, *(abs(end) for end in ends if end), *smallest, start=scene.start_time)
     if scene.master.events or any(i.may_return_early for i in coupling.interfaces.values()):
         clock = clock.finer(-(-RESOLUTION // clock.ticks(step)))
     if control is not None:
@@ -287,7 +289,7 @@ def stepping_of(
     given, steppable = scene.master, account or master
     if account is not None:  # what happens at a stop makes outputs jump
         stops = {tick: [*acts, account.restart] for tick, acts in stops.items()}
-    stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
+    stride, end = clock.ticks(given.step), clock.tick(scene.stop_time)
     early = [node for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         # whether components keep their state where it belongs is known of those of the catalogue only

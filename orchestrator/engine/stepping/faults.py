@@ -19,17 +19,17 @@ from .loop import Action
 KINDS = {"override": OVERRIDE, "offset": OFFSET, "freeze": FROZEN, "drop": DROPPED, "lost": LOST}
 
 
-def edges(faults: Iterable[FaultSettings]) -> list[float]:
-    """Times at which faults begin or end, s, but 0."""
-    return [t for fault in faults for t in (fault.begin, fault.end) if t]
+def edges(faults: Iterable[FaultSettings], start: float) -> list[float]:
+    """Times at which faults begin or end behind the start of the run, s."""
+    return [t for fault in faults for t in (fault.begin, fault.end) if t is not None and t > start]
 
 
 class Faults:
     """The faults of a scene: on the way to the inputs of a master's units, or that units are lost; records of the master."""
 
     def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, clock: Clock):
-        self.faults, self._master, self._clock = faults, master, clock
-        self.from_start = [i for i, fault in enumerate(faults) if acts_from_start(fault)]
+        self.faults, self._master, self._clock, self._start = faults, master, clock, clock.time(0)
+        self.from_start = [i for i, fault in enumerate(faults) if acts_from_start(fault, self._start)]
         if not faults:
             return
         memory = master.records.memory
@@ -46,18 +46,18 @@ class Faults:
         memory.fault_ends["start"] = [float(coupling.interfaces[u].inputs[n].start) for u, n in ends]
 
     def before_start(self) -> None:
-        """Units find their initial states with the faults that change inputs from time 0."""
+        """Units find their initial states with the faults that change inputs from the start."""
         if self.from_start:
             change = self._master.records.memory.faults["change"]
             change[self.from_start] = BEGINS
-            self._master.records.begin_change(0.0)
+            self._master.records.begin_change(self._start)
             change[:] = 0
 
     def stops(self) -> dict[int, list[Action]]:
         """Ticks where faults begin or end, each with one action for all of them."""
         return {
-            tick: [partial(self._edge, self._clock.seconds(tick), changes)]
-            for tick, changes in changes_of(self.faults, self.from_start, self._clock.ticks).items()
+            tick: [partial(self._edge, self._clock.time(tick), changes)]
+            for tick, changes in changes_of(self.faults, self.from_start, self._clock.tick).items()
         }
 
     def _edge(self, t: float, changes: Sequence[tuple[int, int]]) -> None:
@@ -70,19 +70,22 @@ class Faults:
         records.end_change(t)
 
 
-def acts_from_start(fault: FaultSettings) -> bool:
-    """Whether units find their initial states with it."""
-    return not fault.begin and fault.kind in ("override", "offset", "drop")
+def acts_from_start(fault: FaultSettings, start: float) -> bool:
+    """Whether units find their initial states with it; start: of the run, s."""
+    return fault.begin <= start and fault.kind in ("override", "offset", "drop")
 
 
 def changes_of(
-    faults: Sequence[FaultSettings], from_start: Collection[int], ticks: Callable[[float], int]
+    faults: Sequence[FaultSettings], from_start: Collection[int], tick: Callable[[float], int]
 ) -> dict[int, list[tuple[int, int]]]:
-    """Tick -> faults that begin or end there, and which of both; `ticks`: of a time, s; from_start: act before the first one."""
+    """Tick -> faults that begin or end there, and which of both; `tick`: of a time, s; from_start: act before the first one.
+
+    What began before the run begins with it.
+    """
     changes: dict[int, list[tuple[int, int]]] = {}
     for i, fault in enumerate(faults):
         if i not in from_start:
-            changes.setdefault(ticks(fault.begin), []).append((i, BEGINS))
+            changes.setdefault(max(tick(fault.begin), 0), []).append((i, BEGINS))
         if fault.end is not None:
-            changes.setdefault(ticks(fault.end), []).append((i, ENDS))
+            changes.setdefault(tick(fault.end), []).append((i, ENDS))
     return changes

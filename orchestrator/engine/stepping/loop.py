@@ -140,18 +140,18 @@ class Stepping:
         if self._batches is not None:
             self._take_batch(self._batches, length, self.tick + length * count, observers)
             return
-        seconds, step, tick = self.clock.seconds, self.master.step, self.tick
-        t, h = seconds(tick), seconds(length)
+        time, step, tick = self.clock.time, self.master.step, self.tick
+        t, h = time(tick), self.clock.seconds(length)
         for k in range(count):
             if k:
-                t = seconds(tick)
+                t = time(tick)
                 for observe in observers:
                     observe(tick, t)
             step(t, h)
             self.tick = tick = tick + length
 
     def _observe(self, observers: Sequence[Observer]) -> None:
-        t = self.clock.seconds(self.tick)
+        t = self.clock.time(self.tick)
         for observe in observers:
             observe(self.tick, t)
 

@@ -39,7 +39,7 @@ class Connected:
         coupling = scene.coupling
         names = [name for name in coupling.order() if name in scene.units]
         self.components = {name: make(name, scene.units[name]) for name in names}
-        self._where = scene.name
+        self._where, self._start = scene.name, scene.start_time
         self._links = [
             (
                 self.components[link.source[0]],
@@ -54,8 +54,8 @@ class Connected:
         ]
 
     def initialize(self) -> None:
-        """All components at t = 0, as they give one another their inputs; raises `BadInput` where these do not converge."""
-        self._exchange(lambda component: component.initialize(0.0))
+        """All components at the start of a run, as they give one another their inputs; raises `BadInput` where these do not converge."""
+        self._exchange(lambda component: component.initialize(self._start))
 
     def refresh(self) -> None:
         """Outputs that follow the present states and one another; raises `BadInput` where they do not converge."""

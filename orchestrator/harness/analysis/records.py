@@ -26,9 +26,9 @@ KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
 def after_transient(result: Result) -> slice:
     """The samples from [analysis] transient on; all without it."""
     transient = result.scene.analysis.transient
-    first = int(np.searchsorted(result.time, transient))
+    first = int(np.searchsorted(result.time, result.scene.counts_from))
     if first >= result.time.size - 1:
-        where, length = f"{result.scene.name}: analysis.transient", result.time[-1]
+        where, length = f"{result.scene.name}: analysis.transient", result.time[-1] - result.time[0]
         raise BadInput(where, f"{transient:g} s", f"less than the length of the run, {length:g} s")
     return slice(first, None)
 

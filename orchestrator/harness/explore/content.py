@@ -71,6 +71,8 @@ def content_of(
     say: is told what is being done.  Raises `BadInput`.
     """
     refuse_what_needs_python(scene)
+    if scene.start_time:
+        raise BadInput(f"{scene.name}: start_time", f"{scene.start_time:g} s", "0; a live page starts there")
     table = scene.explore
     scene = scene.with_changes({"record.interval": None})
     say("running the scene once")

@@ -165,7 +165,8 @@ def row_of_result(result: Result, task: Task) -> Row:
         row.time = result.time
         row.signals = {name: result[name] for name in task.keep.signals}
         if (interval := task.keep.interval) is not None:
-            row.time = interval * np.arange(int(result.end / interval * (1.0 + 1e-12)) + 1)
+            start = result.scene.start_time
+            row.time = start + interval * np.arange(int((result.end - start) / interval * (1.0 + 1e-12)) + 1)
             row.signals = {name: np.interp(row.time, result.time, x) for name, x in row.signals.items()}
         row.units |= {name: result.measures.get(name, "") for name in task.keep.signals}
     return row
@@ -222,9 +223,9 @@ def check_analysis(scene: Scene) -> None:
     for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
         if name not in recorded:
             raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
-    if not transient < scene.stop_time:
+    if not transient < scene.duration:
         raise BadInput(
-            f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.stop_time:g} s"
+            f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.duration:g} s"
         )
     if scene.study.quantities:
         quantities_to_judge(scene)

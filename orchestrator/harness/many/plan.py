@@ -291,7 +291,7 @@ def place(scene: Scene, name: str) -> tuple[str, ...]:
     "units.unit", a whole unit; "master.step", "stop_time" and other settings.
     """
     head, _, rest = name.partition(".")
-    if head in ("master", "record", "analysis", "stop_time", "contacts", "faults") and head not in scene.units:
+    if head in ("master", "record", "analysis", "start_time", "stop_time", "contacts", "faults") and head not in scene.units:
         return "setting", name
     if head == "units" and "units" not in scene.units:
         if rest in scene.units:
@@ -396,7 +396,7 @@ def unit_of(scene: Scene, name: str) -> str:
     kind, *where = place(scene, name)
     if kind != "setting":
         return ""
-    if where[0] in ("master.step", "stop_time", "record.interval"):
+    if where[0] in ("master.step", "start_time", "stop_time", "record.interval"):
         return "s"
     if not where[0].startswith("units."):
         return ""

@@ -247,7 +247,8 @@ class _Bench:
             return seconds * max(size / setting.size, 1.0)
         if self.left <= 0.0 or not self.points:
             return 0.0
-        probe = trial(self._scene, {**setting.changes, "stop_time": PROBED * self._scene.stop_time}, repeats=1)
+        stop = self._scene.start_time + PROBED * self._scene.duration
+        probe = trial(self._scene, {**setting.changes, "stop_time": stop}, repeats=1)
         return probe.seconds / PROBED if probe.done else 0.0
 
 

@@ -26,7 +26,7 @@ def rate_kernel(cls: type[Component]) -> Callable[..., None] | None:
 class CoupledOde:
     """x' = f(t, x) of all states of a scene, its units as they are connected.
 
-    start: (n,), at t = 0.  calls: evaluations of the rates so far. Raises `BadInput` where the scene is no smooth ODE:
+    start: (n,), at the start of the run.  calls: evaluations of the rates so far. Raises `BadInput` where the scene is no smooth ODE:
     contacts, faults, FMUs, components with events, with samples, or with an integrator of their own, loops that do not converge.
     """
 

@@ -172,10 +172,12 @@ def quickest_here(scene: Scene, points: Sequence[Point]) -> Point:
     points = sorted(points, key=lambda p: p.work["calls"])
     cheap = [p for p in points[:CANDIDATES] if p.work["calls"] <= DEARER * points[0].work["calls"]]
     longest = max(scene.with_changes(point.changes).master.step for point in cheap)
-    part = max(TIMED, min(1.0, TIMED_STEPS * longest / scene.stop_time))
+    part = max(TIMED, min(1.0, TIMED_STEPS * longest / scene.duration))
     timed = []
     for point in cheap:
-        run_of_part = trial(recording(scene), {**point.changes, "stop_time": part * scene.stop_time}, confirm=True)
+        run_of_part = trial(
+            recording(scene), {**point.changes, "stop_time": scene.start_time + part * scene.duration}, confirm=True
+        )
         timed.append(replace(point, seconds=run_of_part.seconds / part) if run_of_part.done else point)
     return min(timed, key=lambda p: p.seconds if isfinite(p.seconds) else float("inf"))
 

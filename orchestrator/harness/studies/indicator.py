@@ -45,8 +45,8 @@ class EffectIndicator:
         self._quantities = quantities
         self._signals = [scene.split(s) for s in dict.fromkeys(q.signal for q in quantities)]
         scene = _plain(scene)
-        self._step, self._end = scene.master.step, scene.stop_time
-        count = max(int(scene.stop_time / self._step * (1.0 + 1e-12)), 1)
+        self._step, self._end, self._start = scene.master.step, scene.stop_time, scene.start_time
+        count = max(int(scene.duration / self._step * (1.0 + 1e-12)), 1)
         self._length = min(max(int(SHARE * count / BRANCHES), FEWEST), count)
         self._from_start = min(BRANCHES * self._length, count)
         room = count - self._length
@@ -62,7 +62,7 @@ class EffectIndicator:
             for k in range(count):
                 if k in starts and self._alike(master):
                     self._saved[k] = master.state()
-                master.step(k * self._step, self._step)
+                master.step(self._start + k * self._step, self._step)
                 rows.append(self._row(master))
         self._rows = np.array(rows)
 
@@ -90,7 +90,7 @@ class EffectIndicator:
             return [self._branch(master, 0, self._from_start)]
         branches = []
         for first, saved in self._saved.items():
-            self._restore(master, saved, changed, others, first * self._step)
+            self._restore(master, saved, changed, others, self._start + first * self._step)
             branches.append(self._branch(master, first, self._length))
         return branches
 
@@ -113,7 +113,7 @@ class EffectIndicator:
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:
         master = OpenScene(scene, stack, in_process=True, watched=self._signals).master
-        master.initialize(0.0)
+        master.initialize(scene.start_time)
         return master
 
     def _row(self, master: Master) -> list[float]:
@@ -147,7 +147,7 @@ class EffectIndicator:
     def _branch(self, master: Master, first: int, count: int) -> np.ndarray:
         rows = []
         for k in range(first, first + count):
-            master.step(k * self._step, self._step)
+            master.step(self._start + k * self._step, self._step)
             rows.append(self._row(master))
         return np.array(rows) - self._rows[first + 1 : first + count + 1]
 

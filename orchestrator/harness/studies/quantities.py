@@ -73,7 +73,7 @@ class Quantity:
 
         A history is compared at its own instants, between which the reference is interpolated linearly.
         """
-        if history.time.size < 2 or history.time[-1] < reference.time[-1] * (1.0 - 1e-9):
+        if history.time.size < 2 or history.time[-1] < reference.time[-1] - 1e-9 * abs(reference.time[-1]):
             return inf
         if self.kind == "time history":
             there, distances = self._distances(history, reference)
@@ -124,8 +124,9 @@ class Quantity:
     def _kept(self, history: TimeHistory) -> tuple[np.ndarray, np.ndarray]:
         """Instants and signal after the transient, without the ends that a filter distorts."""
         time, x, edge = history.time, self._signal(history), EDGE / self.cutoff if self.cutoff else 0.0
-        first = min(int(np.searchsorted(time, max(self.transient, edge) * (1.0 - 1e-12))), time.size - 1)
-        last = int(np.searchsorted(time, (time[-1] - edge) * (1.0 + 1e-12), side="right"))
+        since = time - time[0]
+        first = min(int(np.searchsorted(since, max(self.transient, edge) * (1.0 - 1e-12))), time.size - 1)
+        last = int(np.searchsorted(since, (since[-1] - edge) * (1.0 + 1e-12), side="right"))
         return time[first : max(last, first + 1)], x[first : max(last, first + 1)]
 
     def _signal(self, history: TimeHistory) -> np.ndarray:
@@ -188,10 +189,10 @@ def quantities_to_judge(scene: Scene) -> tuple[Quantity, ...]:
             'Of a flag the share of time is "unit.output, mean".',
         )
     for q in quantities:
-        if q.cutoff and scene.stop_time <= (shortest := max(q.transient, EDGE / q.cutoff) + EDGE / q.cutoff):
+        if q.cutoff and scene.duration <= (shortest := max(q.transient, EDGE / q.cutoff) + EDGE / q.cutoff):
             raise BadInput(
                 f"{scene.name}: study.quantities",
-                f'"{q.name}" of a run of {scene.stop_time:g} s',
+                f'"{q.name}" of a run of {scene.duration:g} s',
                 f"a run of more than {shortest:g} s, with transient and both ends of the filter",
                 "Lengthen the run, or filter at a higher frequency.",
             )

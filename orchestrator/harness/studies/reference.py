@@ -198,13 +198,13 @@ def solved_as_ode(
             raise _TooLong
         return ode(t, x)
 
-    count = max(round(scene.stop_time / step), 1)
-    time = np.linspace(0.0, scene.stop_time, count + 1)
+    count, span = max(round(scene.duration / step), 1), (scene.start_time, scene.stop_time)
+    time = np.linspace(*span, count + 1)
     try:
-        coarse = solve_ivp(rates, (0.0, scene.stop_time), ode.start, "LSODA", rtol=1e-4, atol=1e-9)
+        coarse = solve_ivp(rates, span, ode.start, "LSODA", rtol=1e-4, atol=1e-9)
         size = np.abs(coarse.y).max(axis=1)
         size = np.where(size > 0.0, size, size.max())
-        fine = solve_ivp(rates, (0.0, scene.stop_time), ode.start, method, time, rtol=tolerance, atol=tolerance * size)
+        fine = solve_ivp(rates, span, ode.start, method, time, rtol=tolerance, atol=tolerance * size)
         if not (coarse.success and fine.success and np.isfinite(fine.y).all()):
             return None
         return ode.history(time, fine.y.T, signals)
@@ -235,9 +235,9 @@ def _finer(
 
 def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
     """What a run will take, s, by its first steps; 0 where these cannot be made, which the run itself will tell."""
-    stop = min(scene.stop_time, PROBED * changes["master.step"])
-    first = trial(scene, {**changes, "stop_time": stop}, repeats=1)
-    return first.seconds * scene.stop_time / stop if first.times else 0.0
+    length = min(scene.duration, PROBED * changes["master.step"])
+    first = trial(scene, {**changes, "stop_time": scene.start_time + length}, repeats=1)
+    return first.seconds * scene.duration / length if first.times else 0.0
 
 
 def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
@@ -252,7 +252,7 @@ def _monolith(
     """Method -> errors of the scene's monolith, in the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
     given = scene.study.monolith
     assert given is not None
-    whole = scene.load_other(given.scene).with_changes({"stop_time": scene.stop_time})
+    whole = scene.load_other(given.scene).with_changes({"start_time": scene.start_time, "stop_time": scene.stop_time})
     outputs = {f"{unit}.{name}" for unit, interface in whole.coupling.interfaces.items() for name in interface.outputs}
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
     names = {ours: theirs for ours, theirs in names.items() if theirs in outputs}

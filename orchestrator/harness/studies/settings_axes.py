@@ -61,7 +61,7 @@ def pinned(scene: Scene) -> dict[str, Any]:
 
 def macro_steps(scene: Scene) -> list[float]:
     """Macro steps to try, the longest first; each is a whole number of the next ones."""
-    return [factor * scene.master.step for factor in MACRO if 4.0 * factor * scene.master.step <= scene.stop_time]
+    return [factor * scene.master.step for factor in MACRO if 4.0 * factor * scene.master.step <= scene.duration]
 
 
 def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -197,7 +197,7 @@ def _warm_up(scene: Scene) -> None:
     )
     if key not in _warm:
         _warm.add(key)
-        stop = min(scene.stop_time, WARMING * master.step)
+        stop = min(scene.stop_time, scene.start_time + WARMING * master.step)
         run(
             scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshot_interval": None, "faults": ()}),
             in_process=True,

@@ -136,7 +136,7 @@ def compare_curve(curve: CurveSettings, measured: Measured, result: Recorded) ->
     at, y = at_instants(x[inside], way, time), measured.ordinate[inside]
     trim = EDGE / curve.cutoff if curve.cutoff else 0.0
     begin, end = (at[0] + trim, at[-1] - trim) if at.size else (np.inf, -np.inf)
-    kept = (at >= max(begin, result.scene.analysis.transient)) & (at <= end)
+    kept = (at >= max(begin, result.scene.counts_from)) & (at <= end)
     if kept.sum() < LEAST:
         raise BadInput(
             where,

@@ -50,7 +50,7 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -
     where = f"spectrum {wanted.file}"
     f, measured = read_spectrum(wanted, folder)
     rate, instants, (even,) = uniform(result.time, np.asarray(result[wanted.signal], dtype=float))
-    x = even[instants >= result.scene.analysis.transient]
+    x = even[instants >= result.scene.counts_from]
     samples = round(wanted.segment * rate) if wanted.segment is not None else x.size
     if not LEAST <= samples <= x.size:
         raise BadInput(

@@ -9,18 +9,19 @@ taken from the FMUs' default experiments, and a remark says so.
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Collection
 from contextlib import closing
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from lxml import etree
 
 from ....components.core.errors import BadInput
+from ...units.description import Description
 from .flat import Flat
 from .package import find_all, number, opened
-from .system import Document, Element
+from .system import Document
 
 ANNOTATION, NAMESPACE = "cosimo", "urn:cosimo:scene"
 STEPS = {"FixedStepAlgorithm": "baseStepSize", "FixedStepMaster": "stepSize"}  # of libcosim and of OMSimulator
@@ -35,17 +36,18 @@ class System:
     remarks: tuple[str, ...]
 
 
-def read(path: Path) -> System:
-    """The scene of an .ssd or .ssp file; `BadInput` for what cannot be read."""
+def read(path: Path, given: Collection[str] = ()) -> System:
+    """The scene of an .ssd or .ssp file; `BadInput` for what cannot be read. given: as of `scene.files.read_file`."""
     package, name = opened(path)
     with closing(package):
         document = Document(package, name)
         own = _annotation(document)
         flat = Flat(document.system(), own.get("elements", {}), bool(own))
     remarks, data = [*document.remarks, *flat.remarks], dict(own.get("scene", {}))
-    data["stop_time"] = stop = _stop_time(document, flat, remarks)
+    start, stop = _times(document, flat, given, remarks)
+    data |= {"stop_time": stop} | ({"start_time": start} if start else {})
     if "master" not in data:
-        data["master"] = _master(document, flat, stop, remarks)
+        data["master"] = _master(document, flat, stop - start if stop > start else 1.0, given, remarks)
     data.setdefault("title", document.root.get("description") or document.root.get("name", ""))
     data["connections"] = flat.connections
     extra = own.get("units", {})
@@ -75,47 +77,42 @@ def _annotation(document: Document) -> dict[str, Any]:
     return {}
 
 
-def _stop_time(document: Document, flat: Flat, remarks: list[str]) -> float:
+def _times(document: Document, flat: Flat, given: Collection[str], remarks: list[str]) -> tuple[float, float]:
+    """Start and end of the run, s."""
+    start: float | None = None
     for node in find_all(document.root, "ssd:DefaultExperiment"):
-        start = number(node, "startTime", 0.0, document.where)
-        if start != 0.0:
-            remarks.append(
-                f"{document.where}:{node.sourceline}: startTime {start:g} s; the run begins at 0 and is as long, "
-                "which differs where a model depends on the time itself"
-            )
+        if node.get("startTime") is not None:
+            start = number(node, "startTime", 0.0, document.where)
         if node.get("stopTime") is not None:
-            return number(node, "stopTime", 0.0, document.where) - start
-    stop_time = max(_defaults(flat, "stopTime"), default=1.0)
-    remarks.append(
-        f"{document.where}: no stop time is given; {stop_time:g} s is taken, "
-        f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}"
-    )
-    return stop_time
+            return start or 0.0, number(node, "stopTime", 0.0, document.where)
+    starts, stops = _defaults(flat, lambda d: d.time("startTime")), _defaults(flat, lambda d: d.time("stopTime"))
+    if start is None:
+        start = min(starts, default=0.0)
+    stop = max((time for time in stops if time > start), default=start + 1.0)
+    if "stop_time" not in given:
+        remarks.append(
+            f"{document.where}: no stop time is given; {stop:g} s is taken, "
+            f"{'the longest default of its FMUs' if stop in stops else 'as nothing tells of one'}"
+        )
+    return start, stop
 
 
-def _master(document: Document, flat: Flat, stop: float, remarks: list[str]) -> dict[str, Any]:
-    """Settings of the master for a system of another tool."""
+def _master(document: Document, flat: Flat, length: float, given: Collection[str], remarks: list[str]) -> dict[str, Any]:
+    """Settings of the master for a system of another tool; length: of the run, s."""
     for node in document.root.iter("{*}" + "FixedStepAlgorithm", "{*}FixedStepMaster"):
         step = number(node, STEPS[etree.QName(node).localname], 0.0, document.where)
-        return {"step": min(step, stop), "algorithm": "jacobi"} | ({"extrapolation": 0} if flat.connections else {})
-    steps = _defaults(flat, "stepSize")
-    step = min(steps, default=PART * stop)
-    remarks.append(
-        f"{document.where}: no macro step is given; {step:g} s is taken, "
-        f"{'the shortest default of its FMUs' if steps else 'a thousandth of the run'}"
-    )
-    return {"step": min(step, stop)}
+        return {"step": min(step, length), "algorithm": "jacobi"} | ({"extrapolation": 0} if flat.connections else {})
+    steps = _defaults(flat, lambda d: d.default_step)
+    step = min(steps, default=PART * length)
+    if "master.step" not in given:
+        remarks.append(
+            f"{document.where}: no macro step is given; {step:g} s is taken, "
+            f"{'the shortest default of its FMUs' if steps else 'a thousandth of the run'}"
+        )
+    return {"step": min(step, length)}
 
 
-def _defaults(flat: Flat, name: str) -> list[float]:
-    """Positive values of a number of the FMUs' default experiments."""
-    return [value for element in flat.components.values() if (value := _default(element, name)) is not None]
-
-
-def _default(element: Element, name: str) -> float | None:
-    assert element.description is not None
-    try:
-        value = float(getattr(element.description.model.defaultExperiment, name, None) or 0.0)
-    except ValueError:
-        return None
-    return value if isfinite(value) and value > 0.0 else None
+def _defaults(flat: Flat, of: Callable[[Description], float | None]) -> list[float]:
+    """What the FMUs say of a default, those that say something."""
+    values = [of(element.description) for element in flat.components.values() if element.description is not None]
+    return [value for value in values if value is not None]

@@ -41,7 +41,7 @@ PREFIXES = {
     "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd",
 }
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
-IN_THE_SYSTEM = ("units", "connections", "stop_time")  # what the standard's own elements say
+IN_THE_SYSTEM = ("units", "connections", "start_time", "stop_time")  # what the standard's own elements say
 PARAMETER_SET = "initialValues"  # the name that Ecos applies by default
 TOLERANCE = "0.0001"  # of OMSimulator's master; it has no effect with a fixed step, but must be there
 
@@ -238,9 +238,9 @@ class _System:
                 _add(_add(group, "ssc:Unit", name=name), "ssc:BaseUnit", **base)
 
     def _experiment(self, root: etree._Element) -> None:
-        """Stop time, libcosim's step, and all of the scene that has no other place."""
+        """Start and stop time, libcosim's step, and all of the scene that has no other place."""
         scene = self.scene
-        experiment = _add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(scene.stop_time))
+        experiment = _add(root, "ssd:DefaultExperiment", startTime=repr(scene.start_time), stopTime=repr(scene.stop_time))
         _add(
             _add(_annotation(experiment, "com.opensimulationplatform"), "osp:Algorithm"),
             "osp:FixedStepAlgorithm",

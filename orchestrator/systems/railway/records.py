@@ -121,8 +121,9 @@ def check_window(scene: Scene, keys: RailwayKeys) -> None:
         pantograph, catenary = _parameters(scene, unit), _parameters(scene, source)
         if not {"start_position", "speed"} <= pantograph.keys() or "acceleration.rate" in pantograph or not catenary:
             continue
-        begin = float(pantograph["start_position"])
-        way = float(pantograph["speed"]) * np.array([scene.stop_time, 2.0 * scene.master.step])
+        speed = float(pantograph["speed"])
+        begin = float(pantograph["start_position"]) + speed * scene.start_time
+        way = speed * np.array([scene.duration, 2.0 * scene.master.step])
         low, high = _window(keys, scene.name, lambda values=catenary: _track(values))  # type: ignore[misc]
         if begin > low or begin + way[0] < high - way[1]:
             raise BadInput(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ....components.core.errors import BadInput
 from ...harness.analysis.signals import Filter
 from ...harness.validation import Options, done
 from ...results import Result
@@ -23,6 +24,8 @@ FORCE_PER_MEAN = 1.09  # first guess of static force over mean force: the base s
 
 def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = None, unit: str = "pantograph") -> Scene:
     """The scene with its pantograph at another speed (km/h) over the same distance, with further changes."""
+    if scene.start_time:  # where the pantograph stands then depends on its speed
+        raise BadInput(f"{scene.name}: start_time", f"{scene.start_time:g} s", "0, where runs at several speeds begin")
     pantograph: Any = make(unit, scene.units[unit])
     steps = scene.stop_time * pantograph.parameters["speed"] / (speed * KMH) / scene.master.step
     stop = round(steps) * scene.master.step

@@ -28,9 +28,10 @@ class RotorKeys(AnalysisKeys):
 
     def check(self, scene: Any) -> None:
         for low, high in self.orbit_windows:
-            if high > scene.stop_time * (1.0 + 1e-9):
+            if high > scene.stop_time * (1.0 + 1e-9) or low < scene.start_time:
                 where = f"{scene.name}: analysis.orbit_windows"
-                raise BadInput(where, f"[{low:g}, {high:g}] s", f"within the run of {scene.stop_time:g} s", "Lengthen the run.")
+                within = f"within the run{f' from {scene.start_time:g}' if scene.start_time else ''} to {scene.stop_time:g} s"
+                raise BadInput(where, f"[{low:g}, {high:g}] s", within, "Lengthen the run.")
 
 
 SYSTEM = System("rotor", "Rotors", __name__, RotorKeys)

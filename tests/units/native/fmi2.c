@@ -49,6 +49,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component instance, fmi2Boolean d, fmi2Real t
 #ifdef MOODY
     unit->now.data.tolerance = d ? tolerance : -1.0;
 #endif
+#ifdef TOLD
+    told(&unit->now.data, d, tolerance, start, s, stop);
+#endif
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component instance) {
@@ -125,6 +128,12 @@ fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real h, fmi2Boolea
         return fmi2Discard;
     }
 #endif
+#ifdef TOLD
+    if (h > unit->now.data.longest) return fmi2Discard;
+    const char *name = "told", *text = "step %d: the table was left at %g s";
+    for (int k = 0; k < unit->now.data.chatty; k++)
+        unit->callbacks->logger(unit->callbacks->componentEnvironment, name, fmi2Warning, "w", text, unit->now.data.steps + 1, t);
+#endif
     for (bool due = true; due && (due = advance(&unit->now.data, end));)
         do event(&unit->now.data, &outcome); while (outcome.again);
 #ifdef MOODY
@@ -132,6 +141,9 @@ fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real h, fmi2Boolea
         unit->looks = 3;
         return fmi2Pending;
     }
+#endif
+#ifdef TOLD
+    if (unit->now.data.chatty) return fmi2Warning;
 #endif
     return fmi2OK;
 }

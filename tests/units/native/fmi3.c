@@ -56,6 +56,10 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean d, fmi
 #ifdef RESETTING
     enter(&unit->now.data);
 #endif
+    *clock_of(&unit->now.data) = start;
+#ifdef TOLD
+    told(&unit->now.data, d, tolerance, start, s, stop);
+#endif
 #ifdef MOODY
     unit->now.data.tolerance = d ? tolerance : -1.0;
 #endif
@@ -208,6 +212,15 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3B
         return fmi3OK;
     }
 #endif
+#ifdef TOLD
+    if (h > unit->now.data.longest) {
+        *reached = t;
+        return fmi3Discard;
+    }
+    char text[80];
+    snprintf(text, sizeof text, "step %d: the table was left at %g s", unit->now.data.steps + 1, t);
+    for (int k = 0; k < unit->now.data.chatty; k++) unit->log(unit->environment, fmi3Warning, "w", text);
+#endif
     for (bool due = true; due && *clock < end;) {
         due = advance(&unit->now.data, end);
         if (due && unit->event_mode) *event_needed = true;
@@ -217,6 +230,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3B
         if (*early) break;
     }
     *reached = *clock;
+#ifdef TOLD
+    if (unit->now.data.chatty) return fmi3Warning;
+#endif
     return unit->unwanted ? complain(unit, "nobody should ask for an early return") : fmi3OK;
 }
 
