@@ -24,8 +24,10 @@ from .engine.stepping.loop import BatchObserver
 from .output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
 from .recorders import Recorder, TextRecorder
 from .tables import INTERNAL, StoredTable, Table, joined, prepare
+from .units.fmu_messages import log_lines
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
+LOG = "fmu.log"  # what foreign FMUs have said
 DERIVED = (
     "report.html",
     "report.pdf",
@@ -208,8 +210,10 @@ class ResultFiles(BatchObserver):
         try:
             (self._folder / RESERVE).unlink(missing_ok=True)
             write_json(self._folder / INFO, info)
+            if lines := log_lines(info.get("fmu_log", {})):
+                (self._folder / LOG).write_text("\n".join(lines) + "\n", encoding="utf-8")
             self.close()
-            for name in (*DERIVED, TABLE, SNAPSHOTS, CSV, INFO):  # last what says that it is whole
+            for name in (*DERIVED, LOG, TABLE, SNAPSHOTS, CSV, INFO):  # last what says that it is whole
                 _move(self._folder / name, self.directory / name)
             for table in self._tables:
                 table.folder = self.directory / table.folder.relative_to(self._folder)

@@ -42,6 +42,7 @@ from .settings.study import wanted
 from .shorter_steps import asked_for
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
+from .units.fmu_messages import DEFAULT, described, level_of, warnings_of
 from .units.interface import SimulationEnded
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def run(
     output: str | Path | None = None,
     real_time: bool = False,
     windows: WindowsWish | None = None,
+    fmu_log: str = DEFAULT,
 ) -> Result:
     """Simulate a scene to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
 
@@ -78,6 +80,8 @@ def run(
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
     `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
     `windows`: what of the run is to be repeated at its end, see `judgement.windows`.
+    `fmu_log`: the level from which on messages of foreign FMUs are kept, in `info["fmu_log"]` and fmu.log: none, fatal, error,
+    discard, warning or info; they are counted whatever it is.
     """
     scene = asked_for(scene)
     with ExitStack() as stack:
@@ -92,6 +96,7 @@ def run(
             real_time=real_time,
             windows=windows,
             at_once=in_process and not native,
+            fmu_log=level_of(fmu_log),
         )
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
@@ -119,6 +124,7 @@ class Run:
         files: ResultFiles | None = None,
         real_time: bool = False,
         windows: WindowsWish | None = None,
+        fmu_log: str = DEFAULT,
         again: OpenScene | None = None,
         stop: Stop | None = None,
         at_once: bool = False,
@@ -126,7 +132,7 @@ class Run:
         """again: the scene, opened before.  stop: what may end the run from another thread. A run with it leaves alone what all
         threads share: signals, the list of warnings, the working directory.  at_once: a signal raises `Interrupted` before the
         first step; else it waits for the units, which may be in code that would take it for a failure of its own."""
-        self._wish, self._open_scene, self._stop = windows, again, stop
+        self._wish, self._open_scene, self._stop, self._fmu_log = windows, again, stop, fmu_log
         self.windows: Windows | None = None
         self.monitor: InstabilityMonitor | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
@@ -365,7 +371,9 @@ class Run:
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
-        info |= {"warnings": self._warnings()}
+        said = {name: unit.said() for name, unit in self.units.items() if hasattr(unit, "said")}
+        info |= {"fmu_log": described(said, self._fmu_log)} if any(one.counts for one in said.values()) else {}
+        info |= {"warnings": [*self._warnings(), *warnings_of(said)]}
         if self.outcome == "done" and self._wish is not None:
             self._interrupt.at_once = True
             try:
@@ -441,7 +449,8 @@ class Run:
     def _answer(self, wish: WindowsWish, cpu: float) -> None:
         """Repeat windows of the run if it is too long to be repeated; units and account move: call it last."""
         if self.windows is not None:
-            self.windows.answer(wish, cpu, self.signals.table.chunks())
+            with working_directory.of_its_own(any(unit.fmu for unit in self.scene.units.values())):  # the run's own files stay
+                self.windows.answer(wish, cpu, self.signals.table.chunks())
         elif 2.0 * cpu > wish.budget:
             wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import RLock
+from tempfile import TemporaryDirectory
+from threading import RLock, current_thread, main_thread
 
 _loading = RLock()
 
@@ -33,3 +34,20 @@ def current() -> str:
             return os.getcwd()
         except OSError:
             return ""
+
+
+@contextmanager
+def of_its_own(wanted: bool) -> Iterator[None]:
+    """Where it is wanted, a folder that is thrown away as the working directory: a unit may write files there.
+
+    The main thread alone goes there, as it would take all others with it.
+    """
+    if not wanted or current_thread() is not main_thread() or not (here := current()):
+        yield
+        return
+    with TemporaryDirectory(prefix="cosimo-again-") as folder:
+        os.chdir(folder)
+        try:
+            yield
+        finally:
+            os.chdir(here)

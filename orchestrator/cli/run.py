@@ -119,6 +119,15 @@ def run(
         ),
     ] = None,
     no_verify: NoVerify = False,
+    fmu_log: Annotated[
+        str,
+        Option(
+            "--fmu-log",
+            metavar="LEVEL",
+            help="Messages of foreign FMUs that fmu.log in the output directory gets: none, fatal, error, discard, warning, info, each "
+            "with those before it. All are counted in run.json.",
+        ),
+    ] = "warning",
     limits: Limits = "",
     conditions: Conditions = None,
     real_time: Annotated[
@@ -217,6 +226,7 @@ def run(
             output=None if real_time else output,
             real_time=real_time,
             distances=of_quantities,
+            fmu_log=fmu_log,
         )
         for reason in reasons:
             result = reason(result)

@@ -8,6 +8,7 @@ refined as well, one after the other.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -20,11 +21,13 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ...components.core.errors import BadInput
+from .. import working_directory
 from ..interrupts import Interrupted
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
 from ..shorter_steps import numbers_in_use, shorter, substeps
+from ..units.fmu_messages import DEFAULT
 from .comparison import (
     SURE,
     Difference,
@@ -72,6 +75,7 @@ def run(
     output: str | Path | None = None,
     real_time: bool = False,
     distances: Distances | None = None,
+    fmu_log: str = DEFAULT,
 ) -> Result:
     """Simulate a scene to its stop_time, and find the numerical error of each number by repeating the run.
 
@@ -96,6 +100,7 @@ def run(
         output=output,
         real_time=real_time,
         windows=wish,
+        fmu_log=fmu_log,
     )
     verified = verified_result(result, verify, in_process=in_process, windows=wish, distances=distances)
     if output is not None and verified is not result:
@@ -125,13 +130,15 @@ def verified_result(
     if wish == "no":
         return _judged(result, Verification(False, NOT_ASKED))
     begun, of_steps = process_time(), "auto" if wish == "steps" else wish
+    whole = replace(result, scene=_with_whole_paths(result.scene))
     try:
-        if windows is not None and (windows.result or windows.why):
-            verification = _of_windows(result.scene, windows)
-        else:
-            verification = _repeated(result, of_steps, in_process, distances or (lambda *_: {}))
-        if verification.done and wish != "steps":
-            verification = _with_mesh(result, verification, wish, in_process, distances)
+        with working_directory.of_its_own(any(unit.fmu for unit in result.scene.units.values())):  # the first run's files stay
+            if windows is not None and (windows.result or windows.why):
+                verification = _of_windows(result.scene, windows)
+            else:
+                verification = _repeated(whole, of_steps, in_process, distances or (lambda *_: {}))
+            if verification.done and wish != "steps":
+                verification = _with_mesh(whole, verification, wish, in_process, distances)
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
     except MemoryError:
@@ -158,6 +165,12 @@ def _with_mesh(
     return replace(verification, mesh=of_meshes, figures=figures, quantities={**verification.quantities, **of_mesh})
 
 
+def _with_whole_paths(scene: Scene) -> Scene:
+    """The scene as it is read in another working directory."""
+    paths = {f"units.{name}.fmu": os.path.abspath(u.fmu) for name, u in scene.units.items() if u.fmu and not os.path.isabs(u.fmu)}
+    return scene.with_changes(paths) if paths else scene
+
+
 class _Why(NamedTuple):
     """Why a repetition has no result, and whether that is because it became unstable."""
 
@@ -176,7 +189,8 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
         return None, _Why(str(error))
     if again.outcome == "stopped":
         raise Interrupted(Signals[again.info["signal"]])
-    why = _Why(f"the run is {again.outcome}: {again.message}", again.outcome == "unstable")
+    where = " (in a working directory of its own)" if any(unit.fmu for unit in scene.units.values()) else ""
+    why = _Why(f"the run is {again.outcome}{where}: {again.message}", again.outcome == "unstable")
     return (again, _Why()) if again.outcome == "done" else (None, why)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import msgpack
 
 from ...components.core.errors import BadInput, StepFailed, visible
+from .fmu_messages import KEPT, LEVELS, LONGEST
 from .interface import SimulationEnded
 
 REPORT = 1 << 20  # bytes of an answer about a failure, or of warnings
@@ -73,6 +74,15 @@ def read_counters(content: Any) -> dict[str, int]:
     if len(table) > MOST_WARNINGS or not all(type(n) is int and 0 <= n < 1 << 63 for n in table.values()):
         raise ValueError("no counters")
     return table
+
+
+def read_messages(content: Any) -> list[tuple[float, str, str]]:
+    """Messages of an FMU: time, level and text of each."""
+    values = _read_list(content, 3 * KEPT * len(LEVELS))
+    messages = list(zip(values[::3], values[1::3], values[2::3], strict=True))
+    if not all(type(t) is float and isfinite(t) and level in LEVELS and type(text) is str for t, level, text in messages):
+        raise ValueError("no messages")
+    return [(t, level, visible(text[:LONGEST])) for t, level, text in messages]
 
 
 def read_warnings(content: Any) -> tuple[int, bytes, list[str]]:

@@ -33,10 +33,10 @@ _running: WeakValueDictionary[int, FmuSimulator] = WeakValueDictionary()
 
 
 @fmi2CallbackLoggerTYPE
-def _LOGGER(environment, _name, _status, _category, text):
+def _LOGGER(environment, _name, status, _category, text):
     """One for all units, which it tells apart by their environment: FMPy's proxy hands everything to the last logger it got."""
     if (unit := _running.get(environment or 0)) is not None:
-        unit.noted(text)
+        unit.noted(text, status)
 
 
 class Fmi2Simulator(FmuSimulator):
@@ -148,6 +148,8 @@ class Fmi2CoSimulation(Fmi2Simulator):
         self._steps += 1
         if status > WARNING:
             self._not_done(status, t, t + h)
+        elif status == WARNING:
+            self.messages.warned()
 
     def _not_done(self, status: int, t: float, end: float) -> None:
         """Wait for a step that goes on in the FMU's own thread; tell why one was not completed."""

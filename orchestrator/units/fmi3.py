@@ -17,7 +17,7 @@ from fmpy.fmi3 import FMU3Slave
 
 from ...components.core.errors import StepFailed
 from .fmu_simulator import DiscreteStates, FmuSimulator
-from .inputs import WARNING, Others, Reals, Requested
+from .inputs import Others, Reals, Requested
 from .interface import SimulationEnded
 
 DISCARD = 2
@@ -31,8 +31,8 @@ class Fmi3Simulator(FmuSimulator):
 
     prefix = "fmi3"
 
-    def _logged(self, _environment: Any, _status: int, _category: bytes, text: bytes) -> None:
-        self.noted(text)
+    def _logged(self, _environment: Any, status: int, _category: bytes, text: bytes) -> None:
+        self.noted(text, status)
 
     def _set_values(self, values: Any) -> None:
         """Structural parameters first, in a mode of their own: they fix the sizes of arrays."""
@@ -159,7 +159,7 @@ class Fmi3CoSimulation(Fmi3Simulator):
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
         else:
             status = self._do_step(self._instance, t, h, self._forget, *self._answers)
-            if status > WARNING or self._word.value:
+            if status or self._word.value:
                 self._step_by_events(t, h, self._answered(status, t, t + h))
 
     def _step_with_requests(self, t: float, h: float) -> None:

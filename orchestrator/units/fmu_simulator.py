@@ -20,6 +20,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
 from .description import Description
+from .fmu_messages import Messages
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
 from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Span
@@ -55,6 +56,7 @@ class FmuSimulator:
     kind = "FMU"
     prefix = ""
     event: float | None = None
+    time_of_step: Callable[[], float] | None = None  # s, where compiled code takes the steps
     next_event = float("inf")  # s, where the FMU asks for an event
 
     def __init__(
@@ -83,6 +85,7 @@ class FmuSimulator:
         self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
         self._scalars = description.scalars
         self._log: deque[str] = deque(maxlen=3)
+        self.messages = Messages()
         self._alone = self._identifier() if self._interface().canBeInstantiatedOnlyOncePerProcess else ""
         if self._alone in _once:
             raise BadInput(
@@ -152,10 +155,11 @@ class FmuSimulator:
 
     # Calls of the library
 
-    def noted(self, message: bytes | None) -> None:
+    def noted(self, message: bytes | None, status: int) -> None:
         """A message of the FMU's log."""
         text = (message or b"").decode(errors="replace").strip()
         self._log.append(text)
+        self.messages.add(self._time if self.time_of_step is None else self.time_of_step(), status, text)
         LOG.info("%s: %s", self.name, text)
 
     def _function(self, name: str, *types: Any) -> Callable[..., int]:
@@ -166,8 +170,7 @@ class FmuSimulator:
 
     def _call(self, name: str, *arguments: Any) -> None:
         status = self._function(name, *(type(a) for a in arguments))(self._fmu.component, *arguments)
-        if status > WARNING:
-            self._failed(status)
+        self._check(status)
 
     def _log_lines(self) -> str:
         return "".join(f"\n  log: {line}" for line in self._log)
@@ -305,6 +308,8 @@ class FmuSimulator:
     def _check(self, status: int) -> None:
         if status > WARNING:
             self._failed(status)
+        if status == WARNING:
+            self.messages.warned()
 
     def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], PortValues]:
         return reader(names, arrays, self._inexact, *self._common())
@@ -382,6 +387,10 @@ class FmuSimulator:
 
     def work(self) -> dict[str, int]:
         return {"steps": self._steps}
+
+    def said(self) -> Messages:
+        """What the FMU has said so far; nothing of a component's FMU, whose reasons Python's log has."""
+        return self.messages if self._twin is None else Messages()
 
     def close(self) -> None:
         if self._usable:  # after a fatal error the instance must not be touched

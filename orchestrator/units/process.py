@@ -24,8 +24,19 @@ import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, visible
-from .answers import REPORT, nothing, read_counters, read_failure, read_parameters, read_texts, read_warnings, within
+from .answers import (
+    REPORT,
+    nothing,
+    read_counters,
+    read_failure,
+    read_messages,
+    read_parameters,
+    read_texts,
+    read_warnings,
+    within,
+)
 from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packed, packer, unpacker
+from .fmu_messages import Messages
 from .folders import process_folder
 from .interface import PortValues, Span
 from .sandbox import ANSWER, environment, sandboxed, walls
@@ -397,6 +408,15 @@ class WorkerSimulator:
             with suppress(StepFailed):  # it has ended since its last answer, when nothing was wanted of it any more
                 counted = self._ask("work", expected=Expected(Code.DATA, REPORT, read_counters))
         return {**counted, "requests": self._requests}
+
+    def said(self) -> Messages:
+        """What the FMU has said, as far as its process can still be asked."""
+        messages = Messages()
+        if not self._lost and self._expected is None and self.kind.startswith("FMU"):
+            with suppress(StepFailed):
+                messages.counts = self._ask("counted", expected=Expected(Code.DATA, REPORT, read_counters))
+                messages.kept = self._ask("kept", expected=Expected(Code.DATA, REPORT, read_messages))
+        return messages
 
     def close(self) -> None:
         self._closed.set()

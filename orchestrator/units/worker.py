@@ -24,8 +24,9 @@ from ...components.core.errors import BadInput, StepFailed
 from ..interrupts import STOPPING
 from ..settings import UnitSettings
 from . import Simulator, open_unit
-from .answers import LONGEST_TEXT, MOST_WARNINGS
+from .answers import LONGEST_TEXT, MOST_WARNINGS, REPORT
 from .channel import EVENT, INDEX, TIMES, Channel, Code, packed, packer, unpacker
+from .fmu_messages import Messages
 from .interface import PortValues, SimulationEnded, Span
 from .sandbox import limit_resources
 
@@ -71,6 +72,22 @@ class Worker:
 
     def read_texts(self, index: int) -> list[str]:
         return self._text_readers[index]()
+
+    def counted(self) -> dict[str, int]:
+        return self._said().counts
+
+    def kept(self) -> list[Any]:
+        """Messages of the FMU, each as three values, as many as fit into a report."""
+        kept: list[Any] = []
+        room = REPORT // 2
+        for t, level, text in self._said().kept:
+            room -= 50 + len(text.encode())
+            if room > 0:
+                kept += t, level, text
+        return kept
+
+    def _said(self) -> Messages:
+        return self._unit.said() if hasattr(self._unit, "said") else Messages()
 
     def save(self, number: int) -> None:
         self._states[number] = self._unit.save(self._states.get(number))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 
 import numpy as np
 import pytest
@@ -179,3 +181,34 @@ def test_an_output_that_is_no_number_ends_a_run_only_where_it_matters(fmi, isola
     used = run(read_scene(data), verify="no")
     assert used.outcome == "failed"
     assert used.message.startswith("f failed at t = 10 s: output sensor is nan")
+
+
+@pytest.mark.parametrize(("fmi", "isolation"), WAYS)
+def test_what_a_foreign_fmu_says_is_counted_kept_and_told(fmi, isolation, tmp_path):
+    result = run(scene(told(fmi), isolation, parameters={"chatty": 30}), verify="no", output=tmp_path / "out")
+    assert result.outcome == "done"
+    assert result.info["fmu_log"]["f"]["counts"] == {"warning": 300, "returned a warning": 10}
+    first, *others = (tmp_path / "out" / "fmu.log").read_text().splitlines()
+    assert first == "t = 10 s  f  warning: step 1: the table was left at 10 s"
+    assert (len(others), others[-1]) == (100, "f  warning: 200 more messages, which were counted only")
+    assert others[31].startswith("t = 10.1 s")
+    (warning,) = [w for w in result.info["warnings"] if "the table" in w]
+    assert warning == "f: 300 messages of level warning, the first at t = 10 s: step 1: the table was left at 10 s"
+    silent = run(scene(told(fmi), isolation), verify="no", output=tmp_path / "out", fmu_log="info")
+    assert "fmu_log" not in silent.info
+    assert not (tmp_path / "out" / "fmu.log").exists()
+    only_errors = run(scene(told(fmi), isolation, parameters={"chatty": 1}), verify="no", fmu_log="error")
+    assert only_errors.info["fmu_log"]["f"] == {"counts": {"warning": 10, "returned a warning": 10}, "messages": []}
+    with pytest.raises(BadInput, match=r"fmu_log: 'warnings'; expected one of none, info, warning, .* did you mean 'warning'"):
+        run(scene(told(fmi)), fmu_log="warnings")
+
+
+@pytest.mark.parametrize(("fmi", "isolation"), WAYS)
+def test_a_repetition_leaves_the_files_of_the_run(fmi, isolation, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(told(fmi), tmp_path / "told.fmu")
+    result = run(scene("told.fmu", isolation, parameters={"writes": 1}), verify="whole")
+    assert result.info["verification"]["done"], result.info["verification"]
+    assert result.info["verification"]["runs"] > 1
+    assert (tmp_path / "written-by-the-fmu").read_text() == "a step\n" * 10
+    assert os.getcwd() == str(tmp_path)

@@ -226,7 +226,10 @@ def _step(unit, t, h):
     unit.taken += 1
     if unit.input_mode < IN_MEMORY:
         unit.time = t
-        return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
+        status = call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
+        if status == WARNING:
+            unit.warned += 1
+        return status
     status = FAILED * call_entry(unit.step, t, h, unit.argument)
     if status == 0:
         unit.time = t + h

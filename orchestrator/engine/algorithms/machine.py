@@ -56,7 +56,7 @@ class Machine:
         for node, callback in zip(nodes, self._begin, strict=True):
             node.unit_record["initialize"] = callback.function
         self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
-        self._fmus: list[tuple[Any, int]] = []  # those that are told whether a state will come back, and the cell for it
+        self._fmus: list[tuple[Any, int, int]] = []  # with the cells that tell whether a state will come back, and of warnings
         self._tables: list[Any] = []  # which keep what addresses point to
         self._watched = np.zeros(0, dtype=np.int64)
         self._under_way: Space | None = None
@@ -84,8 +84,9 @@ class Machine:
             links["at"], memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
             links["set_on_change"], row["n_set_on_change"] = table.set_on_change, sum(table.set_on_change)
             self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
-            if hasattr(unit, "begin_steps"):
-                self._fmus.append((unit, records.place("units", node.called, "no_return")))
+            if hasattr(unit, "begin_steps"):  # an FMU that compiled code steps
+                unit.time_of_step = partial(records.numbers.__getitem__, self._called[-1][2])
+                self._fmus.append((unit, *(records.place("units", node.called, name) for name in ("no_return", "warned"))))
             self._tables.append(table)
 
     def perform(self, rows: Rows, t: float, h: float) -> None:
@@ -121,7 +122,7 @@ class Machine:
 
     def begin(self) -> None:
         """Before steps: FMUs tell whether a state will come back; raises `SimulationEnded` where one has ended it."""
-        for fmu, place in self._fmus:
+        for fmu, place, _ in self._fmus:
             self.records.integers[place] = fmu.begin_steps()
 
     def note(self) -> None:
@@ -131,6 +132,10 @@ class Machine:
             if integers[taken]:
                 unit.stepped(integers[taken], numbers[time])
                 integers[taken] = 0
+        for fmu, _, warned in self._fmus:
+            if integers[warned]:
+                fmu.messages.warned(int(integers[warned]))
+                integers[warned] = 0
 
     def space(self, times: np.ndarray, sampled: np.ndarray) -> Space:
         """Room for macro steps from each of `times`, s; sampled: as of `Master.run_steps`."""

@@ -56,6 +56,7 @@ UNIT, UNIT_STATE = _record(
     slow             i  of a unit with a rate of its own, the first of its other two records
     stop             f  s, end of the run
     no_return        i  no state before a step will be taken back
+    warned           i  steps that an FMU has ended with a warning since the unit was told
     degree           i  of what an FMU is handed
     ends             i* of its inputs: `UNKNOWN`, ...
     taken            i* steps since the unit was told
