@@ -65,7 +65,7 @@ def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfa
     if every is None or to is None:
         return
     if not 0.0 < every < scene.duration:
-        raise BadInput("checkpoint_every", f"{every:g} s", f"less than the length of the run, {scene.duration:g} s")
+        raise BadInput("checkpoint_every", f"{every:g} s", f"a time within the run, which lasts {scene.duration:g} s")
     folder = Path(to).resolve().parent
     if Path(to).is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
         raise BadInput("checkpoint_to", repr(str(to)), "a file in a directory that can be written")
