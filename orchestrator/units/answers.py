@@ -13,7 +13,7 @@ from typing import Any
 import msgpack
 
 from ...components.core.errors import BadInput, StepFailed, visible
-from .fmu_messages import KEPT, LEVELS, LONGEST
+from .fmu_messages import LEVELS, LONGEST, MOST_MESSAGES
 from .interface import SimulationEnded
 
 REPORT = 1 << 20  # bytes of an answer about a failure, or of warnings
@@ -78,7 +78,7 @@ def read_counters(content: Any) -> dict[str, int]:
 
 def read_messages(content: Any) -> list[tuple[float, str, str]]:
     """Messages of an FMU: time, level and text of each."""
-    values = _read_list(content, 3 * KEPT * len(LEVELS))
+    values = _read_list(content, 3 * MOST_MESSAGES * len(LEVELS))
     messages = list(zip(values[::3], values[1::3], values[2::3], strict=True))
     if not all(type(t) is float and isfinite(t) and level in LEVELS and type(text) is str for t, level, text in messages):
         raise ValueError("no messages")

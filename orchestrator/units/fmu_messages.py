@@ -8,7 +8,7 @@ from typing import Any
 from ...components.core.errors import BadInput, nearest, visible
 
 LEVELS = ("info", "warning", "discard", "error", "fatal")  # by the statuses of FMI, from 0 on
-KEPT = 100  # messages of each level of a unit
+MOST_MESSAGES = 100  # messages of each level of a unit
 LONGEST = 1000  # characters of a message
 STATUS = "returned a warning"  # calls that ended with this status; a message may have come with them
 DEFAULT = "warning"
@@ -25,7 +25,7 @@ class Messages:
         """A message at t, s, with a status of FMI."""
         level = LEVELS[status] if 0 <= status < len(LEVELS) else LEVELS[0]
         self.counts[level] = count = self.counts.get(level, 0) + 1
-        if count <= KEPT:
+        if count <= MOST_MESSAGES:
             self.kept.append((t, level, visible(text[:LONGEST])))
 
     def warned(self, calls: int = 1) -> None:
@@ -70,9 +70,9 @@ def log_lines(fmu_log: Mapping[str, Any]) -> Sequence[str]:
         (t, f"t = {t:.9g} s  {unit}  {level}: {text}") for unit, said in fmu_log.items() for t, level, text in said["messages"]
     )
     more = [
-        f"{unit}  {level}: {count - KEPT} more messages, which were counted only"
+        f"{unit}  {level}: {count - MOST_MESSAGES} more messages, which were counted only"
         for unit, said in fmu_log.items()
         for level, count in said["counts"].items()
-        if level != STATUS and count > KEPT and any(one[1] == level for one in said["messages"])
+        if level != STATUS and count > MOST_MESSAGES and any(one[1] == level for one in said["messages"])
     ]
     return [*(line for _, line in lines), *more]
