@@ -371,9 +371,9 @@ class Run:
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
-        said = {name: unit.said() for name, unit in self.units.items() if hasattr(unit, "said")}
-        info |= {"fmu_log": described(said, self._fmu_log)} if any(one.counts for one in said.values()) else {}
-        info |= {"warnings": [*self._warnings(), *warnings_of(said)]}
+        logs = {name: unit.log_messages() for name, unit in self.units.items() if hasattr(unit, "log_messages")}
+        info |= {"fmu_log": described(logs, self._fmu_log)} if any(one.counts for one in logs.values()) else {}
+        info |= {"warnings": [*self._warnings(), *warnings_of(logs)]}
         if self.outcome == "done" and self._wish is not None:
             self._interrupt.at_once = True
             try:

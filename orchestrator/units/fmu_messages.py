@@ -44,22 +44,22 @@ def described(messages: Mapping[str, Messages], level: str) -> dict[str, Any]:
     """For run.json, by unit: counts, and the messages of a level and above as [s, level, text]; nothing of units that are silent."""
     shown = LEVELS[LEVELS.index(level) :] if level in LEVELS else ()
     return {
-        unit: {"counts": said.counts, "messages": [list(one) for one in said.kept if one[1] in shown]}
-        for unit, said in messages.items()
-        if said.counts
+        unit: {"counts": of_unit.counts, "messages": [list(one) for one in of_unit.kept if one[1] in shown]}
+        for unit, of_unit in messages.items()
+        if of_unit.counts
     }
 
 
 def warnings_of(messages: Mapping[str, Messages]) -> list[str]:
     """One warning for each unit and level above that of information, with its first message."""
     texts = []
-    for unit, said in messages.items():
+    for unit, of_unit in messages.items():
         for level in LEVELS[1:]:
-            if count := said.counts.get(level, 0):
-                t, _, text = next(one for one in said.kept if one[1] == level)
+            if count := of_unit.counts.get(level, 0):
+                t, _, text = next(one for one in of_unit.kept if one[1] == level)
                 many = f"{count} messages of level {level}, the first" if count > 1 else f"a message of level {level}"
                 texts.append(f"{unit}: {many} at t = {t:.9g} s: {text}")
-        if (calls := said.counts.get(STATUS, 0)) and not said.counts.get("warning"):
+        if (calls := of_unit.counts.get(STATUS, 0)) and not of_unit.counts.get("warning"):
             texts.append(f"{unit}: {calls} call{'s' * (calls > 1)} {STATUS}, without a message")
     return texts
 
@@ -67,12 +67,14 @@ def warnings_of(messages: Mapping[str, Messages]) -> list[str]:
 def log_lines(fmu_log: Mapping[str, Any]) -> Sequence[str]:
     """The lines of fmu.log, of what run.json has, in the order of time."""
     lines = sorted(
-        (t, f"t = {t:.9g} s  {unit}  {level}: {text}") for unit, said in fmu_log.items() for t, level, text in said["messages"]
+        (t, f"t = {t:.9g} s  {unit}  {level}: {text}")
+        for unit, of_unit in fmu_log.items()
+        for t, level, text in of_unit["messages"]
     )
     more = [
         f"{unit}  {level}: {count - MOST_MESSAGES} more messages, which were counted only"
-        for unit, said in fmu_log.items()
-        for level, count in said["counts"].items()
-        if level != STATUS and count > MOST_MESSAGES and any(one[1] == level for one in said["messages"])
+        for unit, of_unit in fmu_log.items()
+        for level, count in of_unit["counts"].items()
+        if level != STATUS and count > MOST_MESSAGES and any(one[1] == level for one in of_unit["messages"])
     ]
     return [*(line for _, line in lines), *more]

@@ -388,7 +388,7 @@ class FmuSimulator:
     def work(self) -> dict[str, int]:
         return {"steps": self._steps}
 
-    def said(self) -> Messages:
+    def log_messages(self) -> Messages:
         """What the FMU has said so far; nothing of a component's FMU, whose reasons Python's log has."""
         return self.messages if self._twin is None else Messages()
 

@@ -409,7 +409,7 @@ class WorkerSimulator:
                 counted = self._ask("work", expected=Expected(Code.DATA, REPORT, read_counters))
         return {**counted, "requests": self._requests}
 
-    def said(self) -> Messages:
+    def log_messages(self) -> Messages:
         """What the FMU has said, as far as its process can still be asked."""
         messages = Messages()
         if not self._lost and self._expected is None and self.kind.startswith("FMU"):

@@ -74,20 +74,20 @@ class Worker:
         return self._text_readers[index]()
 
     def counted(self) -> dict[str, int]:
-        return self._said().counts
+        return self._messages().counts
 
     def kept(self) -> list[Any]:
         """Messages of the FMU, each as three values, as many as fit into a report."""
         kept: list[Any] = []
         room = REPORT // 2
-        for t, level, text in self._said().kept:
+        for t, level, text in self._messages().kept:
             room -= 50 + len(text.encode())
             if room > 0:
                 kept += t, level, text
         return kept
 
-    def _said(self) -> Messages:
-        return self._unit.said() if hasattr(self._unit, "said") else Messages()
+    def _messages(self) -> Messages:
+        return self._unit.log_messages() if hasattr(self._unit, "log_messages") else Messages()
 
     def save(self, number: int) -> None:
         self._states[number] = self._unit.save(self._states.get(number))
