@@ -67,3 +67,9 @@ SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
 FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
 SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
 ITERATION_NOISE = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
+
+# -- what rows leave of a figure, in `sampling` --------------------------------------------------------------------------------
+BETWEEN = (3, 5)  # rows that one becomes: largest values are then off by a 25th; a length may be a multiple of one, not of two
+MOST_VALUES = 20_000_000  # that filled up rows may have: 160 MB
+PARTS = 8  # of a run whose figures are means over one of many histories
+PARTS_SURE = 2.4  # deviations of such a mean that hold 95 % of them: Student's t of 7 degrees of freedom, 2.36

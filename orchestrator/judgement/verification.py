@@ -9,7 +9,7 @@ refined as well, one after the other.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from math import isfinite, nan
@@ -44,6 +44,7 @@ from .comparison import (
 from .instability import unfollowed
 from .mesh import mesh_error
 from .record import NOT_ASKED, STEPS, Verification
+from .sampling import between, of_parts, rows_of
 from .thresholds import GROWN, LASTING, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
@@ -223,7 +224,7 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     inside = substeps(scene)
     if inside and any(e.rms > WARN for e in signals.values()) and (wish != "auto" or 8.0 * each <= SECONDS):
         signals = _with_shares(result, first_gap, signals)
-    figures = _figures(shown, unsure=needs_third(first_gap))
+    figures = _figures(shown, unsure=needs_third(first_gap), parted=[name for name, e in signals.items() if e.parted])
     parts: dict[str, Mapping[str, Difference]] = {}
     not_refined = {}
     for place, finer in refinements(scene).items() if wish == "full" else ():
@@ -271,15 +272,17 @@ def _with_shares(result: Result, gaps: Mapping[str, Difference], signals: Mappin
     }
 
 
-def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
+def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = ()) -> dict[str, float]:
     """Errors of the figures of a summary; none where there is no summary.
 
     All runs are read at the times of the first one's rows. What lies between these rows, such as the largest value, shows where
-    each other row is left out, and in the rows that the second run has between them.
+    each other row is left out, in the rows that the second run has between them, and where rows are filled up with a curve.
+    parted: signals whose histories part: figures of their units have the error of their mean over parts of the run, and the
+    difference of two runs, each as good as the other, counts once.
     """
     first, second, *more = results
     try:
-        same = [_values(first), *(_values(_at(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
+        same = [_values(first), *(_values(rows_of(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
     except BadInput:
         return {}
     errors = figure_errors(same, unsure=unsure)
@@ -287,7 +290,13 @@ def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
     there = common_rows(first.time, second.time)[1]
     if there is not None and 2 * second.rows >= 3 * there.size:
         gaps.append(_gaps(second, same[1], np.setdiff1d(np.arange(second.rows), there)))
-    return {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
+    gaps.append(between(first, same[0], _values))
+    errors = {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
+    units = {first.scene.split(name)[0] for name in parted}
+    of_mean = of_parts(first, _values) if units else {}
+    for name in (name for name in errors if name in of_mean and name.rpartition(".")[0] in units):
+        errors[name] = max(of_mean[name], abs(same[0][name] - same[1].get(name, nan)))
+    return errors
 
 
 def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dict[str, float]:
@@ -299,7 +308,7 @@ def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dic
         if gaps and all(gap <= NO_MATTER * abs(figures[name]) for name, gap in gaps.items()):
             break
         with suppress(BadInput):
-            for name, value in _values(_at(result, some)).items():
+            for name, value in _values(rows_of(result, some)).items():
                 if isfinite(gap := abs(value - figures.get(name, nan))):
                     gaps[name] = min(gap, gaps.get(name, gap))
     return gaps
@@ -307,18 +316,6 @@ def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dic
 
 def _values(result: Result) -> dict[str, float]:
     return {row.name: row.value for row in result.summary}
-
-
-def _at(result: Result, rows: np.ndarray | None) -> Result:
-    """A result with some of its rows; all of them for None."""
-    if rows is None or rows.size == result.rows:
-        return result
-    return replace(
-        result,
-        time=result.time[rows],
-        columns={name: column[rows] for name, column in result.columns.items()},
-        texts={name: column[rows] for name, column in result.texts.items()},
-    )
 
 
 def _cost(result: Result, in_process: bool) -> float:

@@ -4,7 +4,9 @@ that feed it.
 A group of one simulator has its inputs and is initialized once. In a larger one the simulators are initialized one after the other
 until their outputs stop changing. Where these sweeps do not converge, a quasi-Newton method continues from their best result: it
 takes the outputs that a sweep starts with as unknowns, and learns from all its earlier answers (Anderson's method with full memory;
-for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6).
+for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6). A group that
+has not converged then has kinks, such as contacts that open: answers from before are of another piece, so the oldest are forgotten,
+and where a step of the method does not bring the group closer, a few go the share of a sweep with which contacts contract.
 """
 
 from __future__ import annotations
@@ -24,6 +26,9 @@ ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with i
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
 RETURNED = 1e-7  # change of a miss relative to the change of an answer; below it a circle gives back what it gets
 NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it is rounding
+KINKED = 1e-8  # residual that is more than rounding: after the steps that a linear group needs, the group is not linear
+RELAXED = 8  # such steps in a row at most; of 600 made-up pairs of wires under a head 1 does not settle in all, with 5 of them 8
+LONGEST = 4 * SECANTS  # steps of a group with kinks, which remembers few of them
 BEST, BEFORE, RIGHT, WEIGHTS, LENGTHS, SHARES, ANSWERS = range(7)  # rows of the workspace, and behind the last one:
 MISSES, COLUMNS, TRIANGLE, ROWS = (ANSWERS + k * SECANTS for k in range(1, 5))
 
@@ -127,9 +132,14 @@ def _solve_group(group, m, t):
 @kernel
 def _solve_by_secants(group, m, t):
     """Continue from the best sweep by Anderson's method; returns whether the outputs stand."""
-    space, last = m.space, np.inf
-    for k in range(SECANTS):
-        answers, misses = space[ANSWERS + k], space[MISSES + k]
+    space, last, unknowns, kept = m.space, np.inf, 0, 0
+    lowest, share, relaxed = np.inf, 1.0, 0
+    for j in range(group.answers):
+        unknowns += 1 if m.answers[group.first_answer + j].unknown != 0 else 0
+    for k in range(LONGEST):
+        if kept == SECANTS:
+            return False
+        answers, misses = space[ANSWERS + kept], space[MISSES + kept]
         for j in range(group.answers):
             m.signals[m.answers[group.first_answer + j].cell] = space[BEST, j]
         if not _sweep(group, m, t):
@@ -139,25 +149,47 @@ def _solve_by_secants(group, m, t):
         if _within(residual, last):
             return True
         last = residual
-        _take(group, m, ANSWERS + k)
-        finite, returned, moved = True, 0.0, 0.0
+        _take(group, m, ANSWERS + kept)
+        finite, returned, moved, size, turned, way = True, 0.0, 0.0, 0.0, 0.0, 0.0
         for j in range(group.answers):
             unknown = m.answers[group.first_answer + j].unknown != 0
             misses[j] = answers[j] - space[BEST, j] if unknown else 0.0
             finite = finite and np.isfinite(answers[j])
-            if k > 0 and unknown:
-                returned = max(returned, abs(misses[j] - space[MISSES + k - 1, j]))
-                moved = max(moved, abs(answers[j] - space[ANSWERS + k - 1, j]))
+            if kept > 0 and unknown:
+                returned = max(returned, abs(misses[j] - space[MISSES + kept - 1, j]))
+                moved = max(moved, abs(answers[j] - space[ANSWERS + kept - 1, j]))
+            least = m.answers[group.first_answer + j].least
+            size += (misses[j] / least) ** 2
+            if kept > 0 and unknown:
+                change = misses[j] - space[MISSES + kept - 1, j]
+                turned += (change / least) ** 2
+                way += ((answers[j] - space[ANSWERS + kept - 1, j] - change) / least) ** 2
         if not finite:
             return False
         if k > 0 and returned < RETURNED * moved:
             group.parallel = 1
-        _foretell(group, m, k)
+        if turned > 0.0:
+            share = min(share, np.sqrt(way / turned))
+        kinked = k > unknowns + 1 and residual > KINKED
+        if kinked and kept > unknowns:
+            for i in range(kept):
+                for j in range(group.answers):
+                    space[ANSWERS + i, j], space[MISSES + i, j] = space[ANSWERS + i + 1, j], space[MISSES + i + 1, j]
+            kept -= 1
+            answers, misses = space[ANSWERS + kept], space[MISSES + kept]
+        if kinked and size >= lowest and relaxed < RELAXED:
+            for j in range(group.answers):
+                space[BEST, j] += share * misses[j]
+            relaxed, kept = relaxed + 1, kept + 1
+            continue
+        lowest, relaxed = size, 0
+        _foretell(group, m, kept)
         for j in range(group.answers):
             value = answers[j]
-            for i in range(k):
+            for i in range(kept):
                 value += (space[ANSWERS + i, j] - answers[j]) * space[WEIGHTS, i]
             space[BEST, j] = value
+        kept += 1
     return False
 
 

@@ -33,7 +33,7 @@ PROVENANCE = (
     "Every range has its provenance: verbatim (read in a public source), computed (independent solver or closed form), "
     "inferred, recalled (from memory of the literature, not re-read; hatched).",
     "± is the numerical error of a number: what half of every step changes, twice. Where an end of the range lies "
-    "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated.",
+    "within it, the row is undecided. A number without ± is unchanged by half of every step, or not repeated, as it says.",
 )
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 

@@ -56,7 +56,7 @@ def range_row(row: Row) -> RangeRow:
     return RangeRow(
         r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
         unit,
-        with_error(row.measured, row.error) if np.isfinite(row.error) else number(row.measured, low, high),
+        with_error(row.measured, row.error) if np.isfinite(row.error) else f"{number(row.measured, low, high)}, {row.repeated}",
         text,
         margin,
         None if place is None else float(place),

@@ -294,8 +294,10 @@ def to_table(results: list[CaseResult]) -> tuple[tuple[str, ...], list[tuple[str
     for result in results:
         for row in result.findings.rows:
             cells = row.to_json()
-            rows.append((result.case.name, result.outcome, *("" if cells[c] is None else cells[c] for c in columns), row.answer))
-    return ("case", "outcome", *columns, "inside"), rows
+            rows.append(
+                (result.case.name, result.outcome, *("" if cells[c] is None else cells[c] for c in columns), row.answer, row.why)
+            )
+    return ("case", "outcome", *columns, "inside", "why no error"), rows
 
 
 def to_json(results: list[CaseResult]) -> str:

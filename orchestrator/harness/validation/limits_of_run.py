@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -145,7 +146,8 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
         judged, missing = judged_numbers(result, numbers) if result.time.size > 1 else ([], [])
     except BadInput as error:
         judged, missing = [], [str(error)]
-    rows = tuple(Row(j.row, j.value, errors.get(j.name, float("nan"))) for j in judged)
+    why = result.info.get("verification", {}).get("why", "") or "not repeated"
+    rows = tuple(Row(j.row, j.value, e := errors.get(j.name, nan), "" if isfinite(e) else why) for j in judged)
     answers: dict[str, str] = {}
     for j, row in ((j, row) for j, row in zip(judged, rows, strict=True) if not row.missing):
         answer = _answer(row)
@@ -153,7 +155,7 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
             answers[j.figure] = answer
         answers.setdefault(j.figure, answer)
     case = Case(SHOWN, f"Limits of {Path(limits.table).stem}", "", ())
-    why = result.info.get("verification", {}).get("why", "") if not any(row.error == row.error for row in rows) else ""
+    why = result.info.get("verification", {}).get("why", "") if not any(isfinite(row.error) for row in rows) else ""
     return CaseResult(
         case, Findings(rows, notes=tuple(dict.fromkeys(missing)), complete=result.outcome == "done", unverified=why)
     ), answers

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ...run import run
+from ...shorter_steps import shorter_steps
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -41,16 +43,22 @@ def done(result: Result, label: str = "") -> Result:
 class Runs(dict[Any, "Result"]):
     """Results of a question's scenes by their labels; `run` gives that of a further scene, such as one that depends on them."""
 
-    def __init__(self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[Any] = ()):
+    def __init__(
+        self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[Any] = (), at_its_steps: Collection[Any] = ()
+    ):
         self.options = options
         super().__init__()
         for label, scene in scenes.items():
             text = ", ".join(map(str, label)) if isinstance(label, tuple) else str(label)
-            self[label] = self.run(scene, may_fail=label in may_fail, label=text)
+            self[label] = self.run(scene, may_fail=label in may_fail, label=text, at_its_steps=label in at_its_steps)
 
-    def run(self, scene: Scene, *, may_fail: bool = False, label: str = "") -> Result:
-        """The result of a scene; raises `RunFailed` where it does not reach its end and is not expected to fail."""
-        result = run(scene, in_process=self.options.in_process, progress=self.options.progress)
+    def run(self, scene: Scene, *, may_fail: bool = False, label: str = "", at_its_steps: bool = False) -> Result:
+        """The result of a scene; raises `RunFailed` where it does not reach its end and is not expected to fail.
+
+        at_its_steps: a repetition leaves its steps, as they are what is asked about: growth a step, the longest stable step.
+        """
+        with shorter_steps(1) if at_its_steps else nullcontext():
+            result = run(scene, in_process=self.options.in_process, progress=self.options.progress)
         return result.unless_stopped() if may_fail else done(result, label)
 
 
@@ -80,6 +88,7 @@ class Question:
 
     scenes: function that gives the scenes by label; without it nothing is run before.  may_fail: labels of runs that may end
     before their end; any other run that does fails the case.
+    at_its_steps: labels of runs whose steps are what is asked about, so that a repetition leaves them.
     in_process: runs are in process whatever is asked for: there are many short ones.
     """
 
@@ -87,9 +96,10 @@ class Question:
     scenes: Callable[[], Mapping[Any, Scene]] = dict
     may_fail: Collection[Any] = ()
     in_process: bool = False
+    at_its_steps: Collection[Any] = ()
 
     def ask(self, options: Options) -> Evidence:
         """Run the scenes and measure. Raises `RunFailed`; `StepFailed` of a component that is stepped alone."""
         if self.in_process:
             options = replace(options, in_process=True)
-        return self.measure(Runs(options, self.scenes(), self.may_fail))
+        return self.measure(Runs(options, self.scenes(), self.may_fail, self.at_its_steps))

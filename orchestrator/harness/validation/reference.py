@@ -31,6 +31,8 @@ PLACEHOLDER = (
     "to be replaced by the source of each range"  # ends the source that `cosimo new table` of 0.7 wrote for its own numbers
 )
 CONFIDENCES = ("high", "medium-high", "medium", "low")
+UNCHANGED = "unchanged"  # half of the steps give the same number, or its steps are what is asked about
+NOT_REPEATED = "not repeated"
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
 NUMBERS = ("low", "high", "value", "tolerance")
 OPTIONAL = (*NUMBERS, "confidence", "claim", "role")
@@ -93,6 +95,7 @@ class Row:
     reference: TableRow
     measured: float
     error: float = math.nan  # of the steps and meshes; NaN where it is not known
+    why: str = ""  # why there is no error: `UNCHANGED`, or what kept the case from being repeated; "" where there is one
 
     @property
     def missing(self) -> bool:
@@ -119,6 +122,11 @@ class Row:
         return self.inside and bool(self.error > self.margin)
 
     @property
+    def repeated(self) -> str:
+        """`UNCHANGED` or `NOT_REPEATED` of a number without an error; "" of one that has an error."""
+        return "" if math.isfinite(self.error) else UNCHANGED if self.why == UNCHANGED else NOT_REPEATED
+
+    @property
     def answer(self) -> str:
         """ "yes", "NO", "undecided" or "not judged": whether the number is inside."""
         return "not judged" if self.missing else "undecided" if self.undecided else "yes" if self.inside else "NO"
@@ -132,6 +140,7 @@ class Row:
             "unit": r.unit,
             "measured": self.measured if math.isfinite(self.measured) else None,
             "error": self.error if math.isfinite(self.error) else None,
+            "why": self.why or None,
             "low": r.low,
             "high": r.high,
             "standing": r.standing,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -28,13 +28,14 @@ from ...scene.scene import Scene
 from ...shorter_steps import coarser_meshes, meshed_scenes, shorter_steps
 from .case import Case, Findings, Row
 from .questions import Options
+from .reference import UNCHANGED
 
 
 def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     """What a case finds, each row with its numerical error where a repetition with half of every step shows one.
 
     wish: "auto" repeats what takes at most `SECONDS` of CPU time, "whole" whatever it takes, "no" nothing. A number that is the
-    same to the last digit has no error: no step is in it.
+    same to the last digit has no error: no step is in it. Each row without an error says why.
     """
     begun = process_time()
     with CompileTime() as compiling, meshed_scenes() as scenes:
@@ -42,10 +43,10 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     cost = 2.0 * (process_time() - begun - compiling.spent[1])
     findings = case.with_studies(findings, options)
     if wish == "no" or not findings.complete:
-        return replace(findings, unverified=NOT_ASKED if wish == "no" else "a run did not reach its end")
+        return _unverified(findings, NOT_ASKED if wish == "no" else "a run did not reach its end")
     if wish == "auto" and cost > SECONDS:
         why = f"to repeat the case with half of its steps would take about {cost:.2g} s: ask with --verify whole"
-        return replace(findings, unverified=why)
+        return _unverified(findings, why)
     return _with_errors(findings, case, options, scenes)
 
 
@@ -54,21 +55,36 @@ def _with_errors(findings: Findings, case: Case, options: Options, scenes: Seque
         with shorter_steps(2):
             finer = case.findings(replace(options, in_process=True))
     except (BadInput, StepFailed) as error:
-        return replace(findings, unverified=f"the case cannot be repeated with half of its steps: {error}")
-    if not finer.complete or len(finer.rows) != len(findings.rows):
-        return replace(findings, unverified="a run with half of its steps did not reach its end")
+        return _unverified(findings, f"the case cannot be repeated with half of its steps: {error}")
+    if not finer.complete:
+        return _unverified(findings, ": ".join(("a run with half of its steps did not reach its end", *finer.notes[-1:])))
+    if len(finer.rows) != len(findings.rows):
+        return _unverified(findings, f"half of its steps give {len(finer.rows)} rows instead of {len(findings.rows)}")
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
     gaps, why = _mesh_gaps(findings, case, options, scenes)
     rows = tuple(_with_mesh(row, gap) for row, gap in zip(rows, gaps, strict=True)) if gaps else rows
     notes = (*findings.notes, f"The errors leave out the mesh: {why}") if why else findings.notes
+    return replace(_with_rows(findings, rows), notes=notes)
+
+
+def _unverified(findings: Findings, why: str) -> Findings:
+    """The findings with the reason at each row without an error and at the whole."""
+    rows = (row if math.isfinite(row.error) else replace(row, why=why) for row in findings.rows)
+    return replace(_with_rows(findings, rows), unverified=why)
+
+
+def _with_rows(findings: Findings, rows: Iterable[Row]) -> Findings:
+    rows = tuple(rows)
     claims = tuple(replace(c, rows=tuple(r for r in rows if r.reference.claim == c.claim.number)) for c in findings.claims)
-    return replace(findings, rows=rows, claims=claims, notes=notes)
+    return replace(findings, rows=rows, claims=claims)
 
 
 def _with_error(row: Row, finer: Row) -> Row:
     gap = abs(row.measured - finer.measured)
-    if gap == 0.0 or not math.isfinite(gap):
-        return row
+    if gap == 0.0:
+        return replace(row, why=UNCHANGED)
+    if not math.isfinite(gap):
+        return replace(row, why=f"with half of the steps it is {finer.measured:.6g}")
     return replace(row, error=(UNSURE if gap > ORDER_UNSURE * abs(row.measured) else SURE) * gap)
 
 
@@ -99,4 +115,4 @@ def _mesh_gaps(findings: Findings, case: Case, options: Options, scenes: Sequenc
 
 def _with_mesh(row: Row, gap: float) -> Row:
     """The row with what the mesh makes of its error: at first order as much as elements of twice the length change it."""
-    return replace(row, error=gap + (row.error if math.isfinite(row.error) else 0.0)) if gap else row
+    return replace(row, error=gap + (row.error if math.isfinite(row.error) else 0.0), why="") if gap else row

@@ -137,3 +137,43 @@ def test_a_circle_without_an_answer_names_its_signals(gain, offset):
     for part in ("g0", "g1", "did not converge", "y still changes by", "no common equilibrium, or many"):
         assert part in result.message
     assert result.info["initial_values"][-1]["residual"] > 1e-9
+
+
+class Head(Linear):
+    """A head of two contacts of `stiffness` k under a force: f1 - f2 = k (w2 - w1), neither below zero."""
+
+    force, stiffness = parameter(100.0, "1", "force"), parameter(5e4, "1", "stiffness of a contact")
+    w1, w2 = input_(0.0, "1", "height of one wire"), input_(0.0, "1", "height of the other")
+    f1, f2 = output("1", "force on one", feedthrough=("w1", "w2")), output("1", "force on the other", feedthrough=("w1", "w2"))
+
+    def matrices(self):
+        return np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((2, 0)), np.zeros((2, 2)), np.zeros(0)
+
+    def _outputs(self, t):
+        p = self.parameters
+        self.y[0] = min(max(0.5 * (p["force"] + p["stiffness"] * (self.u[0, 1] - self.u[0, 0])), 0.0), p["force"])
+        self.y[1] = p["force"] - self.y[0]
+
+
+def test_contacts_that_open_and_close_settle_at_every_force():
+    """Two wires that give way: answers of sweeps from before a contact has closed are of another piece, and foretell nothing."""
+    wire, own, other, apart = f"{HERE}:Gain", 4e-4, 2.5e-4, 2e-3  # m/N, m/N, m
+    units = {
+        "one": {"component": wire, "parameters": {"a": own, "b": other}},
+        "two": {"component": wire, "parameters": {"a": other, "b": own, "c": apart}},
+        "head": {"component": f"{HERE}:Head"},
+    }
+    links = ["head.f1 -> one.u1", "head.f2 -> one.u2", "head.f1 -> two.u1", "head.f2 -> two.u2"]
+    scene = read_scene(
+        {
+            "stop_time": 0.1,
+            "units": units,
+            "master": {"algorithm": "gauss-seidel", "step": 0.1},
+            "connections": [*links, "one.y -> head.w1", "two.y -> head.w2"],
+        }
+    )
+    for force in np.linspace(2.0, 250.0, 125):
+        result = run(scene.with_changes({"units.head.parameters.force": float(force)}), in_process=True)
+        assert result.outcome == "done", (force, result.message)
+        parted = 5e4 * apart / (1.0 + 5e4 * (own - other))
+        assert result["head.f1"][0] == pytest.approx(min(0.5 * (force + parted), force), rel=1e-8)

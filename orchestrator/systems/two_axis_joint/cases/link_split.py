@@ -82,16 +82,16 @@ def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mappin
     return load_scene("link-split").with_changes(given | dict(changes or {}))
 
 
-def _angles(runs: Runs, scene: Scene) -> np.ndarray:
+def _angles(runs: Runs, scene: Scene, *, at_its_steps: bool = False) -> np.ndarray:
     """Both angles at all samples, (2, n); NaN where the run failed."""
-    result = runs.run(scene, may_fail=True)
+    result = runs.run(scene, may_fail=True, at_its_steps=at_its_steps)
     angles = np.array([result["first.angle"], result["second.angle"]])
     return angles if result.outcome == "done" else np.full_like(angles, math.nan)
 
 
 def _error(runs: Runs, kind: str, step: float, exact: np.ndarray) -> float:
     """Largest difference of an angle, rad; NaN of a run that failed."""
-    angles = _angles(runs, _scene(kind, step))
+    angles = _angles(runs, _scene(kind, step), at_its_steps=True)
     return float(np.abs(angles - exact).max()) if angles.shape == exact.shape else math.nan
 
 
@@ -155,7 +155,7 @@ def _grows(runs: Runs, step: float) -> bool:
                                     "substep": 1e-3},
         "record": {"signals": ["joint.first_force_x"]},
     })  # fmt: skip
-    result = runs.run(scene, may_fail=True)
+    result = runs.run(scene, may_fail=True, at_its_steps=True)
     if result.outcome != "done":
         return True
     vibration = np.abs(np.diff(result["joint.first_force_x"], 4))

@@ -1,0 +1,100 @@
+"""What rows leave of a figure: a largest value, a share of time, a count or a length of time misses what lies between two rows.
+
+The rows are filled up with a smooth curve through them, and the figure is taken again. In a motion that forgets its past, a figure
+is the mean over a stretch of one of many histories: there its error is that of this mean, from the parts of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from math import isfinite, sqrt
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import Akima1DInterpolator
+
+from ...components.core.errors import BadInput
+from ..engine.coupling.graph import is_discrete
+from ..results import Result
+from .thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
+
+Values = Callable[[Result], Mapping[str, float]]  # the figures of a result by name
+
+
+def denser(result: Result, times: int) -> Result | None:
+    """A result with so many times the rows, on modified Akima curves, which do not swing beyond a jump; None where there is none.
+
+    What is no curve (flags, counts, modes, held values, angles that begin anew, texts) keeps its value up to the next row.
+    """
+    t = result.time
+    if t.size < 3 or not (np.diff(t) > 0.0).all() or times * t.size * (1 + len(result.columns)) > MOST_VALUES:
+        return None
+    share = np.arange(times) / times
+    time = np.append((t[:-1, None] + np.diff(t)[:, None] * share).ravel(), t[-1])
+    before = np.minimum(np.arange(time.size) // times, t.size - 1)
+    columns = {}
+    for name, values in result.columns.items():
+        smooth = _smooth(result, name, values)
+        columns[name] = Akima1DInterpolator(t, values, method="makima")(time) if smooth else values[before]
+    return replace(result, time=time, columns=columns, texts={name: texts[before] for name, texts in result.texts.items()})
+
+
+def _smooth(result: Result, name: str, values: np.ndarray) -> bool:
+    """Whether a column is a curve that rows show points of."""
+    unit, output = result.scene.split(name)
+    interface = result.scene.coupling.interfaces.get(unit)
+    signal: Any = interface.outputs.get(output) if interface is not None else None
+    if values.dtype.kind != "f" or not np.isfinite(values).all() or (signal is not None and signal.kind != "real"):
+        return False
+    if np.array_equal(values, np.rint(values)) or (signal is not None and is_discrete(signal)):
+        return False
+    return signal is None or signal.unit != "rad" or bool(np.abs(np.diff(values)).max() < np.pi)
+
+
+def between(result: Result, figures: Mapping[str, float], values: Values) -> dict[str, float]:
+    """How far the figures of the filled up rows are from those given, by name; none where rows cannot be filled up."""
+    gaps: dict[str, float] = {}
+    for filled in filter(None, (denser(result, times) for times in BETWEEN)):
+        with suppress(BadInput):
+            for name, value in values(filled).items():
+                if isfinite(gap := abs(value - figures.get(name, np.nan))):
+                    gaps[name] = max(gap, gaps.get(name, 0.0))
+    return gaps
+
+
+def of_parts(result: Result, values: Values) -> dict[str, float]:
+    """Error of each figure as a mean over the run: `PARTS_SURE` deviations of the mean over `PARTS` parts of its rows.
+
+    Each part stands behind the scene's transient, which figures leave out. None for a figure that a part does not have.
+    """
+    found: list[Mapping[str, float]] = []
+    begin = int(np.searchsorted(result.time, result.time[0] + (getattr(result.scene.analysis, "transient", None) or 0.0)))
+    for rows in np.array_split(np.arange(begin, result.rows), PARTS):
+        if rows.size < 2:
+            return {}
+        part = rows_of(result, np.union1d(np.arange(begin), rows))
+        time = np.append(result.time[:begin], result.time[rows] - (result.time[rows[0]] - result.time[begin]))
+        try:
+            found.append(values(replace(part, time=time)))
+        except BadInput:
+            return {}
+    errors = {}
+    for name in found[0]:
+        of_it = np.array([one.get(name, np.nan) for one in found])
+        if np.isfinite(of_it).all():
+            errors[name] = PARTS_SURE * float(of_it.std(ddof=1)) / sqrt(PARTS)
+    return errors
+
+
+def rows_of(result: Result, rows: np.ndarray | None) -> Result:
+    """A result with some of its rows; all of them for None."""
+    if rows is None or rows.size == result.rows:
+        return result
+    return replace(
+        result,
+        time=result.time[rows],
+        columns={name: column[rows] for name, column in result.columns.items()},
+        texts={name: column[rows] for name, column in result.texts.items()},
+    )
