@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Row, compare
+from cosimo.orchestrator.harness.report.generic import range_row
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Row, compare, to_table
 from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
@@ -155,3 +156,32 @@ def test_a_row_has_the_error_of_the_mesh_too_which_is_measured_once(tmp_path, mo
         kept()
         kept()
     assert len(scenes) == 2
+
+
+def test_rows_without_an_error_say_why_in_every_output():
+    """Not asked for, unchanged by half of the steps, steps that are what is asked about, a repetition that fails: JSON, CSV, page."""
+
+    def fails(runs):
+        if runs.run(read_scene(two_masses("jacobi", STEP, 0))).scene.master.step != STEP:
+            raise StepFailed("a", 0.1, "a short step")
+        return Evidence(rows=(Row(table_row(0.0, 2.0), 1.0),))
+
+    def asked_at_its_steps(runs):
+        step = runs.run(read_scene(two_masses("jacobi", STEP, 0)), at_its_steps=True).scene.master.step
+        return Evidence(rows=(Row(table_row(0.0, 2.0), step),))
+
+    of = lambda measure: Case("c", "A case", "It shows.", (Question(measure, in_process=True),))  # noqa: E731
+    kinds = (
+        (case(-10.0, 10.0), "no", "not asked for", "not repeated"),
+        (case(0.0, 2.0, measure=lambda: 1.0), "auto", "unchanged", "unchanged"),
+        (of(asked_at_its_steps), "whole", "unchanged", "unchanged"),
+        (of(fails), "whole", "a short step", "not repeated"),
+    )
+    for one, wish, why, shown in kinds:
+        result = CaseResult(one, find(one, Options(), wish))
+        (row,) = result.to_json()["rows"]
+        (cells,) = to_table([result])[1]
+        assert row["error"] is None
+        assert why in row["why"]
+        assert why in cells[-1]
+        assert range_row(result.findings.rows[0]).measured.endswith(shown)
