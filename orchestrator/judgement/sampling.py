@@ -69,7 +69,7 @@ def of_parts(result: Result, values: Values) -> dict[str, float]:
 
     Each part stands behind the scene's transient, which figures leave out. None for a figure that a part does not have.
     """
-    found: list[Mapping[str, float]] = []
+    of_each: list[Mapping[str, float]] = []
     begin = int(np.searchsorted(result.time, result.time[0] + (getattr(result.scene.analysis, "transient", None) or 0.0)))
     for rows in np.array_split(np.arange(begin, result.rows), PARTS):
         if rows.size < 2:
@@ -77,12 +77,12 @@ def of_parts(result: Result, values: Values) -> dict[str, float]:
         part = rows_of(result, np.union1d(np.arange(begin), rows))
         time = np.append(result.time[:begin], result.time[rows] - (result.time[rows[0]] - result.time[begin]))
         try:
-            found.append(values(replace(part, time=time)))
+            of_each.append(values(replace(part, time=time)))
         except BadInput:
             return {}
     errors = {}
-    for name in found[0]:
-        of_it = np.array([one.get(name, np.nan) for one in found])
+    for name in of_each[0]:
+        of_it = np.array([one.get(name, np.nan) for one in of_each])
         if np.isfinite(of_it).all():
             errors[name] = PARTS_SURE * float(of_it.std(ddof=1)) / sqrt(PARTS)
     return errors
