@@ -64,6 +64,8 @@ def compare(
         page = comparison.report(output)
         if not as_json:
             print_written([output / "compare.json", page])
+    if not as_json:
+        warn(comparison.warnings())
     if undecided:
         warn([f"their numerical errors leave open whether these differ by more than {within}: {', '.join(undecided)}"])
     if beyond:

@@ -323,7 +323,9 @@ def bearing_faults(
 
 def verified(results: Sweep) -> str:
     """How far the numbers can be trusted."""
-    return results.repeated.summary(len(results.outcomes)) if results.repeated is not None else "no point was repeated: no errors"
+    from ..harness.many.repetition import NONE_REPEATED
+
+    return results.repeated.summary(len(results.outcomes)) if results.repeated is not None else NONE_REPEATED
 
 
 def _failed(results: Sweep) -> list[str]:

@@ -65,7 +65,7 @@ def write(result: Result, numbers: Summary, output: Path) -> list[Path]:
     names = ["result.parquet", "result.csv", "run.json"]
     if numbers:
         try:
-            write_json(output / "summary.json", to_json(numbers))
+            write_json(output / "summary.json", to_json(numbers, result.info))
             write_table(output, "summary.csv", *to_table(numbers))
             names += ["summary.json", "summary.csv"]
         except OSError as error:
@@ -93,7 +93,7 @@ def print_limits(result: Result, numbers: Summary) -> bool:
         return False
     case = judged[0]
     print_rows(case)
-    warn([*case.findings.notes, *case.warnings])
+    warn([*case.findings.notes, *case.doubtful])
     print(f"{case.case.title}: {case.verdict}")
     return case.outcome == "failed"
 

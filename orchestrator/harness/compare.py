@@ -12,6 +12,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ..judgement.comparison import differences
+from ..judgement.warnings import doubts_of
 from ..results import Result
 from ..run_info import flattened
 from .charts.blocks import Answer, Block, Cells, Text
@@ -136,12 +137,19 @@ class Comparison:
     def to_json(self) -> dict[str, Any]:
         """What compare.json holds."""
         return {
-            "runs": [{"name": n, "outcome": r.outcome, "cpu": s} for n, r, s in zip(self.names, self.results, self.seconds)],  # noqa: B905
+            "runs": [
+                {"name": n, "outcome": r.outcome, "cpu": s, "warnings": doubts_of(r.info)}
+                for n, r, s in zip(self.names, self.results, self.seconds, strict=True)
+            ],
             "settings": {place: list(texts) for place, texts in self.settings.items()},
             "figures": {one.name: one.to_json() for one in self.figures},
             "signals": {one.name: one.to_json() for one in self.signals},
             "missing signals": list(self.missing),
         }
+
+    def warnings(self) -> list[str]:
+        """What keeps a run from being a sure result, as sentences: runs that are not done, or not verified, and what they warn of."""
+        return [f"{n}: {text}" for n, r in zip(self.names, self.results, strict=True) for text in doubts_of(r.info)]
 
     def different_signals(self) -> list[SignalDifference]:
         """Signals that are not the same in all runs."""
@@ -206,6 +214,7 @@ class Comparison:
                 f"{one.name}: {' | '.join(one.shown(k) for k in range(len(self.names)))} {one.unit if one.unit != '1' else ''}".rstrip()
                 for one in self.figures
             ]
+            + [f"warning: {text}" for text in self.warnings()]
         )
 
 
@@ -314,13 +323,9 @@ def _write(comparison: Comparison, directory: Path) -> Path:
 
 
 def _answer(comparison: Comparison) -> list[Block]:
-    """The figures that differ most beyond their errors, and runs that did not come to their end."""
-    ended = [
-        f"{name}: {result.outcome}, {result.message}"
-        for name, result in zip(comparison.names, comparison.results, strict=True)
-        if result.outcome != "done"
-    ]
-    blocks: list[Block] = [Text(ended, "warning")] if ended else []
+    """The figures that differ most beyond their errors, and what keeps runs from being sure results."""
+    doubts = comparison.warnings()
+    blocks: list[Block] = [Text(doubts, "warning")] if doubts else []
     apart = [one for one in comparison.figures if isfinite(one.share) and one.share and not (one.within_errors or one.part)][
         :MOST_NUMBERS
     ]

@@ -127,9 +127,9 @@ def pacing_rows(info: Mapping[str, Any]) -> Summary:
     )
 
 
-def to_json(summary: Summary) -> dict[str, Any]:
-    """The object of summary.json, by the rows' names."""
-    return {row.name: row.to_json() for row in summary}
+def to_json(summary: Summary, info: Mapping[str, Any]) -> dict[str, Any]:
+    """The object of summary.json: rows by their names, which have a dot, and how the run ended. info: of the result."""
+    return {row.name: row.to_json() for row in summary} | {key: info[key] for key in ("outcome", "warnings")}
 
 
 COLUMNS = ("quantity", "value", "error", "unit", "text")

@@ -182,7 +182,12 @@ def collected_sweep(
         collected,
         stopped=stopped,
         files=tuple(files),
-        remarks=(*points.store.remarks, *points.plan.remarks, *(repeated.messages() if repeated is not None else ())),
+        remarks=(
+            *points.store.remarks,
+            *points.plan.remarks,
+            *collected.doubts,
+            *(repeated.messages() if repeated is not None else ()),
+        ),
         computed=computed,
         points=points if kept else None,
         repeated=repeated,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import floor, isfinite, isnan, log10
+from typing import Any
 
 from ..meshes import meshes_of
 from ..scene.scene import Scene
@@ -15,10 +17,28 @@ MOST_NAMED = 2  # internal steps that a message names
 TRIED = 0.5  # of the steps, in the second run
 
 
+def not_verified(why: str) -> str:
+    """The warning of numbers whose errors are not known."""
+    return UNVERIFIED if why == NOT_ASKED else f"not verified: {why or 'no run was repeated'}"
+
+
+def doubts_of(info: Mapping[str, Any]) -> list[str]:
+    """What keeps a run from being a sure result: an end before its end, its warnings, and errors that are not known.
+
+    info: of the result; that of an earlier version has no warning of a run that was not verified.
+    """
+    warnings = [str(text) for text in info.get("warnings", ())]
+    if info.get("outcome", "done") != "done":
+        return [f"{info['outcome']}: {info.get('message', '')}", *warnings]
+    verification = info.get("verification", {})
+    warning = not_verified(verification.get("why", ""))
+    return warnings if verification.get("done") or warning in warnings else [*warnings, warning]
+
+
 def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     """What a user should know of the errors that were found, or of why none were."""
     if not verification.done:
-        return [UNVERIFIED if verification.why == NOT_ASKED else f"not verified: {verification.why}"]
+        return [not_verified(verification.why)]
     parted = [name for name, e in verification.signals.items() if e.parted]
     wrong = {name: e for name, e in verification.signals.items() if e.rms > WARN and not e.parted}
     texts = [f"not confirmed: {verification.why}"] if verification.how == "whole" and verification.why else []

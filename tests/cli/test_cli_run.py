@@ -235,6 +235,8 @@ def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
     drift = numbers["chain.energy_change"]
     assert 0.0 <= drift["value"] < 1e-6
     assert drift["unit"] == "1"
+    run = json.loads((tmp_path / "out" / "run.json").read_text(encoding="utf-8"))
+    assert {key: numbers[key] for key in ("outcome", "warnings")} == {key: run[key] for key in ("outcome", "warnings")}
     printed = capsys.readouterr().out
     assert "chain.energy_change" in printed
     assert "summary.json" in printed

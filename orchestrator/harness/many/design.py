@@ -175,6 +175,8 @@ def design(
         messages = [message] if message else []
         if several and (text := still_growing(values, good, len(steps))):
             messages.append(text)
+        ended = list(runs.history)
+        messages += dict.fromkeys(row.reason for k in front.tolist() if (row := ended[k][1]).reason)
         repeated = None
         if verify and front.size:
             some = dict.fromkeys(front[np.linspace(0, front.size - 1, min(REPEATED, front.size)).round().astype(int)].tolist())

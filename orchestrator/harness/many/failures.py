@@ -17,17 +17,28 @@ def failure_groups(outcomes: Sequence[str], varied: Mapping[str, np.ndarray]) ->
     outcomes: (n,), "done", "not run" or the reason. Reasons that differ by their numbers only are of one kind.  varied: name ->
     values, (n,) each.
     """
-    groups: dict[str, list[int]] = {}
-    for k, outcome in enumerate(outcomes):
-        if outcome not in NO_FAILURE:
-            groups.setdefault(NUMBER.sub("#", outcome), []).append(k)
+    failed = {k: outcome for k, outcome in enumerate(outcomes) if outcome not in NO_FAILURE}
     done = [k for k, outcome in enumerate(outcomes) if outcome == "done"]
+    return _groups(failed, done, varied, len(outcomes), "failed")
+
+
+def doubt_groups(kinds: Sequence[str], reasons: Sequence[str], varied: Mapping[str, np.ndarray]) -> list[str]:
+    """The same for points that are done and may be unstable. kinds, reasons: (n,), of a `Sweep`."""
+    doubtful = {k: reason for k, reason in enumerate(reasons) if reason and kinds[k] == "done"}
+    done = [k for k, kind in enumerate(kinds) if kind == "done" and k not in doubtful]
+    return _groups(doubtful, done, varied, len(kinds), "are doubtful")
+
+
+def _groups(texts: Mapping[int, str], done: Sequence[int], varied: Mapping[str, np.ndarray], count: int, what: str) -> list[str]:
+    groups: dict[str, list[int]] = {}
+    for k, text in texts.items():
+        groups.setdefault(NUMBER.sub("#", text), []).append(k)
     sentences = []
     for members in sorted(groups.values(), key=len, reverse=True):
         common = _common(members, done, varied)
-        alike = "" if len({outcomes[k] for k in members}) == 1 else "such as: "
+        alike = "" if len({texts[k] for k in members}) == 1 else "such as: "
         sentences.append(
-            f"{len(members)} of {len(outcomes)} points failed{f', all with {common}' if common else ''}: {alike}{outcomes[members[0]]}"
+            f"{len(members)} of {count} points {what}{f', all with {common}' if common else ''}: {alike}{texts[members[0]]}"
         )
     return sentences
 

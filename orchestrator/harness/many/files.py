@@ -32,9 +32,10 @@ from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ...views.data import library
 from . import store as stores
+from .failures import doubt_groups
 from .measures import own_version
 from .plan import unit_of
-from .repetition import Repeated
+from .repetition import NONE_REPEATED, Repeated
 from .store import NUMBER, SECTION, SIGNAL, TIME, StoredPlan, array_of
 
 if TYPE_CHECKING:
@@ -53,8 +54,9 @@ class Sweep:
 
     plan: how the points were chosen.  varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind"
     and the like -> (n,), NaN where a run failed; of many points in a file that the system reads as it is needed.  kinds: (n,) of
-    `measures.OUTCOMES`, with their reasons.  section: per point the values of the section's signal, (k,) each; none of more points
-    than a piece has.  units: unit of measure of every column.  longest: samples of the kept signals, at most.
+    `measures.OUTCOMES`, with their reasons; of points that are done, why they may be unstable.  section: per point the values of
+    the section's signal, (k,) each; none of more points than a piece has.  units: unit of measure of every column.
+    longest: samples of the kept signals, at most.
     stopped: the signal that has ended it before its last point.  files: what was written.  computed: runs of this call.
     points: with their stored rows; None without a directory.  repeated: what half of every step changes at some points; None where
     nothing was repeated.
@@ -102,8 +104,8 @@ class Sweep:
             several = values.dtype.kind not in "fiu" and ", ".join(dict.fromkeys(map(str, values)))
             unit = f" {self.units[name]}" if self.units.get(name, "1") != "1" else ""
             lines.append(f"{name}: {several or f'{values.min():g} to {values.max():g}{unit}'}")
-        if self.repeated is not None:
-            lines.append(self.repeated.summary(len(self.outcomes)))
+        lines.append(self.repeated.summary(len(self.outcomes)) if self.repeated is not None else NONE_REPEATED)
+        lines += [f"warning: {text}" for text in self.remarks]
         return "\n".join(lines)
 
     def to_pandas(self) -> pd.DataFrame:
@@ -114,6 +116,12 @@ class Sweep:
         frame = library("pandas").DataFrame({**self.varied, **self.measures, "outcome": self.outcomes})
         frame.attrs = {"units": dict(self.units)}
         return frame
+
+    @property
+    def doubts(self) -> list[str]:
+        """What keeps points that are done from being sure results, as sentences."""
+        not_confirmed = self.repeated.not_confirmed() if self.repeated is not None else []
+        return doubt_groups(self.kinds, self.reasons, self.varied) + not_confirmed
 
     @property
     def done(self) -> np.ndarray:

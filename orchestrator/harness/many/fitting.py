@@ -152,6 +152,7 @@ class _Fitting:
         (row,) = runs([best.values])
         if row.outcome != "done":
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
+        messages += [row.reason] if row.reason else []
         messages += self._blurred(best, row) if verify else []
         fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
         comparisons = self._compared(fitted, row)

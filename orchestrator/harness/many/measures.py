@@ -20,6 +20,7 @@ from ....components.core.store import digest_of
 from ....fmus.versions import version
 from ...checkpoint import digest as scene_digest
 from ...code_digests import components_digest
+from ...judgement.instability import unfollowed
 from ...results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
@@ -36,9 +37,10 @@ OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 
 @dataclass
 class Row:
-    """What a point gives. outcome: of `OUTCOMES`, with its reason.  numbers, units: by column.  section: (k,).
+    """What a point gives. outcome: of `OUTCOMES`, with its reason; of one that is done, why it may be unstable.
 
-    time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the signal that has ended the run.
+    numbers, units: by column.  section: (k,).  time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the
+    signal that has ended the run.
     """
 
     outcome: str
@@ -149,7 +151,7 @@ def function_of(text: str) -> Callable[[Result], Any]:
 def row_of_result(result: Result, task: Task) -> Row:
     """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured
     fails the point, and leaves the others of its numbers."""
-    row = Row("done")
+    row = Row("done", "; ".join(unfollowed(result.info.get("missed"))))
     for part in (_statistics, _summary, _quantities, _functions):
         try:
             for name, value, unit in part(result, task):

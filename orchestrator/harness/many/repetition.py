@@ -25,6 +25,7 @@ AT_RANDOM = 3  # points besides those at the ends
 SEED = 0
 OF_DEVIATION = 0.1  # of a column over the points, from which a numerical error changes its distribution
 SHOWN = 3  # columns that a message names
+NONE_REPEATED = "no point was repeated: the errors of these numbers are not known"
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Repeated:
     def summary(self, total: int) -> str:
         """Which points were repeated, and how large the errors are, in one sentence."""
         if not self.points:
-            return "no point was repeated: the errors of these numbers are not known"
+            return NONE_REPEATED
         over = "" if len(self.points) == len(self.chosen) else f"; {len(self.chosen)} were to be, which takes too long"
         worst = max(self.shares, key=self.shares.__getitem__, default="")
         largest = f"errors up to {100.0 * self.shares[worst]:.2g} % ({worst})" if worst else "no number to compare"
@@ -63,8 +64,11 @@ class Repeated:
             named = "; ".join(f"{n} by up to ±{self.errors[n]:.2g}, {100.0 * self.shares[n]:.2g} %" for n in large[:SHOWN])
             more = f", and {len(large) - SHOWN} more" if len(large) > SHOWN else ""
             texts.append(f"half of every step changes {named}{more}: shorten master.step and the substeps")
-        texts += [f"point {k} does not come to its end with half of every step: {why}" for k, why in self.failed.items()]
-        return texts
+        return texts + self.not_confirmed()
+
+    def not_confirmed(self) -> list[str]:
+        """Points that only come to their end with long steps, one sentence each."""
+        return [f"point {k} does not come to its end with half of every step: {why}" for k, why in self.failed.items()]
 
     def to_json(self) -> dict[str, Any]:
         """What sweep.json says of it."""

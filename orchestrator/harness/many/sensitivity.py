@@ -78,7 +78,7 @@ class Sensitivity:
         texts += [f"{name} is the same everywhere" for name in self.constant]
         varying = {i.quantity: float(np.nanstd(self.sweep.measures[i.quantity])) for i in self.indices}
         texts += blurred(self.sweep.repeated, varying)
-        return texts
+        return texts + self.sweep.doubts
 
     def __repr__(self) -> str:
         """A line a quantity: the index of each parameter with its interactions, ST or mu*, the largest first."""

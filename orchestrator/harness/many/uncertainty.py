@@ -252,7 +252,12 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
             f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
             "even, so that it is not exact"
         )
-    return [*texts, *recalled(runs.plan.limits), *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads})]
+    return [
+        *texts,
+        *runs.doubts,
+        *recalled(runs.plan.limits),
+        *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads}),
+    ]
 
 
 def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:

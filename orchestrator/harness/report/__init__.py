@@ -72,7 +72,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
 def _limits(case: CaseResult) -> list[Block]:
     """The rows of the limits of a run, and what is to be said of them."""
     notes: list[Block] = [
-        Text(list(texts), tone) for texts, tone in ((case.warnings, "warning"), (case.findings.notes, "note")) if texts
+        Text(list(texts), tone) for texts, tone in ((case.doubtful, "warning"), (case.findings.notes, "note")) if texts
     ]
     rows = case.findings.rows
     return [generic.range_table("", rows, grouped=True), *notes] if rows else notes
@@ -233,8 +233,6 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
     studies: list[Block] = [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in findings.charts]
     if studies:
         sections.append(Section("Studies", studies, 3))
-    if findings.unverified:
-        sections.append(Section("Errors of these numbers", [Text([f"Not known: {findings.unverified}."], "note")], 3))
     if findings.notes:
         sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
     if settings:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.style import number
+from ..many.repetition import NONE_REPEATED
 from .bifurcation import section_panel
 from .trust import SHOWN, percent
 
@@ -98,9 +99,7 @@ def trust(sweep: Sweep) -> list[Block]:
 
 def trust_text(sweep: Sweep) -> str:
     """In one sentence."""
-    if sweep.repeated is None:
-        return "No point was repeated: the errors of these numbers are not known."
-    text = sweep.repeated.summary(len(sweep.outcomes))
+    text = sweep.repeated.summary(len(sweep.outcomes)) if sweep.repeated is not None else NONE_REPEATED
     return f"{text[0].upper()}{text[1:]}."
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....components.core.errors import StepFailed
+from ...judgement.warnings import not_verified
 from ...progress import tracked
 from ..charts.chart import Chart, Grid
 from ..summary import with_error
@@ -114,6 +115,8 @@ class Findings:
     complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
     claims: tuple[ClaimResult, ...] = ()  # of a paper: they decide, not the rows one by one
     unverified: str = ""  # why the errors of the rows are not known; "" where they are
+    confirmed: bool = True  # False: a run with half of the steps did not reach its end, see `unverified`
+    doubts: tuple[str, ...] = ()  # runs whose coupling may be unstable
 
 
 @dataclass(frozen=True)
@@ -164,6 +167,7 @@ class Case:
             {condition: text for e in evidence for condition, text in e.settings.items()},
             failure is None,
             claims,
+            doubts=tuple(dict.fromkeys(text for e in evidence for text in e.doubts)),
         )
 
     def with_studies(self, findings: Findings, options: Options) -> Findings:
@@ -218,7 +222,19 @@ class CaseResult:
 
     @property
     def warnings(self) -> list[str]:
-        """Rows outside of recalled ranges and undecided ones, one sentence each: they fail nothing, but may be a defect."""
+        """What is doubtful, and that errors are not known, one sentence each."""
+        why = self.findings.unverified
+        return self.doubtful + ([not_verified(why)] if why and self.findings.confirmed else [])
+
+    @property
+    def doubtful(self) -> list[str]:
+        """What fails nothing, but may be a defect: doubtful rows, runs that may be unstable, and a repetition that failed."""
+        not_confirmed = [] if self.findings.confirmed else [f"not confirmed: {self.findings.unverified}"]
+        return [*self.doubtful_rows, *self.findings.doubts, *not_confirmed]
+
+    @property
+    def doubtful_rows(self) -> list[str]:
+        """Rows outside of recalled ranges and undecided ones, one sentence each."""
         return [
             f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
             if not r.inside

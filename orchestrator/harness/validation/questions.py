@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from ...judgement.instability import unfollowed
 from ...run import run
 from ...shorter_steps import shorter_steps
 
@@ -41,12 +42,16 @@ def done(result: Result, label: str = "") -> Result:
 
 
 class Runs(dict[Any, "Result"]):
-    """Results of a question's scenes by their labels; `run` gives that of a further scene, such as one that depends on them."""
+    """Results of a question's scenes by their labels; `run` gives that of a further scene, such as one that depends on them.
+
+    doubts: what they say that their coupling may be unstable, of those that are not expected to fail, nor asked for that.
+    """
 
     def __init__(
         self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[Any] = (), at_its_steps: Collection[Any] = ()
     ):
         self.options = options
+        self.doubts: list[str] = []
         super().__init__()
         for label, scene in scenes.items():
             text = ", ".join(map(str, label)) if isinstance(label, tuple) else str(label)
@@ -59,7 +64,11 @@ class Runs(dict[Any, "Result"]):
         """
         with shorter_steps(1) if at_its_steps else nullcontext():
             result = run(scene, in_process=self.options.in_process, progress=self.options.progress)
-        return result.unless_stopped() if may_fail else done(result, label)
+        if may_fail:
+            return result.unless_stopped()
+        doubts = [] if at_its_steps else unfollowed(result.info.get("missed"))
+        self.doubts += [f"{label or scene.name}: {text}" for text in doubts]
+        return done(result, label)
 
 
 @dataclass(frozen=True)
@@ -70,7 +79,7 @@ class Evidence:
     {condition: {measure: number}}.
     rows: rows of references that the case computes itself.  shown: label -> result.
     claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
-    settings: condition -> how its numbers were computed (window, filter).
+    settings: condition -> how its numbers were computed (window, filter).  doubts: of `Runs`, which `ask` fills in.
     """
 
     measured: Mapping[str, float | Mapping[str, float]] = field(default_factory=dict)
@@ -80,6 +89,7 @@ class Evidence:
     claim: str = ""
     rows: tuple[Row, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,4 +112,5 @@ class Question:
         """Run the scenes and measure. Raises `RunFailed`; `StepFailed` of a component that is stepped alone."""
         if self.in_process:
             options = replace(options, in_process=True)
-        return self.measure(Runs(options, self.scenes(), self.may_fail, self.at_its_steps))
+        runs = Runs(options, self.scenes(), self.may_fail, self.at_its_steps)
+        return replace(self.measure(runs), doubts=tuple(runs.doubts))

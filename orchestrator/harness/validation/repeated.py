@@ -57,9 +57,11 @@ def _with_errors(findings: Findings, case: Case, options: Options, scenes: Seque
     except (BadInput, StepFailed) as error:
         return _unverified(findings, f"the case cannot be repeated with half of its steps: {error}")
     if not finer.complete:
-        return _unverified(findings, ": ".join(("a run with half of its steps did not reach its end", *finer.notes[-1:])))
+        why = ": ".join(("a run with half of its steps did not reach its end", *finer.notes[-1:]))
+        return replace(_unverified(findings, why), confirmed=False)
     if len(finer.rows) != len(findings.rows):
-        return _unverified(findings, f"half of its steps give {len(finer.rows)} rows instead of {len(findings.rows)}")
+        why = f"half of its steps give {len(finer.rows)} rows instead of {len(findings.rows)}"
+        return replace(_unverified(findings, why), confirmed=False)
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
     gaps, why = _mesh_gaps(findings, case, options, scenes)
     rows = tuple(_with_mesh(row, gap) for row, gap in zip(rows, gaps, strict=True)) if gaps else rows
