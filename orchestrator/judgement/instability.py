@@ -9,7 +9,7 @@ whole (`missed`): what contacts or stops keep bounded does not grow, but nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from typing import Any
 
@@ -23,8 +23,9 @@ from .thresholds import BEYOND, BLOCKS, ENERGY, FEWEST_ROWS, HARDLY, MISSED, NOT
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
 SHORT = 160  # looks that even a short run has
-LAST = LOOKS * BLOCKS  # looks that are judged at the end, in as many parts as
+LAST = LOOKS * BLOCKS  # looks that are judged at the end, and longer ends up to the whole run, in as many parts as
 PARTS = 4
+KEPT = 160  # rows of the whole run, and up to twice as many
 
 
 class InstabilityMonitor(BatchObserver):
@@ -50,7 +51,8 @@ class InstabilityMonitor(BatchObserver):
         self._energies = [_Blocks(account.nominal, LOOKS if k else 1) for k in range(KINDS)] if account is not None else []
         self._before = account.sums if account is not None else None  # at the last block's end
         self._seen = False  # the looks of the steps to come, see `first_violation`
-        self._last = np.zeros((0, 2, len(self._links)))  # looks
+        self._last: tuple[np.ndarray, ...] = ()  # looks, (2, links) each
+        self._whole: tuple[np.ndarray, ...] = ()  # the same of the whole run: the largest of some, the earlier, the more
         self._origin: np.ndarray | None = None  # inputs at the first look
         self._count, self._moments = (
             0,
@@ -113,20 +115,27 @@ class InstabilityMonitor(BatchObserver):
         return np.stack((np.abs(looks[:, 0]), missed), axis=1)
 
     def close(self, t: float) -> None:
-        """The run has come to its end: raises `Unstable` where its last looks grow beyond bounds.
+        """The run has come to its end: raises `Unstable` where its last looks, or those of a longer end, grow beyond bounds.
 
         They may be too few for blocks. So each part must miss more than the one before, and the last by more than the input
         itself: the input comes on the other side of what was foretold, as no motion does that grows by itself.
         """
-        if len(self._last) < 2:
+        self._judge_end(self._last, t)
+        length = len(self._whole)
+        while length > LAST:
+            self._judge_end(self._whole[-length:], t)
+            length //= 2
+
+    def _judge_end(self, looks: Sequence[np.ndarray], t: float) -> None:
+        if len(looks) < 2:
             return
-        parts = np.array([part.max(axis=0) for part in np.array_split(self._last, min(len(self._last), PARTS))])
+        parts = np.array([part.max(axis=0) for part in np.array_split(np.array(looks), min(len(looks), PARTS))])
         values, misses = parts[:, 0], parts[:, 1]
         grown = values[-1] > BEYOND * np.maximum(self._blocks[0].nominal, values[0])
         grown &= (misses[-1] > OVERSHOT * values[-1]) & np.all(misses[1:] > RISE * misses[:-1], axis=0)
         if grown.any():
             k = int(np.argmax(np.where(grown, misses[-1] / self._blocks[0].nominal, 0.0)))
-            unit, text = self._input_text(k, self._last[-1, 0])
+            unit, text = self._input_text(k, looks[-1][0])
             raise Unstable(unit, t, text)
 
     def missed(self) -> dict[str, Any] | None:
@@ -147,7 +156,11 @@ class InstabilityMonitor(BatchObserver):
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
         grown, the unit that takes it, and how it has grown; None: nothing has."""
         grown: list[tuple[int, str, str]] = []
-        self._last = np.concatenate((self._last, looks))[-LAST:]
+        self._last, self._whole = (*self._last, *looks)[-LAST:], (*self._whole, *looks)
+        while len(self._whole) > 2 * KEPT:
+            self._whole = tuple(np.maximum(a, b) for a, b in zip(self._whole[:-1:2], self._whole[1::2], strict=True)) + (
+                self._whole[-1:] if len(self._whole) % 2 else ()
+            )
         rows, ends = looks, steps
         for k, blocks in enumerate(self._blocks):
             rows, ends, which = blocks.take(rows, ends)

@@ -365,6 +365,11 @@ def _with(result: Result, verification: Verification) -> Result:
     return replace(result, info={**result.info, "verification": verification.to_json()})
 
 
+def made_by_coupling(signals: Mapping[str, SignalError]) -> list[str]:
+    """Signals with a motion that shorter steps do not have, and that does not decay."""
+    return [name for name, e in signals.items() if e.rms > LOST and e.grown > GROWN and e.late > LASTING]
+
+
 def _judged(result: Result, verification: Verification) -> Result:
     """The result with what was found, and what follows for its outcome and its warnings."""
     outcome, message, more = result.outcome, result.message, {}
@@ -375,7 +380,7 @@ def _judged(result: Result, verification: Verification) -> Result:
         )
     elif verification.unstable:
         outcome, message = "unstable", f"the run is not confirmed: {verification.why}"
-    elif unstable := [n for n, e in verification.signals.items() if e.rms > LOST and e.grown > GROWN and e.late > LASTING]:
+    elif unstable := made_by_coupling(verification.signals):
         worst = max(unstable, key=lambda name: verification.signals[name].grown)
         outcome = "unstable"
         grown = verification.signals[worst].grown

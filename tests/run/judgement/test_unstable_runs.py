@@ -1,0 +1,153 @@
+"""Stable, inaccurate, unstable: runs of a mass on a spring and damper against the exact map of their macro steps.
+
+The map is written down here anew: motion under a polynomial force by the exponential of a matrix, and its spectral radius.
+"""
+
+import itertools
+from math import ceil, log
+
+import cosimo
+import numpy as np
+import pytest
+from cosimo.orchestrator.judgement.comparison import difference, signal_errors
+from cosimo.orchestrator.judgement.verification import made_by_coupling
+from scipy.linalg import expm
+
+STIFFNESS = 100.0  # N/m, of 1 kg
+DAMPINGS = (1.0, 6.0, 30.0)  # N.s/m; with the lowest, held inputs have a limit below 0.01 s
+LIMITS = [(c, degree) for c in DAMPINGS for degree in (0, 1, 2)]
+SHARES = (0.9, 0.98, 1.02, 1.1)
+LENGTHS = (4, 8, 30, 300)  # steps
+BEYOND = 1e4  # growth that is beyond bounds
+# algorithm, damping, degree of the extrapolation: settings with a growth that few steps show
+RUNS = [(a, c, d) for a in ("jacobi", "gauss-seidel") for c, d in ((30.0, 0), (6.0, 1), (6.0, 2))]
+
+pytestmark = pytest.mark.interpreted
+
+
+def step_map(h: float, damping: float, degree: int) -> np.ndarray:
+    """Map of (x, v, earlier forces) over a step in which 1 kg follows the polynomial through its last forces.
+
+    States of the exponential: x, v, f, f', f''; the force's derivatives come from the differences of its samples.
+    """
+    chain = np.zeros((5, 5))
+    chain[0, 1] = chain[1, 2] = chain[2, 3] = chain[3, 4] = 1.0
+    motion = expm(h * chain)[:2]
+    size = 2 + degree
+    present = np.zeros(size)
+    present[:2] = -STIFFNESS, -damping
+    samples = np.vstack([present, *np.eye(size)[2:]])  # newest first
+    taylor = np.zeros((3, size))
+    taylor[0] = samples[0]
+    if degree == 1:
+        taylor[1] = (samples[0] - samples[1]) / h
+    if degree == 2:
+        taylor[1] = (1.5 * samples[0] - 2.0 * samples[1] + 0.5 * samples[2]) / h
+        taylor[2] = (samples[0] - 2.0 * samples[1] + samples[2]) / h**2
+    return np.vstack([motion @ np.vstack([np.eye(size)[:2], taylor]), samples[:degree]])
+
+
+def radius(h: float, damping: float, degree: int) -> float:
+    """Growth a step in the long run."""
+    return float(np.abs(np.linalg.eigvals(step_map(h, damping, degree))).max())
+
+
+def limit(damping: float, degree: int) -> float:
+    """The longest stable step, s: where the radius passes 1."""
+    steps = np.geomspace(5e-3, 0.5, 400)
+    first = int(np.argmax([radius(h, damping, degree) > 1.0 + 1e-12 for h in steps]))
+    low, high = steps[first - 1], steps[first]
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if radius(middle, damping, degree) > 1.0 + 1e-12 else (middle, high)
+    return float(low)
+
+
+def motion(h: float, damping: float, degree: int, steps: int) -> dict[str, np.ndarray]:
+    """Place, speed and force, (steps + 1,) each, from x = 0 with 1 m/s; the degree rises as there are earlier forces."""
+    maps = [step_map(h, damping, d)[:2] for d in range(degree + 1)]
+    states, forces = [np.array([0.0, 1.0])], [-damping]
+    for k in range(steps):
+        d = min(k, degree)
+        states.append(maps[d] @ [*states[-1], *forces[-2 : -2 - d : -1]])
+        forces.append(-STIFFNESS * states[-1][0] - damping * states[-1][1])
+    x, v = np.array(states).T
+    return {"x": x, "v": v, "force": np.array(forces)}
+
+
+def judged(h: float, damping: float, degree: int, steps: int) -> list[str]:
+    """What the judgement of three runs calls unstable, of signals made by the map."""
+    runs = [motion(h / n, damping, degree, n * steps) for n in (1, 2, 4)]
+    gaps = [{name: difference(a[name], b[name][::2]) for name in a} for a, b in itertools.pairwise(runs)]
+    return made_by_coupling(signal_errors(*gaps))
+
+
+def scene(algorithm: str, degree: int, damping: float, step: float, steps: int) -> cosimo.Scene:
+    changes = {"units.spring.parameters.damping": damping, "units.spring.parameters.stiffness": STIFFNESS}
+    master = {"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step, "stop_time": steps * step}
+    return cosimo.load_scene("mass-on-spring").with_changes(changes | master)
+
+
+@pytest.mark.parametrize(("damping", "degree"), LIMITS)
+def test_a_motion_is_unstable_where_its_map_has_a_radius_above_one(damping, degree):
+    longest = limit(damping, degree)
+    for share in SHARES:
+        step = share * longest
+        growth = radius(step, damping, degree)
+        assert (growth > 1.0) == (share > 1.0)
+        for steps in LENGTHS if share < 1.0 else (ceil(log(BEYOND) / log(growth)),):
+            assert bool(judged(step, damping, degree, steps)) == (share > 1.0), (share, steps)
+
+
+@pytest.mark.parametrize(("algorithm", "damping", "degree"), RUNS)
+def test_runs_follow_the_map_and_are_judged_by_it(algorithm, damping, degree):
+    """A repetition judges what decays, and none is needed to see what grows beyond bounds."""
+    longest = limit(damping, degree)
+    decays = cosimo.run(scene(algorithm, degree, damping, 0.98 * longest, 12), in_process=True)
+    assert decays.outcome == "done", decays.message
+    assert decays.info["warnings"]
+    exact = motion(0.98 * longest, damping, degree, 12)
+    assert decays["mass.base_x"] == pytest.approx(exact["x"], abs=1e-9)
+    assert decays["mass.base_velocity_x"] == pytest.approx(exact["v"], abs=1e-8)
+    steps = ceil(log(BEYOND) / log(radius(1.1 * longest, damping, degree)))
+    grows = cosimo.run(scene(algorithm, degree, damping, 1.1 * longest, steps), in_process=True, verify="no")
+    assert grows.outcome == "unstable"
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("algorithm", "damping", "degree"), RUNS)
+@pytest.mark.parametrize("share", SHARES)
+def test_runs_of_any_length_are_judged_by_the_map(algorithm, damping, degree, share):
+    """Growth that a short run cannot show is an error that the repetition shows: it warns."""
+    step = share * limit(damping, degree)
+    growth = radius(step, damping, degree)
+    for steps in (*LENGTHS, *([ceil(log(BEYOND) / log(growth))] if share > 1.0 else [])):
+        result = cosimo.run(scene(algorithm, degree, damping, step, steps), in_process=True)
+        where = f"{steps} steps: {result.message}"
+        if growth < 1.0:
+            assert result.outcome == "done", where
+        elif growth**steps >= BEYOND:
+            assert result.outcome == "unstable", where
+        else:
+            assert result.outcome == "unstable" or result.info["warnings"], where
+
+
+def test_an_iteration_is_stable_beyond_the_limits_of_the_others():
+    """Inputs that are iterated: twice the longest step of the others is inaccurate, and the run warns of it."""
+    result = cosimo.run(scene("iterative", 1, 6.0, 2.0 * limit(6.0, 1), 6), in_process=True)
+    assert result.outcome == "done", result.message
+    assert result.info["warnings"]
+
+
+@pytest.mark.parametrize("steps", [4, 6, 10, 19, 40])
+def test_growth_beyond_bounds_is_seen_without_a_repetition(steps):
+    result = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.5, steps), in_process=True, verify="no")
+    assert result.outcome == "unstable"
+    assert "stable up to 0.121 s" in result.message
+
+
+def test_without_a_repetition_a_run_warns_that_it_is_not_verified():
+    short = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.005, 40), in_process=True, verify="no")
+    assert short.info["warnings"] == ["not verified, as told: errors of the numbers are not known"]
+    lost = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.11, 100), in_process=True, verify="no")  # decays, but nothing is foretold
+    assert "extrapolation misses mass.base_force_x by" in lost.info["warnings"][-1]
