@@ -12,6 +12,7 @@ The true error of order p is d 2^p / (2^p - 1). Richardson, "The approximate ari
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, log2, nan
@@ -49,7 +50,7 @@ class Difference:
 
     rms, largest: over all rows.  sections: (SECTIONS,) rms in equal sections of the run.  spread: deviation of the first over the
     second.
-    reach, late: range of the first, and of its last half, over the range of the second.
+    reach, late: range of the first, and of its last half, over the range of the second; late is 0 of one that decays.
     rest: rms without the few rows in which most of it is; as large as `rms` where it is not in few rows.
     """
 
@@ -164,10 +165,20 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
 
 
 def _ranges(first: np.ndarray, second: np.ndarray) -> tuple[float, float]:
-    """Ranges of a history and of its last half, over the range of the finer one; 1 where that stands still."""
+    """Ranges of a history and of its last half, over the range of the finer one; 1 where that stands still, 0 of one that decays."""
     known = [v[np.isfinite(v)] for v in (second, first, first[first.size // 2 :])]
     whole, reach, late = (float(np.ptp(v)) if v.size else 0.0 for v in known)
+    late = 0.0 if _decays(first) else late
     return (reach / whole, late / whole) if whole > 0.0 else (1.0, 1.0)
+
+
+def _decays(values: np.ndarray) -> bool:
+    """Whether, behind the first, each quarter has a smaller range than the one before, or so few rows that quarters tell nothing."""
+    if values.size < FEWEST_ROWS:
+        return True
+    ends = np.linspace(0, values.size - 1, 5).astype(int)
+    ranges = [float(np.ptp(values[a : b + 1])) for a, b in itertools.pairwise(ends[1:])]
+    return all(b < a for a, b in itertools.pairwise(ranges))
 
 
 def _of_shares(other: np.ndarray) -> Difference:
