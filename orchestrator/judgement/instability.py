@@ -25,7 +25,7 @@ KINDS = 3  # of blocks: the longest are for slow growth
 SHORT = 160  # looks that even a short run has
 LAST = LOOKS * BLOCKS  # looks that are judged at the end, and longer ends up to the whole run, in as many parts as
 PARTS = 4
-KEPT = 160  # rows of the whole run, and up to twice as many
+OF_WHOLE = 160  # rows of the whole run, and up to twice as many
 
 
 class InstabilityMonitor(BatchObserver):
@@ -157,7 +157,7 @@ class InstabilityMonitor(BatchObserver):
         grown, the unit that takes it, and how it has grown; None: nothing has."""
         grown: list[tuple[int, str, str]] = []
         self._last, self._whole = (*self._last, *looks)[-LAST:], (*self._whole, *looks)
-        while len(self._whole) > 2 * KEPT:
+        while len(self._whole) > 2 * OF_WHOLE:
             self._whole = tuple(np.maximum(a, b) for a, b in zip(self._whole[:-1:2], self._whole[1::2], strict=True)) + (
                 self._whole[-1:] if len(self._whole) % 2 else ()
             )
