@@ -50,7 +50,10 @@ def test_any_name_is_connected_recorded_and_set(fmi, tmp_path):
             assert scene.ends == ((f"a.{name}", f"b.c.{name}"),)
             assert scene.units["a"].parameters == {f"{name}!": 2.5}
         assert [link.target for link in read_scene(outer).coupling.links] == [("o.b.c", name)]
-        assert ("a", name) in scenes[0].coupling.signals
+        for scene in scenes[:2]:
+            assert (("a", name) in scene.coupling.signals) == (name != "x[1]" or scene is scenes[0]), (
+                name
+            )  # an element of an array
         for changed in (
             scenes[0].with_changes({f"units.a.parameters.{name}!": 4.0}),
             scenes[0].with_changes(changes_of(scenes[0], [f"a.{name}!=4.0"], None)),
@@ -91,6 +94,12 @@ def test_a_text_with_two_meanings_is_refused_with_the_form_that_has_one():
         told = {"source": f"a.{source}", "target": f"b.{target}"}
         links = read_scene({**data, "connections": [told]}).coupling.links
         assert [(link.source[1], link.target[1]) for link in links] == [(source, target)]
+
+
+def test_a_name_that_two_units_share_is_refused():
+    units = {"a": {"fmu": renamed(2, **{GIVES: "b.y"})}, "a.b": {"fmu": renamed(2, **{GIVES: "y"})}}
+    with pytest.raises(BadInput, match=r"'a.b.y', a variable of 'a' and one of 'a.b'"):
+        read_scene({"stop_time": 1.0, "units": units, "master": {"step": 0.5}})
 
 
 def test_names_of_units_decide_where_a_text_is_parted():

@@ -5,6 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 
+def is_element(name: str) -> bool:
+    """Whether a variable is called as an element of an array is; "flow [kg]" and "x[1].y" are not."""
+    before, bracket, indices = name.rpartition("[")
+    return bool(before and bracket) and indices.endswith("]") and all(i.strip().isdigit() for i in indices[:-1].split(","))
+
+
 def elements(array: str, variables: Iterable[str]) -> dict[tuple[int, ...], str]:
     """Indices -> variable, of all elements of an array; empty where there is no such array."""
     named = {}

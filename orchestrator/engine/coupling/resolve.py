@@ -15,7 +15,7 @@ from ...settings import SceneSettings
 from ...settings.algorithms import ALGORITHMS
 from ...settings.study import RUNNING_KINDS, wanted
 from ...units import Interface, describe
-from .arrays import elements
+from .arrays import elements, is_element
 from .bonds import Bond, bond
 from .checks import check_stepping, targets
 from .connections import endpoint, links_of, no_variable
@@ -67,6 +67,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
         check_contacts(scene, interfaces)
         interfaces |= {contact.name: describe_contact(contact) for contact in scene.contacts}
+        _check_names(interfaces)
         connected = links_of(scene, interfaces)
         texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in connected if link not in texts)
@@ -93,6 +94,16 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         return coupling
     except BadInput as error:
         raise BadInput(f"{scene.name}: {error.where}", error.actual, error.expected, error.remedy) from None
+
+
+def _check_names(interfaces: Mapping[str, Interface]) -> None:
+    """Refuse that "unit.variable" means two variables: b.c of a unit a, and c of a unit a.b."""
+    for unit, interface in interfaces.items():
+        for other in (name for name in interfaces if name.startswith(f"{unit}.")):
+            theirs = {f"{other}.{n}" for n in (*interfaces[other].inputs, *interfaces[other].outputs)}
+            if both := theirs & {f"{unit}.{n}" for n in (*interface.inputs, *interface.outputs)}:
+                what = f"{min(both)!r}, a variable of {unit!r} and one of {other!r}"
+                raise BadInput("units", what, "names that are unique", "Call one of the units something else.")
 
 
 def _undriven(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str, ...]:
@@ -148,7 +159,7 @@ def _recorded_by_default(scene: SceneSettings, interfaces: Mapping[str, Interfac
         (u, n) for u, i in interfaces.items() for names in i.arrays.values() if len(names) <= LONGEST_RECORDED for n in names
     }
     numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
-    recorded = tuple(end for end in numbers if "[" not in end[1] or end in short)
+    recorded = tuple(end for end in numbers if not is_element(end[1]) or end in short)
     if not recorded and not scene.record.snapshots:
         recorded = tuple(numbers[:LONGEST_RECORDED])
     if not recorded and not scene.record.snapshots:
