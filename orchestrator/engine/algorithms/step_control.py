@@ -14,6 +14,7 @@ import numpy as np
 from ...settings import ControlSettings
 from ...units.interface import Signal
 from ..coupling import Coupling
+from ..coupling.arrays import is_element
 from ..coupling.graph import is_discrete
 from .energy import EnergyAccount
 from .master import Master, Node
@@ -125,7 +126,7 @@ class Doubling:
 
 def counts_alone(name: str, signal: Signal) -> bool:
     """Whether an output is a number of its own: no text, and no element of an array."""
-    return not signal.is_text and "[" not in name
+    return not signal.is_text and not is_element(name)
 
 
 class Residual:
