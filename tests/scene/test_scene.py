@@ -36,8 +36,8 @@ class Shelf(Linear):
 # (place, bad value, what the message must name)
 BAD = [
     ("stop_tme", 1.0, ["stop_tme", "'stop_time'"]),
-    ("stop_time", 0.0, ["stop_time", "0.0", "greater than 0"]),
-    ("stop_time", -1.0, ["stop_time", "-1.0"]),
+    ("stop_time", 0.0, ["stop_time", "0 s", "after start_time"]),
+    ("stop_time", -1.0, ["stop_time", "-1 s", "after start_time"]),
     ("stop_time", NAN, ["stop_time", "nan"]),
     ("stop_time", INF, ["stop_time", "inf", "finite"]),
     ("stop_time", "long", ["stop_time", "'long'", "number"]),

@@ -44,6 +44,8 @@ DEARER = 5.0  # times the least work, from which a setting does not come into qu
 def scene_digest(scene: Scene) -> str:
     """Of a scene's model, length and quantities of interest; not of its settings."""
     data = scene.model_dump(mode="json", exclude=NOT_PHYSICS)
+    if not scene.start_time:  # fronts were measured before scenes had a start time
+        del data["start_time"]
     for name, unit in data["units"].items():
         meshes = {m.removeprefix(f"{name}.") for m in scene.study.mesh if m.startswith(f"{name}.")}
         unit["parameters"] = {k: v for k, v in unit["parameters"].items() if k not in {"substep", *meshes}}
