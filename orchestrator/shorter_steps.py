@@ -113,7 +113,8 @@ def coarser_meshes(factor: int) -> Iterator[None]:
 @contextmanager
 def meshed_scenes() -> Iterator[list[Scene]]:
     """The scenes that are run inside and have a mesh."""
-    token = _meshed.set(scenes := [])
+    scenes: list[Scene] = []
+    token = _meshed.set(scenes)
     try:
         yield scenes
     finally:

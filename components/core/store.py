@@ -19,6 +19,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from io import BufferedReader
 from pathlib import Path
 from typing import IO, Any
 
@@ -38,7 +39,7 @@ def digest_of(*parts: str | bytes) -> str:
 
 
 @contextmanager
-def opened_trusted(file: str | Path) -> Iterator[IO[bytes]]:
+def opened_trusted(file: str | Path) -> Iterator[BufferedReader]:
     """A file to read that nobody else can have written. Raises `PermissionError` for another one, `OSError` for none."""
     # without O_NONBLOCK, to open a pipe in the place of a file would wait for ever
     handle = os.open(file, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))

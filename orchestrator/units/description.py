@@ -228,7 +228,7 @@ def default_experiment(path: Path, given: Mapping[str, Any]) -> tuple[dict[str, 
 
     def of_time(place: str) -> float | None:
         value = given.get(place)
-        return number_in(value, "s", place) if is_quantity(value) else value
+        return number_in(str(value), "s", place) if is_quantity(value) else value
 
     start, stop, step = (of_time(place) for place in ("start_time", "stop_time", "master.step"))
     if start is None:

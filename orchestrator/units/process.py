@@ -250,11 +250,6 @@ class WorkerSimulator:
         self._kill()
         return self._end()
 
-    def _too_late(self) -> StepFailed:
-        self._late = True
-        self._kill()
-        return self._end()
-
     def _end(self, reason: str = "") -> StepFailed:
         """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
         self._lost = self._stale = True

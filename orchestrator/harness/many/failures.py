@@ -22,7 +22,9 @@ def failure_groups(outcomes: Sequence[str], varied: Mapping[str, np.ndarray]) ->
     return _groups(failed, done, varied, len(outcomes), "failed")
 
 
-def doubt_groups(kinds: Sequence[str], reasons: Sequence[str], varied: Mapping[str, np.ndarray]) -> list[str]:
+def doubt_groups(
+    kinds: Sequence[str] | np.ndarray, reasons: Sequence[str] | np.ndarray, varied: Mapping[str, np.ndarray]
+) -> list[str]:
     """The same for points that are done and may be unstable. kinds, reasons: (n,), of a `Sweep`."""
     doubtful = {k: reason for k, reason in enumerate(reasons) if reason and kinds[k] == "done"}
     done = [k for k, kind in enumerate(kinds) if kind == "done" and k not in doubtful]
