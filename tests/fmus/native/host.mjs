@@ -24,16 +24,22 @@ const name = text('unit'), token = text(job.token);
 const instantiate = () => x.fmi3InstantiateCoSimulation(name, token, 0, 0, 1, 0, 0, 0, 0, 0, x.host_logger(), 0);
 let c = instantiate();
 if (!c) process.exit(1);
-const inputs = words(job.inputs), outputs = words(job.outputs), parameters = words(job.parameters);
+const inputs = words(job.inputs), parameters = words(job.parameters);
 const given = x.malloc(8 * job.given + 8), results = x.malloc(8 * job.count + 8), flags = x.malloc(16), last = x.malloc(8);
 const put = (references, n, values) => {
     new Float64Array(x.memory.buffer, given, values.length).set(values);
     done(x.fmi3SetFloat64(c, references, n, given, values.length), 'fmi3SetFloat64');
 };
 const rows = new Float64Array((job.steps + 1) * job.count);
+const arrays = {Float64: Float64Array, Int32: Int32Array, Boolean: Uint8Array};
+const outputs = job.outputs.map(([type, references, count]) => ({type, count, many: references.length, at: words(references)}));
 const read = k => {
-    done(x.fmi3GetFloat64(c, outputs, job.outputs.length, results, job.count), 'fmi3GetFloat64');
-    rows.set(new Float64Array(x.memory.buffer, results, job.count), k * job.count);
+    let row = k * job.count;
+    for (const {type, count, many, at} of outputs) { // outputs of one type
+        done(x[`fmi3Get${type}`](c, at, many, results, count), `fmi3Get${type}`);
+        rows.set(new arrays[type](x.memory.buffer, results, count), row);
+        row += count;
+    }
 };
 const driven = new Float64Array(new Uint8Array(fs.readFileSync(job.driven)).buffer); // a copy: small files share a buffer
 const restore = content => {

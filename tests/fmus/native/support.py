@@ -1,6 +1,7 @@
 """Native FMUs beside the component in process: the same inputs, and every number compared."""
 
 import functools
+import itertools
 import math
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
+FMI3 = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}  # types by their names in FMI 2
 SHARE = 0.01  # of an input's start or nominal value, by which it moves
 
 
@@ -82,12 +84,10 @@ def native(found, folder, h, steps, version=2, restored_at=None, values=None):
     if version == 2:
         fmu.setupExperiment(startTime=0.0)
         inputs = [references[f.format(n)] for f in form for n in names["u"]]
-        outputs = [references[n] for n in names["y"]]
-        get, put = fmu.getReal, fmu.setReal
+        put = fmu.setReal
     else:
         inputs = [references[n] for f in form for n in dict.fromkeys(base(f.format(m), references) for m in names["u"])]
-        outputs = [references[n] for n in dict.fromkeys(base(m, references) for m in names["y"])]
-        get, put = fmu.getFloat64, fmu.setFloat64
+        put = fmu.setFloat64
     fmu.enterInitializationMode()
     start = component.u[0].copy()
     for name, value in (values or {}).items():
@@ -95,8 +95,8 @@ def native(found, folder, h, steps, version=2, restored_at=None, values=None):
         if name in component.inputs:
             start[component.inputs.index(name)] = value
     moved = amplitudes(component, start)
-    count = len(names["y"])
-    rows = [read(get, outputs, version, count)]
+    outputs = by_type(found, names["y"])
+    rows = [read(fmu, outputs, references, version)]
     fmu.exitInitializationMode()
     for k in range(steps):
         if k == restored_at:
@@ -108,12 +108,12 @@ def native(found, folder, h, steps, version=2, restored_at=None, values=None):
             fmu.freeFMUState(state) if version == 3 else fmu.freeFMUstate(state)
             fmu.freeInstance()
             fmu = other
-            get, put = (fmu.getReal, fmu.setReal) if version == 2 else (fmu.getFloat64, fmu.setFloat64)
+            put = fmu.setReal if version == 2 else fmu.setFloat64
         values = driven(component, start, moved, k, h)
         if inputs:
             put(inputs, [v for row in values for v in row])
         fmu.doStep(k * h, h)
-        rows.append(read(get, outputs, version, count))
+        rows.append(read(fmu, outputs, references, version))
     fmu.terminate()
     fmu.freeInstance()
     return np.array(rows)
@@ -124,5 +124,20 @@ def base(name, references):
     return name if name in references else name.partition("[")[0]
 
 
-def read(get, references, version, count):
-    return np.array(get(references) if version == 2 else get(references, nValues=count))
+def by_type(found, names):
+    """Outputs in runs of one type: [(type of FMI 2, names)]."""
+    types = {v.scalar.name: v.scalar.type for v in found.variables}
+    runs = itertools.groupby(names, key=lambda n: types.get(n) or types[f"{n.partition('[')[0]}[1]"])
+    return [(kind, list(part)) for kind, part in runs]
+
+
+def read(fmu, outputs, references, version):
+    """The numbers of outputs, of runs of one type; counts and flags as numbers."""
+    values = []
+    for kind, names in outputs:
+        get = getattr(fmu, f"get{kind if version == 2 else FMI3[kind]}")
+        if version == 2:
+            values += get([references[n] for n in names])
+        else:
+            values += get([references[n] for n in dict.fromkeys(base(m, references) for m in names)], nValues=len(names))
+    return np.array(values, dtype=float)

