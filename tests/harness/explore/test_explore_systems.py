@@ -8,11 +8,10 @@ from math import isfinite
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.verification import run as verify
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import SYSTEMS, explore_page, load_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
-from cosimo.tests.harness.explore.test_explore_page import at, opened  # noqa: F401
+from cosimo.tests.harness.explore.test_explore_page import at, opened, with_errors_of_steps  # noqa: F401
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
 pytestmark = needs_node
@@ -72,7 +71,7 @@ def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
 def assert_errors_are_those_of_the_command(page, scene):
     """The ± of a figure that both have."""
     printed, known = page.evaluate("({ errors: shown.errors, numbers: shown.numbers })"), 0
-    for row in verify(scene, verify="whole", in_process=True).summary:
+    for row in with_errors_of_steps(scene).summary:
         if row.name in printed["errors"] and row.error is not None and isfinite(row.error):
             error, numbers = printed["errors"][row.name], (row.name, printed["numbers"][row.name], row.value)
             assert error == pytest.approx(row.error, rel=1e-2, abs=1e-6 * abs(row.value)), numbers
