@@ -150,7 +150,8 @@ class InstabilityMonitor(BatchObserver):
         if not np.isfinite(shares).all() or not shares.max(initial=0.0) > 0.0:
             return None
         link = self._links[int(np.argmax(shares))]
-        return {"input": ".".join(link.target), "source": ".".join(link.source), "share": float(shares.max())}
+        share = float(f"{shares.max():.6g}")  # the last digits follow from how many steps were taken at once
+        return {"input": ".".join(link.target), "source": ".".join(link.source), "share": share}
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has

@@ -74,7 +74,9 @@ def assert_errors_are_those_of_the_command(page, scene):
     for row in with_errors_of_steps(scene).summary:
         if row.name in printed["errors"] and row.error is not None and isfinite(row.error):
             error, numbers = printed["errors"][row.name], (row.name, printed["numbers"][row.name], row.value)
-            assert error == pytest.approx(row.error, rel=1e-2, abs=1e-6 * abs(row.value)), numbers
+            least = row.error - 1e-2 * row.error - 1e-6 * abs(row.value)
+            # the page judges by fewer signals and may be unsure of the order where the command is not: twice the error at most
+            assert least <= error <= 2.02 * row.error + 1e-6 * abs(row.value), numbers
             known += 1
     return known
 
