@@ -54,7 +54,7 @@ def range_row(row: Row) -> RangeRow:
     digits = ".0f" if 100.0 <= abs(row.margin) < 1e6 else ".2g"
     margin = f"{row.margin:{digits}}".replace("-", "−") if np.isfinite(row.margin) else "–"
     return RangeRow(
-        r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
+        r.named,
         unit,
         with_error(row.measured, row.error) if np.isfinite(row.error) else f"{number(row.measured, low, high)}, {row.repeated}",
         text,

@@ -13,7 +13,7 @@ from ...judgement.warnings import not_verified
 from ...progress import tracked
 from ..charts.chart import Chart, Grid
 from ..summary import with_error
-from .claims import ROLES, VERDICTS, Claim
+from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
 from .reference import MISSING, Row, check_measured, compare, load_table
 
@@ -53,23 +53,30 @@ class ClaimResult:
         """What the rows show; recalled ranges decide nothing. A model without rows is shown by what it points to.
 
         "contradicted" if a contradicting row is inside its range, "not shown" if no supporting row is, "shown" if all
-        supporting rows are, no limiting one is and nothing is missing, else "partly".
+        supporting rows are, no limiting one is and nothing is missing, else "partly". Rows by construction support nothing: a
+        finding that has no others is "by construction", and one of them outside its range is a defect, so a row that does not support.
         """
         firm = [r for r in self.rows if r.reference.standing not in DECIDES_NOTHING]
         inside = {role: [r.inside for r in firm if r.reference.role == role] for role in ROLES}
         if any(inside["contradicts"]):
             return "contradicted"
-        supported = inside["supports"] or [self.claim.kind == "model"]
+        held = all(inside[CONSTRUCTION])
+        supported = inside["supports"] or [self.claim.kind == "model" and held]
+        if not inside["supports"] and inside[CONSTRUCTION] and held and self.claim.kind == "finding":
+            return CONSTRUCTION
         if not any(supported):
             return "not shown"
-        return "shown" if all(supported) and not any(inside["limits"]) and not self.claim.missing else "partly"
+        return "shown" if all(supported) and held and not any(inside["limits"]) and not self.claim.missing else "partly"
 
     @property
     def measured(self) -> str:
-        """How many rows met the criterion, in words."""
+        """How many rows met the criterion, in words; those that cannot fail apart."""
         if not self.rows:
             return "equations and tests"
-        return f"{sum(r.inside for r in self.rows)} of {len(self.rows)} rows"
+        constructed = [r for r in self.rows if r.reference.role == CONSTRUCTION]
+        others = [r for r in self.rows if r.reference.role != CONSTRUCTION]
+        counted = ((others, ""), (constructed, f" {CONSTRUCTION}"))
+        return ", ".join(f"{sum(r.inside for r in rows)} of {len(rows)} rows{how}" for rows, how in counted if rows)
 
     @property
     def as_reviewed(self) -> bool:

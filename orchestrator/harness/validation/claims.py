@@ -8,9 +8,17 @@ from typing import Any
 
 from ....components.core.errors import BadInput, nearest
 
-VERDICTS = ("shown", "partly", "not shown", "contradicted")
+CONSTRUCTION = "by construction"  # a row that no run can fail, and the verdict of a finding without others
+VERDICTS = ("shown", "partly", "not shown", "contradicted", CONSTRUCTION)
+MEANINGS = {
+    "shown": "every criterion is met",
+    "partly": "some are, or a control shows where the claim ends",
+    "not shown": "none is",
+    "contradicted": "a measured row says the opposite",
+    CONSTRUCTION: "what is announced is an assumption of the model, so that no row of it could fail; it is not counted as shown",
+}
 KINDS = ("model", "finding")
-ROLES = ("supports", "limits", "contradicts")
+ROLES = ("supports", "limits", "contradicts", CONSTRUCTION)
 _TEXTS = ("number", "kind", "announced", "verdict")
 _OPTIONAL = ("criterion", "discussion", "shown_by", "missing")
 

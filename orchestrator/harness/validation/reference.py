@@ -16,7 +16,7 @@ from typing import Any
 
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import shipped
-from .claims import ROLES, Claim, read_claims
+from .claims import CONSTRUCTION, ROLES, Claim, read_claims
 
 STANDINGS = {
     "verbatim": "read in a public source",
@@ -58,6 +58,13 @@ class TableRow:
     confidence: str = ""
     claim: str = ""
     role: str = "supports"
+
+    @property
+    def named(self) -> str:
+        """The quantity, and what the row says of its claim where it does not support it."""
+        if self.role == "supports":
+            return self.quantity
+        return f"{self.quantity} ({self.role}{'' if self.role == CONSTRUCTION else ' the claim'})"
 
     def __post_init__(self) -> None:
         where = f"reference row {self.quantity!r} ({self.condition})"

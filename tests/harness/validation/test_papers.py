@@ -16,6 +16,7 @@ from cosimo.orchestrator.harness.validation.questions import Evidence, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow, load_table, parse_table
 from cosimo.orchestrator.systems import cases, papers, validate
 
+BUILT = "by construction"
 ROOT = Path(__file__).resolve().parents[3]
 
 
@@ -43,6 +44,13 @@ def claim(kind="finding", verdict="shown", number="X1"):
         ([row(True), row(False, standing="recalled")], "shown"),
         ([row(True, standing="recalled")], "not shown"),
         ([], "not shown"),
+        ([row(True, BUILT)], BUILT),
+        ([row(True, BUILT), row(True)], "shown"),
+        ([row(True, BUILT), row(False)], "not shown"),
+        ([row(True, BUILT), row(True), row(False)], "partly"),
+        ([row(True, BUILT), row(True, "contradicts")], "contradicted"),
+        ([row(False, BUILT)], "not shown"),
+        ([row(False, BUILT), row(True)], "partly"),
     ],
 )
 def test_the_verdict_follows_from_the_rows(rows, verdict):
@@ -52,6 +60,8 @@ def test_the_verdict_follows_from_the_rows(rows, verdict):
 def test_a_model_is_shown_by_what_it_points_to_unless_a_row_denies_it():
     assert ClaimResult(claim("model"), ()).verdict == "shown"
     assert ClaimResult(claim("model"), (row(False),)).verdict == "not shown"
+    assert ClaimResult(claim("model"), (row(True, BUILT),)).verdict == "shown"
+    assert ClaimResult(claim("model"), (row(False, BUILT),)).verdict == "not shown"
 
 
 def test_a_claim_of_which_a_part_is_not_modelled_is_shown_partly():
@@ -141,6 +151,26 @@ def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch,
     (result,) = validate(["paper-x"], tmp_path)
     assert result.outcome == "failed"
     assert "X1 was shown" in result.verdict
+
+
+def test_what_cannot_fail_is_by_construction_in_text_report_and_json(tmp_path, monkeypatch, capsys):
+    built = (
+        TABLE.replace('verdict = "shown"', f'verdict = "{BUILT}"\ndiscussion = "one spring"', 1),
+        ROWS.replace("X1,,", f"X1,{BUILT},"),
+    )
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.case.load_table", lambda name: parse_table(name, *built))
+    case = Case("paper-x", "A paper", "", (Question(lambda runs: Evidence({"force": 0.25})),))
+    monkeypatch.setitem(cases(), "paper-x", case)
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", "paper-x", "-o", str(tmp_path)])
+    assert not ended.value.code
+    printed = capsys.readouterr().out
+    assert f"2 claims: 1 shown (X2); 1 {BUILT} (X1)." in printed
+    assert "1 of 1 rows by" in printed
+    (made,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
+    assert [(c["number"], c["verdict"]) for c in made["claims"]] == [("X1", BUILT), ("X2", "shown")]
+    assert [r["role"] for r in made["rows"]] == [BUILT]
+    assert f"force ({BUILT})" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_two_questions_may_not_measure_the_same(tmp_path, monkeypatch):

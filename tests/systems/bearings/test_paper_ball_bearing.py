@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
 from cosimo.orchestrator.harness.analysis.recurrence import quantify
-from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, transition
+from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, other_sets, transition
 
 
 def test_equations_written_out_give_the_component_s_motion():
@@ -84,3 +84,22 @@ def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
     assert alone.largest == pytest.approx(-5.0, abs=0.5)
     with pytest.raises(BadInput, match="1 to 4"):
         lyapunov_spectrum(model(), transition.STATES, transition.SCALES, interval=1e-3, intervals=1, count=5)
+
+
+def test_other_sets_change_one_parameter_by_two():
+    assert len(other_sets.SETS) == 6
+    for name, given in other_sets.SETS.items():
+        ((what, value),) = given.items()
+        assert value == other_sets.SET[what] * (0.5 if name.startswith("half") else 2.0)
+
+
+def test_a_load_of_a_set_is_that_of_the_equilibrium():
+    """Lengths grow as W^(2/3): twice the load and clearance times 2^(2/3) is one dimensionless bearing at rest."""
+    scale = 2.0 ** (2.0 / 3.0)
+    at = []
+    for load, gap in ((196.0, 10e-6), (392.0, 10e-6 * scale)):
+        model = other_sets.BallBearing(["clearance"], {"clearance.radial_clearance": gap})
+        model.set("load", load)
+        model.initialize(0.0)
+        at.append(model["displacement_x"])
+    assert at[1] / at[0] == pytest.approx(scale, rel=1e-6)

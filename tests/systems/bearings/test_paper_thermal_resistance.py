@@ -73,3 +73,15 @@ def test_conductances_of_the_balls_sum_to_the_bearing_and_follow_the_cube_root()
     assert each / each.max() == pytest.approx(np.cbrt(model.ball_loads / model.ball_loads.max()), abs=1e-12)
     areas = paper.areas(model, model.ball_loads)
     assert areas / areas.max() == pytest.approx((each / each.max()) ** 2, abs=1e-9)
+
+
+@pytest.mark.parametrize("preset", paper.ANGLES)
+def test_under_light_loads_all_balls_grow_in_proportion(preset):
+    """Ten times both loads are ten times the load of every ball, at any ratio: so 1/3 is no matter of axial load."""
+    model = paper.bearing(preset)
+    for ratio in paper.MIXED:
+        loads = []
+        for force in (1e-5, 1e-4):
+            paper.resistance(model, force, ratio * force)
+            loads.append(np.array(model.ball_loads))
+        assert loads[1] == pytest.approx(10.0 * loads[0], abs=1e-3 * loads[1].max())

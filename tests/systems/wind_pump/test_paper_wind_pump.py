@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.wind_pump.curves import CURVES, torque_coefficient
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.plant import K1, K2, Plant, farm, heier
+from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.sizes import GEARS, crossings
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.stresses import constant_damage, torsion
 from cosimo.orchestrator.systems.wind_pump.cases.paper_wind_pump.water import BEST, energy
 from scipy.integrate import quad, solve_ivp
@@ -75,3 +76,32 @@ def test_torsion_of_a_shaft():
     torque = quad(lambda r: r * 2.0 * math.pi * r**2, 0.0, radius)[0]  # of a stress that is the radius in numbers
     assert torsion(torque, 20.0) == pytest.approx(radius * 1e-6, rel=1e-9)
     assert constant_damage(20.0) / constant_damage(40.0) == pytest.approx(2.0**15)
+
+
+@pytest.mark.parametrize("gear", [2.9455, 8.487])
+def test_the_gears_at_which_the_converter_begins_to_win_and_to_lose(gear):
+    """Equilibria in closed form: T(w) w = T_L w2 is a cubic in the turbine's speed; Rayleigh's integral by quadrature."""
+    load, mean, area = 13.2435, 4.0, math.pi * 1.5**2
+    stalled = math.sqrt(load / K1) / gear  # rad/s of the turbine, below which the pump stands
+
+    def coefficient(v):
+        blow = 0.5 * 1.225 * area * 1.5 * v**2 * 0.5
+        pump = load * K1 * gear / K2  # load times w2 = pump w - other / w
+        other = load**2 / (K2 * gear)
+        roots = np.roots([-blow * 1.5 / (2.4 * v), blow - pump, 0.0, other])
+        speed = max((r.real for r in roots if abs(r.imag) < 1e-9 and r.real > stalled), default=stalled)
+        return (pump * speed - other / speed) / (0.5 * 1.225 * area * v**3)
+
+    def energy(share):
+        scale = 2.0 * mean / math.sqrt(math.pi)
+        density = lambda v: 2.0 * v / scale**2 * math.exp(-((v / scale) ** 2))  # noqa: E731
+        below = quad(lambda v: density(v) * v**3 * share(v), 1e-3, 2.0 * mean, limit=400, points=[1.5 * stalled / 2.4])[0]
+        return below + math.exp(-((2.0 * mean / scale) ** 2)) * (2.0 * mean) ** 3 * share(2.0 * mean)
+
+    best = max(energy(lambda v, b=b: BEST * 4.0 * (u := min(b / v, 1.0) ** 2) * (1.0 - u)) for b in np.linspace(3.2, 4.6, 29))
+    assert energy(coefficient) / best == pytest.approx(1.0, abs=3e-3)
+
+
+def test_crossings_of_a_gain():
+    assert crossings(np.array([0.0, 0.9, 1.1, 2.0, 1.1, 0.9])) == pytest.approx((math.sqrt(2.8 * 3.2), math.sqrt(8.0 * 9.0)))
+    assert all(map(math.isnan, crossings(np.full(len(GEARS), 2.0))))

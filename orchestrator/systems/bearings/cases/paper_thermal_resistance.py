@@ -16,7 +16,7 @@ from .....components.bearings.conductance import AngularContactConductance, ring
 from .....components.bearings.constriction import conductances_in_series, noted_contact
 from .....components.bearings.load_zone import load_integrals
 from .....components.bearings.radiation import STEFAN_BOLTZMANN
-from ....harness.charts.chart import Chart, Panel, Picture, Series
+from ....harness.charts.chart import Band, Chart, Panel, Picture, Series
 from ....harness.validation import Case, Evidence, Question, Runs
 from ..heat_path import ball_path
 
@@ -34,6 +34,9 @@ FINE = np.linspace(0.0, 3.0, 61)
 PLANE = np.geomspace(50.0, 5000.0, 33)  # N
 HEAVY = 1000.0  # N
 LIGHT = (1.0, 1e-3)  # N
+MIXED = (0.5, 1.0, 2.0, 3.0, 5.0)  # radial over axial load
+STEPS = np.linspace(0.0, 3.0, 61)  # the same, for the exponent's boundary
+HELD = (0.29, 0.3383)  # of the exponent: what axial load alone has, 0.29 at 15 degrees to 1/3 and 0.005
 OVER = np.geomspace(1.0, 1e4, 17)  # N
 AIR, GAP, COEFFICIENT, EMISSIVITY, TEMPERATURE = 0.026, 8e-3, 10.0, 0.2, 300.0  # of the component's defaults
 RINGS = {"7008C": (54e-3, 15e-3), "7210B": (70e-3, 20e-3)}  # pitch diameter, width, m
@@ -162,6 +165,50 @@ def _lines(models) -> Chart:
     )
 
 
+def over_the_ratio(runs: Runs) -> Evidence:
+    """Exponents at fixed ratios of radial to axial load: light loads, and 1 kN up to and beyond where the first ball is free.
+
+    Lengths, loads and approaches of all balls scale together while contact angles stay: then the exponent is 1/3 at any ratio. Under
+    working loads the angle grows, and with it the loaded share of the circumference: beyond epsilon = 1 balls join with the load.
+    """
+    measured: dict[str, float] = {}
+    curves = {}
+    radial, axial = load_integrals(1.0)
+    for preset, angle in ANGLES.items():
+        model = bearing(preset)
+        light = [exponent(model, LIGHT[1], ratio) for ratio in MIXED]
+        curves[preset] = over = np.array([exponent(model, HEAVY, float(ratio)) for ratio in STEPS])
+        free = radial / (axial * math.tan(math.radians(angle)))  # ratio at which the first ball is free, unloaded contact angle
+        full, left = free >= STEPS, (over < HELD[0]) | (over > HELD[1])
+        measured |= {
+            f"{preset}.light.least": min(light),
+            f"{preset}.light.most": max(light),
+            f"{preset}.full.least": over[full].min(),
+            f"{preset}.full.most": over[full].max(),
+            f"{preset}.beyond.most": over[~full].max(),
+            f"{preset}.boundary": STEPS[int(np.argmax(left))] if left.any() else math.inf,
+        }
+    note = "; ".join(
+        f"{preset} at 1 kN axial: the exponent is between {HELD[0]:g} and {HELD[1]:g} up to Fr/Fa = "
+        f"{measured[f'{preset}.boundary'] - STEPS[1]:.2f}"
+        for preset in ANGLES
+    )
+    return Evidence(
+        measured, (_exponents(curves),), notes=(f"{note}. Further on balls join or leave as the load grows.",), claim="J3"
+    )
+
+
+def _exponents(curves: dict[str, np.ndarray]) -> Chart:
+    series = tuple(Series(f"{preset}, 1 kN axial", STEPS, curve) for preset, curve in curves.items())
+    band = Band("axial load alone", *HELD)
+    return Chart(
+        "Exponent over the ratio of radial to axial load",
+        "Fr / Fa",
+        (Panel("-d ln R / d ln F", series, (band,)),),
+        "At a fixed ratio of the loads. Each jump is a ball that joins.",
+    )
+
+
 def by_path(runs: Runs) -> Evidence:
     """Networks with all paths, with gas between the rings alone, and with the rings in series."""
     measured: dict[str, float] = {}
@@ -263,5 +310,5 @@ CASE = Case(
     "Asks what the abstract of Spence & Kaminski (1996) announces: contact areas around the circumference, conduction, "
     "convection and radiation from race to race, and the resistance over radial and axial load. Criteria are closed forms, an "
     "independent solver's table and finite volumes; that paper's bearing and curves were not at hand, and nothing rotates.",
-    (Question(over_both_loads), Question(by_path), Question(around_the_circumference)),
+    (Question(over_both_loads), Question(over_the_ratio), Question(by_path), Question(around_the_circumference)),
 )

@@ -39,9 +39,10 @@ Share = Callable[[np.ndarray], np.ndarray]
 
 def scenes() -> dict[Any, Scene]:
     """Sets side by side in many winds, of the converter and of each fixed ratio; stop and start of a fixed ratio."""
-    adapting = _side_by_side(CONVERTER_WINDS, "AveragedConverter", {}, FREE)
+    adapting = side_by_side(CONVERTER_WINDS, "AveragedConverter", {}, FREE, 0.05)
     fixed = {
-        ratio: _side_by_side(OVER * _balanced(ratio), "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE) for ratio in RATIOS
+        ratio: side_by_side(OVER * _balanced(ratio), "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE, 0.02)
+        for ratio in RATIOS
     }
     return {"converter": adapting, **fixed, "stop": scene("fixed", "stop"), "start": scene("fixed", "start")}
 
@@ -49,8 +50,8 @@ def scenes() -> dict[Any, Scene]:
 def measure(runs: Runs) -> Evidence:
     """Power coefficients over the wind by runs of both transmissions, and the water of a year at several sites."""
     winds, over = CONVERTER_WINDS, OVER
-    converter = _coefficients(runs["converter"], winds.size)
-    fixed = {ratio: _coefficients(runs[ratio], over.size) for ratio in RATIOS}
+    converter = coefficients(runs["converter"], winds.size)
+    fixed = {ratio: coefficients(runs[ratio], over.size) for ratio in RATIOS}
     u = over**-2.0
     measured = {"curve": max(float(np.abs(c / BEST - 4.0 * u * (1.0 - u)).max()) for c in fixed.values())}
     stop, start = (turning_point(runs[what], what) for what in ("stop", "start"))
@@ -102,7 +103,9 @@ def _balanced(ratio: float) -> float:
     return math.sqrt(ratio * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5))
 
 
-def _side_by_side(winds: np.ndarray, component: str, parameters: Mapping[str, Any], speed: float) -> Scene:
+def side_by_side(
+    winds: np.ndarray, component: str, parameters: Mapping[str, Any], speed: float, step: float, title: str = ""
+) -> Scene:
     """Turbines and transmissions, one set a wind, under the mean torque. speed: of the turbine at the start over wind, 1/m."""
     units, connections = {}, {}
     fixed = component == "FixedTransmission"
@@ -116,15 +119,15 @@ def _side_by_side(winds: np.ndarray, component: str, parameters: Mapping[str, An
         units,
         connections,
         stop_time=60.0,
-        step=0.02 if fixed else 0.05,
+        step=step,
         name="paper-wind-pump",
         master={"extrapolation": 1},
-        title=f"{component} in steady winds",
+        title=f"{component}{title and ', '}{title} in steady winds",
         record={"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0},
     )
 
 
-def _coefficients(result: Result, winds: int) -> np.ndarray:
+def coefficients(result: Result, winds: int) -> np.ndarray:
     """Power coefficients of the turbines at the end of a run, (winds,)."""
     return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds)])
 
@@ -148,6 +151,15 @@ def _best(of_fixed: Callable[[float], Share], mean: float, shape: float, cap: fl
         lambda b: -energy(of_fixed(b * mean), mean, shape, cap), bounds=(0.4, 1.6), method="bounded", options={"xatol": 1e-3}
     )
     return float(best.x), -float(best.fun) / ideal
+
+
+def best_fixed(mean: float) -> float:
+    """Share of the ideal energy of the fixed ratio that is best for a site of a mean wind, m/s, by its closed form 4 u (1 - u)."""
+
+    def of_fixed(balanced: float) -> Share:
+        return lambda v: BEST * 4.0 * (u := np.minimum(balanced / v, 1.0) ** 2) * (1.0 - u)
+
+    return _best(of_fixed, mean, 2.0, CAP)[1]
 
 
 def _curves(winds: np.ndarray, converter: np.ndarray, over: np.ndarray, fixed: dict[float, np.ndarray]) -> Chart:
