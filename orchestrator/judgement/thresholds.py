@@ -52,10 +52,8 @@ BLOCKS = 5
 MISSED = 0.1  # miss over the value: from there an extrapolation does not follow
 BEYOND = 300.0  # of an interface's scale, which is its nominal value or what it reached before; a resonance gives 50
 OVERSHOT = 1.0  # miss over the value, from which it comes on the other side: held inputs miss what grows by itself by less
-UNFOLLOWED = (
-    1.0  # rms miss of an input over its deviation, from which its mean would foretell it better. Measured in the first 3000
-)
-# macro steps, or all there are: rotor-bearings-heat 0.79, the other 35 shipped scenes that lead inputs at most 0.29 (without
+UNFOLLOWED = 1.0  # rms miss of an input over its deviation, from which its mean would foretell it better. Measured in the first
+# 3000 macro steps, or all there are: rotor-bearings-heat 0.79, the other 35 shipped scenes that lead inputs at most 0.29 (without
 # lumped-catenary); en50318-2002 with steps of 5, 10, 20 ms 0.29, 1.6, 3.1
 ENERGY = 0.1  # of the energy exchanged at a bond that the coupling makes: amplitudes are off by several per cent
 
