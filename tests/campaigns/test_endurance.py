@@ -11,6 +11,7 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.tests.campaigns import endurance
 from cosimo.tests.support import two_masses
+from cosimo.tests.units.test_sandbox import needs_bubblewrap
 
 posix = pytest.mark.skipif(os.name == "nt", reason="needs POSIX")
 
@@ -29,6 +30,7 @@ def test_three_processes_build_at_once(tmp_path):
 
 
 @posix
+@needs_bubblewrap
 @pytest.mark.full
 @pytest.mark.parametrize("troubles", [(1, 3), (18, 24)])
 def test_ill_behaved_fmus_end_as_documented(troubles, tmp_path):

@@ -29,11 +29,12 @@ observer = CosimObserver.create_last_value()
 execution.add_observer(observer=observer)
 units = {u.name.decode(): u.index for u in execution.slave_infos()}
 known = {n: {v.name.decode(): v.reference for v in execution.slave_variables(slave_index=i)} for n, i in units.items()}
-places = [(units[unit], known[unit][name]) for unit, name in signals]
+readers = {kind: getattr(observer, f"last_{kind}_values") for kind in ("real", "integer", "boolean")}
+places = [(readers[kind], units[unit], known[unit][name]) for unit, name, kind in signals]
 rows = []
 for _ in range(looks):
     assert execution.step(step_count=every)
-    rows.append([observer.last_real_values(slave_index=u, variable_references=[r])[0] for u, r in places])
+    rows.append([float(read(slave_index=u, variable_references=[r])[0]) for read, u, r in places])
 print("found " + json.dumps(rows))
 """
 ECOS = """
@@ -43,10 +44,11 @@ from ecospy import EcosSimulation
 package, step, looks, every, signals = sys.argv[1], *map(json.loads, sys.argv[2:])
 with EcosSimulation(ssp_path=package, step_size=step) as simulation:
     simulation.init(parameter_set="initialValues")
+    readers = {"real": simulation.get_real, "integer": simulation.get_integer, "boolean": simulation.get_bool}
     rows = []
     for _ in range(looks):
         simulation.step(every)
-        rows.append([simulation.get_real("::".join(signal)) for signal in signals])
+        rows.append([float(readers[kind](f"{unit}::{name}")) for unit, name, kind in signals])
     print("found " + json.dumps(rows), flush=True)
     simulation.terminate()
 """
@@ -68,8 +70,13 @@ def require(master: str) -> None:
     assert there.returncode == 0, f"{PYTHON} cannot import {module}: {there.stderr[-2000:]}"
 
 
-def run_in(master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str]]) -> np.ndarray:
-    """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing."""
+def run_in(
+    master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str, str]]
+) -> np.ndarray:
+    """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing.
+
+    signals: (unit, name, "real", "integer" or "boolean"), in the order of the columns.
+    """
     require(master)
     numbers = [repr(step), str(looks), str(every), json.dumps(signals)]
     done = subprocess.run(

@@ -25,7 +25,7 @@ def test_libcosim_comes_to_the_same_numbers(folder):
         folder,
     )
     ours = {name: column[-1] for name, column in run(scene).columns.items()}
-    signals = [tuple(name.split(".")) for name in ours]
+    signals = [(*name.split("."), "real") for name in ours]
     last = run_in("libcosim", write(scene, folder / "there.ssp"), 0.01, 1, 100, signals)[0]
     theirs = dict(zip(ours, last.tolist(), strict=True))
     assert theirs["b.x"] == pytest.approx(1000.0 * 30101.3, rel=1e-13)  # a.y, in mm, over one second
