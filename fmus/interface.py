@@ -31,13 +31,14 @@ class Scalar:
     relative: bool = False  # a difference: units to show it in have no offset
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
     tunable: bool = False  # of a parameter: it may change during a run
+    discrete: bool = False  # of an input or an output: it changes at instants only
 
     @property
     def variability(self) -> str:
-        """As FMI has it: counts and flags change at instants only."""
+        """As FMI has it."""
         if self.causality in ("parameter", "local"):
             return "constant" if self.causality == "local" else "tunable" if self.tunable else "fixed"
-        return "continuous" if self.type == "Real" else "discrete"
+        return "discrete" if self.discrete else "continuous"
 
 
 @cache
@@ -71,6 +72,7 @@ def _declared(variable: Any) -> Scalar:
         variable.feedthrough,
         variable.moving,
         tunable=variable.tunable,
+        discrete=variable.discrete,
     )
 
 

@@ -39,7 +39,7 @@ from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
 from .settings.study import wanted
-from .shorter_steps import asked_for
+from .shorter_steps import asked_for, late_samples
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
 from .units.fmu_messages import DEFAULT, described, level_of, warnings_of
@@ -458,7 +458,14 @@ class Run:
         """What a user should know."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         of_units = [f"{name}: {r}" for name, unit in self.scene.coupling.interfaces.items() for r in unit.remarks]
-        texts = [*self.scene.remarks, *of_units, *caught, *self.master.warnings(), *self.stepping.warnings()]
+        texts = [
+            *self.scene.remarks,
+            *late_samples(self.scene),
+            *of_units,
+            *caught,
+            *self.master.warnings(),
+            *self.stepping.warnings(),
+        ]
         texts += energy_warnings(self.account) if self.account else []
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

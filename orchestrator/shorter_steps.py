@@ -41,6 +41,25 @@ def substeps(scene: Scene) -> dict[str, float]:
     return numbers_in_use(scene, "substep")
 
 
+def late_samples(scene: Scene) -> list[str]:
+    """Warnings of units that sample inside their steps, where what they decide waits for the step's end."""
+    texts = []
+    for place, period in numbers_in_use(scene, "period").items():
+        unit = place.removeprefix("units.").removesuffix(".parameters.period")
+        if not component_class(scene.units[unit].component, unit).holds_outputs:
+            continue
+        step = scene.units[unit].every * scene.master.step
+        parts = (period / step, scene.start_time / step)
+        within = parts[0] < 0.5 or any(abs(n - round(n)) > 1e-9 * max(abs(n), 1.0) for n in parts)
+        if scene.master.control or within:
+            steps = "steps of varying length" if scene.master.control else f"steps of {step:g} s from {scene.start_time:g} s on"
+            texts.append(
+                f"{unit} samples every {period:g} s, in {steps}: a sample inside a step acts only from the end of the step on. "
+                f"Let steps of one length end at all samples: master.step = {period:g} s, or a whole part of it"
+            )
+    return texts
+
+
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
     """The changes to `factor` times the internal steps of all units, or of one."""
     places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}

@@ -109,6 +109,7 @@ class Component:
     # inputs, of effects too, from which what initialization leaves behind follows, whatever is on; None where it is not declared
     start_inputs: ClassVar[tuple[str, ...] | None] = None
 
+    holds_outputs: ClassVar[bool] = False  # they keep their values between samples: no master may interpolate or extrapolate them
     ports: ClassVar[Declared] = {}  # signals that go to one partner together
     port_members: ClassVar[Mapping[str, str]] = {}  # names of signals that are others within a port
     own_variables: ClassVar[tuple[Variable, ...]] = ()
@@ -126,6 +127,8 @@ class Component:
         cls.variables = {s.name: s for v in cls.own_variables for s in v.scalars}
         for name, effect in cls.effects.items():
             cls.variables |= {s.name: s for v in effect.variables for s in _prefixed(v, name).scalars}
+        if cls.holds_outputs:
+            cls.variables = {n: replace(v, held=v.causality is Causality.OUTPUT) for n, v in cls.variables.items()}
         cls.Values = _tuple_type(cls, "Values", [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER])
         cls.Present = _tuple_type(cls, "Present", cls.effects)
 

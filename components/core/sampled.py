@@ -74,9 +74,11 @@ def sampled_kernels(module: str, start: Any, sample: Any, outputs: Any) -> Kerne
 class SampledComponent(KernelComponent):
     """A controller with a period; it samples at the start and at every whole multiple of the period.
 
-    A subclass gives `kernels` by `sampled_kernels`, and `states`.
+    All outputs change at samples only: they are discrete, whatever their kind. A subclass gives `kernels` by `sampled_kernels`,
+    and `states`.
     """
 
+    holds_outputs: ClassVar[bool] = True
     counters: ClassVar[tuple[str, ...]] = ("steps", "samples")
     work_shape: ClassVar[tuple[int, int]] = (1, 1)  # the first row is the step's own
 

@@ -71,6 +71,7 @@ class Variable:
     choices: tuple[str, ...] = ()
     feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between, whatever is on
     moving: bool = False  # of an input: a place that moves on, which is wrong where it is held over a step
+    held: bool = False  # of an output: it keeps its value between samples, as its component says of all of them
     # of a parameter that decides how large the component's memory is, or which of several models it is: why; a native FMU has the
     # value of its build. Whole numbers, choices and texts always are such parameters.
     structural: str = ""
@@ -91,6 +92,11 @@ class Variable:
             object.__setattr__(self, "start", start)
         if self.causality is Causality.PARAMETER and not self.structural and (self.mesh or self.kind is not Kind.REAL):
             object.__setattr__(self, "structural", MESHES.get(self.mesh) or STRUCTURAL[self.kind])
+
+    @property
+    def discrete(self) -> bool:
+        """Of an input or an output: whether it changes at instants only."""
+        return self.held or self.kind is not Kind.REAL
 
     @cached_property
     def scalars(self) -> tuple[Variable, ...]:
@@ -153,7 +159,7 @@ def input_(start: float, unit: str, text: str, **more) -> Variable:
 
 
 def output(unit: str, text: str, **more) -> Variable:
-    """A continuous output."""
+    """An output, continuous unless its component holds all of its own between samples."""
     return Variable(Causality.OUTPUT, Kind.REAL, 0.0, unit, text, **more)
 
 

@@ -11,7 +11,7 @@ from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import fastest_rate, spectral_radius, step_within
-from ..core.variables import input_, output, parameter
+from ..core.variables import count, input_, output, parameter
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_refusals, curve_thrust
 
 TURN = 2.0 * math.pi
@@ -111,7 +111,7 @@ class Status(Effect):
 
     explicit_only = True
 
-    available = output("1", "1 while the thruster is there")
+    available = count("1 while the thruster is there")  # whole: no true or false can be led to a real input
 
 
 class Thruster(OdeComponent):

@@ -23,7 +23,7 @@ from ..core.events import event_kernels
 from ..core.integrators import RK4_STABILITY_RADIUS, SUBSTEP
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel
 from ..core.spectrum import fastest_rate
-from ..core.variables import input_, output, parameter
+from ..core.variables import count, input_, output, parameter
 from .driven_shaft import (
     IN,
     STANDING,
@@ -143,8 +143,7 @@ class InertialConverter(Transmission):
     crank_speed = output("rad/s", "speed of the crank", nominal=20.0)
     crank_angle = output("rad", "angle of the crank since time 0", nominal=10.0)
     slider_velocity = output("m/s", "velocity of the lever's guided end", nominal=0.1)
-    engaged = output(
-        "1",
+    engaged = count(
         "the clutch that drives or, on a standing shaft, pushes: 1, -1, or 0 for none",
         feedthrough=("turbine_speed", "load_torque"),
     )

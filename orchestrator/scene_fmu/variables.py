@@ -93,5 +93,7 @@ def variables_of(scene: Scene, layout: Layout) -> Iterator[NativeVariable]:
         if shown.kind:
             of = outputs[shown.end]
             text = f"{shown.kind} of {'.'.join(shown.end)} over the macro steps{behind}"
-            scalar = replace(of.scalar, type="Real", name=name, text=text, relative=shown.kind == "standard deviation")
+            scalar = replace(
+                of.scalar, type="Real", discrete=False, name=name, text=text, relative=shown.kind == "standard deviation"
+            )
             yield replace(of, scalar=scalar, cell=layout.figure(shown.end, shown.kind))

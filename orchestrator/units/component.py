@@ -44,7 +44,13 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         inputs={n: Signal(n, v.unit, component[n], v.nominal, moving=v.moving) for n in component.inputs for v in [variables[n]]},
         outputs={
             n: Signal(
-                n, v.unit, 0.0, v.nominal, tuple(i for i in component.inputs if _feeds(i, v.feedthrough)), kind=KINDS[v.kind]
+                n,
+                v.unit,
+                0.0,
+                v.nominal,
+                tuple(i for i in component.inputs if _feeds(i, v.feedthrough)),
+                KINDS[v.kind],
+                v.discrete,
             )
             for n in component.outputs
             for v in [variables[n]]

@@ -317,12 +317,15 @@ def _show(unit, units, links, pasts, signals):
 
 
 @inlined_kernel
-def _stands(unit, links, signals):
-    """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved. Notes these as known."""
+def _stands(unit, links, signals, inside):
+    """Whether the outputs hold for the inputs as they are: none that they depend on at once has moved. Notes these as known.
+
+    inside: a step is under way, at whose end inputs jump that are held over it.
+    """
     stands = unit.ends == EXTRAPOLATED
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        link.known = v = _given(link, signals)
+        link.known = v = link.value if inside and link.held == JUMPS else _given(link, signals)
         if link.direct != 0 and not abs(v - link.reached) <= link.change * abs(v):
             stands = False
     return stands
@@ -440,7 +443,7 @@ def run_steps(t, h, m):
                 elif act in (LOOK, FORESEE):
                     _look(unit, links, pasts, signals, h, act == FORESEE)
                 elif act == UPDATE or (act == FOLLOW and (unit.ends != INTERPOLATED or request.updated != 0)):
-                    moved = not _stands(unit, links, signals)  # which notes what is known
+                    moved = not _stands(unit, links, signals, act == UPDATE and h > 0.0)  # which notes what is known
                     if moved or act == UPDATE:
                         status = _update_any(unit, units, links, m.buffer)
                         request.updated, reads = 1, act == FOLLOW

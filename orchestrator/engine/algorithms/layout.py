@@ -92,7 +92,7 @@ def lay_out(
         row, mine = units[k : k + 1], links[first_links[k] : first_links[k + 1]]
         row["n_extrapolated"], row["all_interpolated"], row["smooth"] = (
             behind,
-            behind == 0 and bool(node.links) and node.follows,
+            behind == 0 and bool(node.links) and node.follows and not node.held,
             smoothing,
         )
         row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start

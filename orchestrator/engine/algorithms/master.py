@@ -170,7 +170,6 @@ class Master:
             if is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
             or is_discrete(interfaces[name].inputs[link.target[1]])
         ]
-        follows = interfaces[name].input_degree >= self.degree and not held
         by_rate: dict[int, list[int]] = {}
         for k, link in enumerate(links):
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
@@ -197,7 +196,7 @@ class Master:
             tuple(links),
             sources,
             tuple(held),
-            follows and set(by_rate) <= {1},
+            interfaces[name].input_degree >= self.degree and set(by_rate) <= {1},
             samples,
             own,
             rates.get(name, 1),

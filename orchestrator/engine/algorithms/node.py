@@ -41,10 +41,10 @@ class Node:
     """One unit in the graph.
 
     place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
-    between steps and never change inside one; follows: inputs end where their polynomials do: the unit takes these, and none
-    of them is held; direct: inputs that outputs depend on at once, and the relative change that is none; every: macro steps to
-    one of its own. Of a unit with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells
-    of what others go by. look_rows: rows of the program that note its inputs.
+    between steps and never change inside one; follows: the others end where their polynomials do, which the unit takes; direct:
+    inputs that outputs depend on at once, and the relative change that is none; every: macro steps to one of its own. Of a unit
+    with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of what others go by.
+    look_rows: rows of the program that note its inputs.
     """
 
     unit: Simulator

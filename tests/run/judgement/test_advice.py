@@ -229,3 +229,25 @@ def test_a_macro_step_of_millions_of_internal_steps_is_probed_over_a_part_of_it(
     whole = advise(fine(1e-3))
     assert whole.cut == ()
     assert whole.limits[0].omega2 == pytest.approx(100.0, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "warns"),
+    [
+        ({}, False),
+        ({"master.step": 1e-3, "start_time": 0.005}, False),
+        ({"master.step": 2e-3, "start_time": 0.005}, True),  # steps end at odd milliseconds, samples are at even ones
+        ({"master.step": 4e-3}, True),
+        ({"master.step": 1.5e-3}, True),
+        ({"units.controller.parameters.period": 3e-3}, True),
+        ({"master.step": 1e-3, "units.controller.every": 2}, False),
+        ({"master.step": 1e-3, "units.controller.every": 4}, True),
+        ({"master.control.method": "doubling", "master.control.relative": 1e-3}, True),
+    ],
+    ids=str,
+)
+def test_samples_inside_macro_steps_are_warned_of(changes, warns):
+    """The controller of `gimbal-scan` samples every 2 ms."""
+    scene = load_scene("gimbal-scan", {"stop_time": 0.012, "analysis.transient": 0.0, **changes})
+    texts = [text for text in run(scene, in_process=True).info["warnings"] if "samples every" in text]
+    assert (len(texts) == 1 and texts[0].startswith("controller samples every 0.00")) if warns else not texts
