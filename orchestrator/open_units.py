@@ -57,7 +57,8 @@ class OpenScene:
         self.clock = clock_for(scene, scene.coupling)
         stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
         self.units: dict[str, Simulator] = {}
-        span = Span(scene.start_time, scene.stop_time)
+        controlled = scene.master.control is not None and all(i.saves_state for i in scene.coupling.interfaces.values())
+        span = Span(scene.start_time, scene.stop_time, parts=not controlled)
         for name, unit in scene.units.items():
             self.units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name), span=span)
             stack.callback(self.units[name].close)

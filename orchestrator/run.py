@@ -42,6 +42,7 @@ from .settings.study import wanted
 from .shorter_steps import asked_for, late_samples
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
+from .units.discarded import warnings_of as of_discarded
 from .units.fmu_messages import DEFAULT, described, level_of, warnings_of
 from .units.interface import SimulationEnded
 
@@ -373,7 +374,7 @@ class Run:
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
         logs = {name: unit.log_messages() for name, unit in self.units.items() if hasattr(unit, "log_messages")}
         info |= {"fmu_log": described(logs, self._fmu_log)} if any(one.counts for one in logs.values()) else {}
-        info |= {"warnings": [*self._warnings(), *warnings_of(logs)]}
+        info |= {"warnings": [*self._warnings(), *of_discarded(info["counters"]["units"]), *warnings_of(logs)]}
         if self.outcome == "done" and self._wish is not None:
             self._interrupt.at_once = True
             try:

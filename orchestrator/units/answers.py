@@ -68,10 +68,11 @@ def read_parameters(content: Any, known: Callable[[], Collection[str]] | None) -
     return table
 
 
-def read_counters(content: Any) -> dict[str, int]:
-    """A unit's counters by name."""
+def read_counters(content: Any) -> dict[str, float]:
+    """A unit's counters by name, whole numbers but for the shortest step, s."""
     table = _read_table(content)
-    if len(table) > MOST_WARNINGS or not all(type(n) is int and 0 <= n < 1 << 63 for n in table.values()):
+    sound = (type(n) in (int, float if name == "shortest" else int) and 0 <= n < 1 << 63 for name, n in table.items())
+    if len(table) > MOST_WARNINGS or not all(sound):
         raise ValueError("no counters")
     return table
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...components.core.block import ENTRY
 from ...components.core.kernels import DONE, RAISED
+from . import environment
 from .call_names import COMPANIONS, DERIVATIVES, FUNCTIONS, HELD, IN_PYTHON, MEAN, OF_FMU
 from .description import Scalar, has_companions
-from .interface import Simulator, port_values
+from .interface import PortValues, Simulator, port_values
 from .values import Block, blocks
 
 
@@ -30,6 +31,8 @@ class Callback:
             except BaseException as error:  # none may pass through compiled code
                 self.error = error
                 return RAISED
+            finally:
+                environment.restore()
             return DONE
 
         self._call = ENTRY(call)
@@ -71,8 +74,14 @@ def call_table(
     interpolates: bool,
     scalars: Mapping[str, Scalar],
     held: Held,
+    state: int,
+    foreign: bool,
 ) -> CallTable | None:
-    """The call table of an FMU with these driven inputs and read outputs; None where two moving inputs are one variable."""
+    """The call table of an FMU with these driven inputs and read outputs; None where two moving inputs are one variable.
+
+    state: address of the state to be saved before each step; 0: none.  foreign: whether the FMU may leave another
+    floating-point environment.
+    """
 
     def address(name: str) -> int:
         return ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0
@@ -96,6 +105,9 @@ def call_table(
         held.values.ctypes.data,
         0 if plain else len(out_of),
         parts.ctypes.data,
+        address("GetFMUstate") if state else 0,
+        state,
+        environment.CELLS if foreign else 0,
     )
     input_mode = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
     return CallTable(
@@ -121,6 +133,12 @@ def output_parts(by_type: Sequence[Block], address: Callable[[str], int]) -> lis
     return cells
 
 
+def polynomials(links: np.ndarray) -> tuple[PortValues, PortValues | None, PortValues | None]:
+    """What inputs are over the step that has begun, as of `Simulator.drive`, of their records."""
+    rows = ["value", "slope", "quadratic"][: int(links["degree"][0]) + 1]
+    return (*(port_values(links[name]) for name in rows), None, None)[:3]
+
+
 class PythonCalls:
     """Entries of a unit whose calls are Python's: an FMU of FMI 3.0, for model exchange or in a worker process, a contact.
 
@@ -132,10 +150,7 @@ class PythonCalls:
 
         def step(t: float, h: float) -> None:
             if links.size:
-                degree = links["degree"][0]
-                rows = ["value", "slope", "quadratic"][: int(degree) + 1]
-                values, slopes, quadratic = (*(port_values(links[name]) for name in rows), None, None)[:3]
-                unit.drive(values, slopes, quadratic, h)
+                unit.drive(*polynomials(links), h)
             unit.step(t, h)
 
         def update(t: float, h: float) -> None:

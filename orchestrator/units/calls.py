@@ -105,6 +105,16 @@ def call_step(typing, address, instance, t, h, no_return):
     """fmi2DoStep from t over h; `no_return`: no state before t will be taken back, int32. Returns the status, int32."""
 
 
+@calls(POINTER, POINTER)
+def call_save(typing, address, instance, state):
+    """fmi2GetFMUstate into the state at an address; returns the status, int32."""
+
+
+@calls(POINTER)
+def call_restore(typing, address, environment):
+    """C's fesetenv; returns 0 where it is done, int32."""
+
+
 @calls(DOUBLE, DOUBLE, POINTER)
 def call_entry(typing, address, t, h, argument):
     """An entry of a component, or a callback: the status of a kernel, int32."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from math import nan
+from collections.abc import Callable, Sequence
+from math import isnan, nan, ulp
 from time import sleep
 from typing import Any
 from weakref import WeakValueDictionary
@@ -19,12 +20,16 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
+from . import environment
+from .call_names import OF_STEP
 from .call_table import Callback, CallTable, Held, call_table
-from .fmu_simulator import FmuSimulator
+from .discarded import ShorterSteps
+from .fmu_simulator import DISCARD, NEAR, FmuSimulator
 from .inputs import WARNING
-from .interface import SimulationEnded
+from .interface import PortValues, SimulationEnded
+from .states import State
 
-DISCARD, PENDING = 2, 5
+PENDING = 5
 STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
 POLL = 1e-4  # s between two looks at a step that another thread of the FMU takes
 
@@ -66,7 +71,7 @@ class Fmi2Simulator(FmuSimulator):
         return callbacks
 
     def _set_up(self) -> None:
-        tolerance, (start, stop) = self._tolerance or 0.0, self._span
+        tolerance, (start, stop, _) = self._tolerance or 0.0, self._span
         self._call(
             "SetupExperiment",
             ctypes.c_int(tolerance > 0.0),
@@ -85,13 +90,23 @@ class Fmi2Simulator(FmuSimulator):
 
 
 class Fmi2CoSimulation(Fmi2Simulator):
-    """An FMU of FMI 2.0 for co-simulation."""
+    """An FMU of FMI 2.0 for co-simulation. `driven`: its inputs over the step that compiled code has begun, as of `drive`."""
+
+    driven: Callable[[], Sequence[PortValues | None]]
+    _before: State | None = None  # where the present step began, if the FMU can go back there
 
     def wire(self, inputs: Any, outputs: Any) -> None:
         super().wire(inputs, outputs)
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
         self._held_values = np.zeros(len(self._rows[2]))
+        self._parts = ShorterSteps(self._interface(), self._span.parts and not self.description.holds_component)
+
+    def start(self) -> None:
+        super().start()
+        if self._parts.may_go_back and self._interface().canGetAndSetFMUstate:
+            self._before = self._states.of_steps()
+            self._forget = int(self._states.none)
 
     def call_table(self) -> CallTable | None:
         """For compiled steps; None where they need Python."""
@@ -109,6 +124,8 @@ class Fmi2CoSimulation(Fmi2Simulator):
             interface.canInterpolateInputs,
             self._scalars,
             held,
+            0 if self._before is None else self._before.place,
+            not self.description.holds_component,
         )
 
     def _hand_over_values(self, t: float, _: float) -> None:
@@ -138,12 +155,18 @@ class Fmi2CoSimulation(Fmi2Simulator):
     def stopped(self, status: int, t: float, h: float) -> None:
         """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""
         self._hand_over_held.raise_error()
-        self._not_done(status, t, t + h)
+        if status < OF_STEP:
+            self._check(status)
+        if self._reals is not None:
+            self._reals.given = [row if row is None else [row[k] for k in self._rows[0]] for row in self.driven()]
+        self._not_done(status - OF_STEP, t, t + h)
 
     def step(self, t: float, h: float) -> None:
         if self._ended is not None:
             raise SimulationEnded(self.name, self._ended)
         self._time = t
+        if self._before is not None:
+            self._states.note(self._before)
         status = self._do_step(self._instance, t, h, self._forget)
         self._steps += 1
         if status > WARNING:
@@ -152,25 +175,52 @@ class Fmi2CoSimulation(Fmi2Simulator):
             self.messages.warned()
 
     def _not_done(self, status: int, t: float, end: float) -> None:
-        """Wait for a step that goes on in the FMU's own thread; tell why one was not completed."""
-        kind, place = ctypes.c_int, ctypes.c_void_p
+        """A step was not made at once: wait for one that goes on in the FMU's own thread, make a discarded one in shorter ones."""
+        self._step_start, self._step_end, at, h = t, end, t, end - t
+        self._parts.begin(h)
+        while True:
+            if (status := self._waited_for(status)) == DISCARD:
+                progress = self._progress(at, h)
+                if self._ended is not None:
+                    return
+                self._shorten(at, h, progress, back=self._before is not None)
+                if self._before is not None:
+                    self._states.restore(self._before)
+                else:
+                    at += progress or 0.0
+            else:
+                self._check(status, self._parts.after)
+                at += h
+            h = self._parts.next(end - at)
+            if h <= 2.0 * ulp(end):
+                return
+            if self._reals is not None:
+                self._reals.drive_part(at - t, h)
+            if self._before is not None:
+                self._states.note(self._before)
+            status = self._do_step(self._instance, at, h, self._forget)
+            environment.restore()
+
+    def _waited_for(self, status: int) -> int:
+        """The status of a step that is over."""
         while status == PENDING:
             sleep(POLL)
             answer = ctypes.c_int(PENDING)
-            self._check(self._function("GetStatus", kind, place)(self._instance, STEP_STATUS, ctypes.addressof(answer)))
+            self._check(self._asked("Status", STEP_STATUS, answer))
             status = answer.value
-        if status == DISCARD:
-            ended, last = ctypes.c_int(), ctypes.c_double(t)
-            if self._function("GetBooleanStatus", kind, place)(self._instance, TERMINATED, ctypes.addressof(ended)) > WARNING:
-                ended.value = 0
-            known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
-            # pythonfmu says of every step that was discarded that the simulation is to end
-            if ended.value and not self.description.holds_component:
-                self._step_start, self._step_end = t, end
-                self._end_at(min(max(last.value, t), end) if known else t)
-                return
-            if known and last.value > t:
-                self._failed(
-                    status, f" and got to {last.value:.9g} s", f"A macro step of at most {last.value - t:.3g} s may help"
-                )
-        self._check(status)
+        return status
+
+    def _progress(self, t: float, h: float) -> float | None:
+        """So far the FMU got in a discarded step, s; None: not told. Where it ends the simulation, that is dealt with."""
+        ended, last = ctypes.c_int(), ctypes.c_double(nan)
+        if self._asked("BooleanStatus", TERMINATED, ended) > WARNING:
+            ended.value = 0
+        known = self._asked("RealStatus", LAST_TIME, last) <= WARNING and not isnan(last.value)
+        # pythonfmu says of every step that was discarded that the simulation is to end
+        if ended.value and not self.description.holds_component:
+            self._end_at(min(max(last.value, t), t + h) if known else t)
+        return max(last.value - t, 0.0) if known and t - NEAR * h <= last.value < t + h else None
+
+    def _asked(self, name: str, kind: int, answer: Any) -> int:
+        """The status of fmi2Get..., which gives an answer about the last step."""
+        return self._guarded("Get" + name, ctypes.c_int, ctypes.c_void_p)(self._instance, kind, ctypes.addressof(answer))

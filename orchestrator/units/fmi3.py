@@ -16,11 +16,11 @@ import numpy as np
 from fmpy.fmi3 import FMU3Slave
 
 from ...components.core.errors import StepFailed
-from .fmu_simulator import DiscreteStates, FmuSimulator
+from .discarded import ShorterSteps
+from .fmu_simulator import DISCARD, DiscreteStates, FmuSimulator
 from .inputs import Others, Reals, Requested
 from .interface import SimulationEnded
 
-DISCARD = 2
 ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
 BOOLEAN, DOUBLE, POINTER = ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
@@ -44,7 +44,7 @@ class Fmi3Simulator(FmuSimulator):
         super()._set_values({n: v for n, v in values.items() if n not in sizes})
 
     def _enter_initialization(self) -> None:
-        tolerance, (start, stop) = self._tolerance or 0.0, self._span
+        tolerance, (start, stop, _) = self._tolerance or 0.0, self._span
         self._call(
             "EnterInitializationMode",
             BOOLEAN(tolerance > 0.0),
@@ -105,7 +105,11 @@ class Fmi3CoSimulation(Fmi3Simulator):
             self._reals.move(t - self._origin)
 
     def _make_reals(self, names: Sequence[str]) -> Reals:
-        return Requested(names, *self._common()) if set(names) <= self.description.requested else super()._make_reals(names)
+        return (
+            Requested(names, *self._common(self._function))
+            if set(names) <= self.description.requested
+            else super()._make_reals(names)
+        )
 
     def start(self) -> None:
         super().start()
@@ -115,8 +119,9 @@ class Fmi3CoSimulation(Fmi3Simulator):
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         super().wire(inputs, outputs)
         self._do_step = self._function("DoStep", DOUBLE, DOUBLE, BOOLEAN, POINTER, POINTER, POINTER, POINTER)
-        self._enter_event_mode, self._enter_step_mode = (self._function(n) for n in ("EnterEventMode", "EnterStepMode"))
+        self._enter_event_mode, self._enter_step_mode = (self._guarded(n) for n in ("EnterEventMode", "EnterStepMode"))
         self._instance = self._fmu.component
+        self._parts = ShorterSteps(self._interface(), self._span.parts and not self.description.holds_component)
         # event, termination, early return: three bytes that are looked at as one word
         self._origin = 0.0  # s, the beginning of the step
         if isinstance(self._reals, Requested):
@@ -133,6 +138,10 @@ class Fmi3CoSimulation(Fmi3Simulator):
         super()._hand_over(inputs, values)
         if event:
             self._handle_events()
+
+    def _take(self, beside: Any) -> None:
+        super()._take(beside)
+        self._reached.value = -inf  # an older time is not that of a discarded step
 
     def _handle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
@@ -156,10 +165,12 @@ class Fmi3CoSimulation(Fmi3Simulator):
         self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
         self._steps += 1
         if self.next_event <= t + h:
+            self._parts.begin(h)
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
         else:
             status = self._do_step(self._instance, t, h, self._forget, *self._answers)
             if status or self._word.value:
+                self._parts.begin(h)
                 self._step_by_events(t, h, self._answered(status, t, t + h))
 
     def _step_with_requests(self, t: float, h: float) -> None:
@@ -168,7 +179,8 @@ class Fmi3CoSimulation(Fmi3Simulator):
         cast(Requested, self._reals).stepped()
 
     def _stride(self, t: float, h: float) -> float:
-        """The part of h up to the next event, if the FMU can be stepped to it."""
+        """The part of h up to the next event, if the FMU can be stepped to it; short enough after a discarded step."""
+        h = self._parts.next(h)
         return min(h, max(self.next_event - t, 0.0)) if self._stops else h
 
     def _advance(self, t: float, h: float) -> tuple[float, bool]:
@@ -184,13 +196,12 @@ class Fmi3CoSimulation(Fmi3Simulator):
             reached = min(max(t, self._reached.value), end)
             self._end_at(reached)
             return reached, False
-        if status == DISCARD and t < self._reached.value < end:
-            self._failed(
-                status,
-                f" and got to {self._reached.value:.9g} s",
-                f"A macro step of at most {self._reached.value - t:.3g} s may help",
-            )
-        self._check(status)
+        if status == DISCARD:  # the FMU is where it was, or at a time that it tells
+            progress = self._reached.value - t if t < self._reached.value < end else 0.0
+            self._shorten(t, end - t, progress, back=False)
+            self._word.value = 0
+            return t + progress, False
+        self._check(status, self._parts.after)
         return reached, bool(event)
 
     def _step_by_events(self, t: float, h: float, first: tuple[float, bool]) -> None:
@@ -201,7 +212,7 @@ class Fmi3CoSimulation(Fmi3Simulator):
             if self._ended is not None:
                 return
             due = self._events and (event or self.next_event <= reached)
-            if self.event is None and (due or reached < end):
+            if self.event is None and (due or (reached < end and self._word.value)):
                 self.event = reached
             self._time = reached
             if due:

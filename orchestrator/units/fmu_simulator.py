@@ -19,10 +19,12 @@ import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
+from . import environment
 from .description import Description
+from .discarded import ShorterSteps
 from .fmu_messages import Messages
 from .folders import give, take
-from .inputs import WARNING, Others, Reals, means
+from .inputs import WARNING, Functions, Others, Reals, means
 from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Span
 from .outputs import derivatives, reader
 from .states import State, States
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from ...components.core.component import Component
 
 LOG = logging.getLogger("cosimo.units")  # a worker process keeps it for the message about its end
-FATAL = 4
+DISCARD, FATAL = 2, 4
 NEAR = 1e-6  # of a step
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
 _once: set[str] = set()  # running FMUs that allow one instance in a process only
@@ -58,6 +60,7 @@ class FmuSimulator:
     event: float | None = None
     time_of_step: Callable[[], float] | None = None  # s, where compiled code takes the steps
     next_event = float("inf")  # s, where the FMU asks for an event
+    _parts: ShorterSteps  # of an FMU for co-simulation, from `wire` on
 
     def __init__(
         self,
@@ -102,6 +105,7 @@ class FmuSimulator:
         try:
             with working_directory.kept():  # FMPy goes to the library's folder, and stays there when loading fails
                 self._fmu = self._instantiate()
+            environment.restore()  # a library may change it where it is loaded
             self._usable = self._healthy = True
         except Exception as error:  # FMPy raises bare exceptions
             self.close()
@@ -112,7 +116,7 @@ class FmuSimulator:
             ) from None
         if self._alone:
             _once.add(self._alone)
-        self._states = States(self._fmi3, self._fmu.component, self._function, self._failed)
+        self._states = States(self._fmi3, self._fmu.component, self._guarded, self._failed)
         try:
             self._set_up()  # first: some FMUs take back all start values there
             self._set_values(values)
@@ -163,13 +167,20 @@ class FmuSimulator:
         LOG.info("%s: %s", self.name, text)
 
     def _function(self, name: str, *types: Any) -> Callable[..., int]:
-        """A C function under this unit's own argument types: indexing the library gives a new object each time."""
+        """A C function under this unit's own argument types: indexing the library gives a new object each time.
+
+        It may leave another floating-point environment: for calls behind which a `Callback` looks after that.
+        """
         function = self._fmu.dll[self.prefix + name]
         function.argtypes, function.restype = (ctypes.c_void_p, *types), ctypes.c_int
         return function
 
+    def _guarded(self, name: str, *types: Any) -> Callable[..., int]:
+        """The same for all other calls."""
+        return environment.guarded(self._function(name, *types))
+
     def _call(self, name: str, *arguments: Any) -> None:
-        status = self._function(name, *(type(a) for a in arguments))(self._fmu.component, *arguments)
+        status = self._guarded(name, *(type(a) for a in arguments))(self._fmu.component, *arguments)
         self._check(status)
 
     def _log_lines(self) -> str:
@@ -179,6 +190,17 @@ class FmuSimulator:
         self._usable, self._healthy = status != FATAL, False
         reason = f"the FMU {STATUS.get(status, f'returned status {status}')}{more}{self._log_lines()}"
         raise StepFailed(self.name, self._time, reason, remedy)
+
+    def _shorten(self, t: float, h: float, progress: float | None, back: bool) -> None:
+        """The next steps get shorter, as of `ShorterSteps.discarded`; raises `StepFailed` where none is to be tried."""
+        why = self._parts.discarded(h, progress, back) if self._parts.wanted else ""
+        if why or not self._parts.wanted:
+            got, remedy = (
+                (f" and got to {t + progress:.9g} s", f"A macro step of at most {progress:.3g} s may help")
+                if progress
+                else ("", "")
+            )
+            self._failed(DISCARD, got + why, remedy)
 
     def _end_at(self, t: float) -> None:
         """The FMU ends the simulation: where that is the end of a step, all units complete it, and the next one is not begun.
@@ -253,13 +275,13 @@ class FmuSimulator:
             self.drive, self.update = self._reals.drive, self._reals.write
         else:
             self.drive, self.update = self._drive_mixed, self._update_mixed
-        self.get = self.reader(outputs, len(outputs) > ARRAY_THRESHOLD)
+        self.get = self.reader(outputs, len(outputs) > ARRAY_THRESHOLD, self._function)
 
     def _make_reals(self, names: Sequence[str]) -> Reals:
-        return Reals(names, self.description.interpolates, *self._common())
+        return Reals(names, self.description.interpolates, *self._common(self._function))
 
-    def _common(self) -> tuple[Any, ...]:
-        return self._scalars, self._fmi3, self._fmu.component, self._function, self._failed
+    def _common(self, functions: Functions | None = None) -> tuple[Any, ...]:
+        return self._scalars, self._fmi3, self._fmu.component, functions or self._guarded, self._failed
 
     def _drive_mixed(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         moving, levels, held = self._rows
@@ -302,17 +324,17 @@ class FmuSimulator:
 
     def _read(self, block: Block) -> list[Any]:
         """Present values of a block's scalars."""
-        self._check(self._function("Get" + block.type.suffix, *block.argument_types)(self._fmu.component, *block.arguments))
+        self._check(self._guarded("Get" + block.type.suffix, *block.argument_types)(self._fmu.component, *block.arguments))
         return decoded(block)
 
-    def _check(self, status: int) -> None:
+    def _check(self, status: int, after: str = "") -> None:
         if status > WARNING:
-            self._failed(status)
+            self._failed(status, after)
         if status == WARNING:
             self.messages.warned()
 
-    def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], PortValues]:
-        return reader(names, arrays, self._inexact, *self._common())
+    def reader(self, names: Sequence[str], arrays: bool = False, functions: Functions | None = None) -> Callable[[], PortValues]:
+        return reader(names, arrays, self._inexact, *self._common(functions))
 
     def _inexact(self, name: str, value: int) -> None:
         raise StepFailed(
@@ -385,8 +407,8 @@ class FmuSimulator:
         }
         return own | self._values
 
-    def work(self) -> dict[str, int]:
-        return {"steps": self._steps}
+    def work(self) -> Mapping[str, float]:
+        return {"steps": self._steps, **self._parts.work()}
 
     def log_messages(self) -> Messages:
         """What the FMU has said so far; nothing of a component's FMU, whose reasons Python's log has."""
@@ -397,8 +419,9 @@ class FmuSimulator:
             if self._healthy:  # after an error only the last of these calls is allowed
                 self._states.close()
                 if self._started:
-                    self._function("Terminate")(self._fmu.component)
+                    self._guarded("Terminate")(self._fmu.component)
             self._fmu.freeInstance()
+            environment.restore()
             self._usable = False
         _once.discard(self._alone)
         if self._folder:

@@ -25,7 +25,9 @@ WARNING = 1  # the highest status with which a call has done its work
 
 
 class Reals:
-    """Inputs of 64 bits that may change over a step."""
+    """Inputs of 64 bits that may change over a step. `given`: the polynomials of the last `drive`."""
+
+    given: Sequence[PortValues | None] = (None, None, None)
 
     def __init__(
         self,
@@ -65,6 +67,7 @@ class Reals:
 
     def drive(self, values: PortValues, slopes: PortValues | None, quadratic: PortValues | None, h: float) -> None:
         """As `Simulator.drive`."""
+        self.given = values, slopes, quadratic
         target, places, arguments = self._target, self._places, self._arguments[0]
         if slopes is None:
             target[places[0]] = values
@@ -87,6 +90,15 @@ class Reals:
         status = self._set(*arguments)
         if status > WARNING:
             self._failed(status)
+
+    def drive_part(self, s: float, h: float) -> None:
+        """The polynomials over h, from s behind the beginning of the step on; nothing where the inputs are held."""
+        values, slopes, quadratic = given = self.given
+        if slopes is not None:
+            second = [0.0] * self._n if quadratic is None else quadratic
+            terms = list(zip(values, slopes, second, strict=True))
+            self.drive([v + s * (a + s * b) for v, a, b in terms], [a + 2.0 * s * b for _, a, b in terms], quadratic, h)
+            self.given = given
 
 
 class Requested(Reals):

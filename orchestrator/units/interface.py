@@ -23,10 +23,14 @@ def port_values(values: np.ndarray) -> PortValues:
 
 
 class Span(NamedTuple):
-    """Of a run, as FMUs are told of it before they are initialized, s; stop None: not told."""
+    """Of a run, as FMUs are told of it before they are initialized, s; stop None: not told.
+
+    parts: whether a unit makes a step that its FMU discards in shorter ones; False: step control repeats it for all units.
+    """
 
     start: float = 0.0
     stop: float | None = None
+    parts: bool = True
 
 
 WITHOUT_END = Span()
@@ -170,7 +174,7 @@ class Simulator(Protocol):
     def parameters(self) -> dict[str, Any]:
         """Values the run was made with, by name."""
 
-    def work(self) -> dict[str, int]:
+    def work(self) -> Mapping[str, float]:
         """Counters of the unit by name."""
 
     def close(self) -> None:

@@ -396,9 +396,9 @@ class WorkerSimulator:
     def parameters(self) -> dict[str, Any]:
         return self._parameters
 
-    def work(self) -> dict[str, int]:
+    def work(self) -> dict[str, float]:
         """The unit's counters, as far as its process can still be asked, and the number of requests to it."""
-        counted: dict[str, int] = {}
+        counted: dict[str, float] = {}
         if not self._lost and self._expected is None:
             with suppress(StepFailed):  # it has ended since its last answer, when nothing was wanted of it any more
                 counted = self._ask("work", expected=Expected(Code.DATA, REPORT, read_counters))

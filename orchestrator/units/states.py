@@ -51,6 +51,18 @@ class States:
         self._check(self._get(self._instance, state.place))
         return state
 
+    def of_steps(self) -> State | None:
+        """For `note`: one that is kept as long as the FMU is; None where it only says that it saves states."""
+        state = State()
+        if self._get(self._instance, state.place) > WARNING:
+            return None
+        self._kept[state.place], self.none = state, False
+        return state
+
+    def note(self, state: State) -> None:
+        """The state where a step begins."""
+        self._check(self._get(self._instance, state.place))
+
     def restore(self, state: State) -> None:
         """Back to a state; it can be restored again."""
         self._check(self._set(self._instance, state.handle))

@@ -23,7 +23,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ..interrupts import STOPPING
 from ..settings import UnitSettings
-from . import Simulator, open_unit
+from . import Simulator, environment, open_unit
 from .answers import LONGEST_TEXT, MOST_WARNINGS, REPORT
 from .channel import EVENT, INDEX, TIMES, Channel, Code, packed, packer, unpacker
 from .fmu_messages import Messages
@@ -160,6 +160,7 @@ class Worker:
             except Exception as error:
                 traceback.print_exc()
                 code, answer = self._failure(StepFailed(self._name, self._time, f"{type(error).__name__}: {error}"))
+            environment.restore()  # as it is between the calls where the unit is in the process of the run
             if messages:
                 texts = [text[:LONGEST_TEXT] for text in messages[:MOST_WARNINGS]]
                 code, answer = Code.WARNED, packed([code, answer, *texts])

@@ -16,6 +16,7 @@ DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
     <ScalarVariable name="y" valueReference="3" causality="output"><Real/></ScalarVariable>
     <ScalarVariable name="limit" valueReference="4" causality="parameter" variability="fixed">
       <Real start="1e9" min="0"/></ScalarVariable>
+    <ScalarVariable name="longest" valueReference="5" causality="parameter" variability="fixed"><Real start="1e9"/></ScalarVariable>
     <ScalarVariable name="sign" valueReference="5" causality="parameter" variability="fixed"><Integer start="1"/></ScalarVariable>
   </ModelVariables>
   <ModelStructure><Outputs>

@@ -113,6 +113,7 @@ MODELS: dict[str, list[V]] = {
         V("longest", 7, "Float64", "parameter", "fixed", "1e9"),
         *(V(n, k, "Int32", "parameter", "fixed", "0") for k, n in enumerate(("chatty", "rounding", "writes"), 8)),
         V("third", 12, "Float64", "output", "discrete"),
+        V("strict", 13, "Int32", "parameter", "fixed", "0"),
     ],
     "moody": [
         V("now", 6, "Float64", "output", "continuous"),

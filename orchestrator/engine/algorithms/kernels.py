@@ -16,8 +16,19 @@ from __future__ import annotations
 import numpy as np
 
 from ....components.core.kernels import inlined_kernel, kernel
-from ...units.call_names import COMPANIONS, DERIVATIVES, FAILED, IN_MEMORY, IN_PYTHON, MEAN, NOTED
-from ...units.calls import call_derivatives, call_entry, call_step, call_values, load, load_int32, load_int64, store
+from ...units.call_names import COMPANIONS, DERIVATIVES, FAILED, IN_MEMORY, IN_PYTHON, MEAN, NOTED, OF_STEP
+from ...units.calls import (
+    call_derivatives,
+    call_entry,
+    call_restore,
+    call_save,
+    call_step,
+    call_values,
+    load,
+    load_int32,
+    load_int64,
+    store,
+)
 from .records import (
     BEYOND,
     CONSTANT,
@@ -172,6 +183,18 @@ def _drive(unit, links, pasts, signals, buffer, h):
 
 
 @kernel
+def _restored(unit, status):
+    """The status of a call of an FMU, behind which the floating-point environment is that of the start, see `units.environment`."""
+    cells = unit.environment
+    if cells != 0:
+        one, little = load(cells + 16), load(cells + 24)
+        ordinary = one + little == one and one - little == one
+        if not (ordinary and load(cells + 32) - load(cells + 40) > 0.0 and load(cells + 48) > 0.0):
+            call_restore(load_int64(cells), load_int64(cells + 8))
+    return status
+
+
+@kernel
 def _hold(unit, links):
     """Hand an FMU the inputs that are set on change, if one has changed, as `_drive_fmu`; returns the status."""
     changed, at = False, unit.held_values
@@ -204,7 +227,7 @@ def _drive_fmu(unit, links, buffer, h):
         buffer[k], buffer[k + n], buffer[k + 2 * n] = v, s, 2.0 * c
         k += 1
     if mode == COMPANIONS:
-        return call_values(unit.set, unit.instance, unit.input_references, n * (max(degree, 0) + 1), values)
+        return _restored(unit, call_values(unit.set, unit.instance, unit.input_references, n * (max(degree, 0) + 1), values))
     status = call_values(unit.set, unit.instance, unit.input_references, n, values)
     if mode == DERIVATIVES:
         for order in range(degree):
@@ -217,7 +240,7 @@ def _drive_fmu(unit, links, buffer, h):
                     unit.orders + 4 * order * n,
                     values + 8 * (order + 1) * n,
                 )
-    return status
+    return _restored(unit, status)
 
 
 @kernel
@@ -226,10 +249,13 @@ def _step(unit, t, h):
     unit.taken += 1
     if unit.input_mode < IN_MEMORY:
         unit.time = t
-        status = call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
+        status = call_save(unit.save, unit.instance, unit.state) if unit.save != 0 else 0
+        if status > WARNING:
+            return status
+        status = _restored(unit, call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return)))
         if status == WARNING:
             unit.warned += 1
-        return status
+        return status if status <= WARNING else status + OF_STEP
     status = FAILED * call_entry(unit.step, t, h, unit.argument)
     if status == 0:
         unit.time = t + h
@@ -278,11 +304,14 @@ def _read(unit, outputs_at, signals):
     if unit.input_mode == IN_PYTHON:
         return FAILED * call_entry(unit.read, unit.time, 0.0, 0)
     if unit.parts == 0:
-        return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
+        if n == 0:
+            return 0
+        return _restored(unit, call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first))
     cell = unit.part_cells
     for _ in range(unit.parts):  # as `call_table.output_parts` writes them
         whole, n = load_int64(cell + 32), load_int64(cell + 40)
-        status = call_values(load_int64(cell), unit.instance, load_int64(cell + 8), load_int64(cell + 16), load_int64(cell + 24))
+        references, size, buffer = load_int64(cell + 8), load_int64(cell + 16), load_int64(cell + 24)
+        status = _restored(unit, call_values(load_int64(cell), unit.instance, references, size, buffer))
         if status > WARNING:
             return status
         cell += 48

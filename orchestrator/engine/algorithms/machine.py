@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ...units.call_table import Callback, calls_of
+from ...units.call_table import Callback, calls_of, polynomials
 from ...units.interface import port_values
 from .memory import Records
 from .node import Node
@@ -85,6 +85,7 @@ class Machine:
             links["set_on_change"], row["n_set_on_change"] = table.set_on_change, sum(table.set_on_change)
             self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
             if hasattr(unit, "begin_steps"):  # an FMU that compiled code steps
+                unit.driven = partial(polynomials, links)
                 unit.time_of_step = partial(records.numbers.__getitem__, self._called[-1][2])
                 self._fmus.append((unit, *(records.place("units", node.called, name) for name in ("no_return", "warned"))))
             self._tables.append(table)

@@ -129,7 +129,10 @@ fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real h, fmi2Boolea
     }
 #endif
 #ifdef TOLD
-    if (h > unit->now.data.longest) return fmi2Discard;
+    if (h > unit->now.data.longest) {
+        if (unit->now.data.strict) unit->now.data.steps = 1000, unit->now.mode = FAILED;
+        return fmi2Discard;
+    }
     const char *name = "told", *text = "step %d: the table was left at %g s";
     for (int k = 0; k < unit->now.data.chatty; k++)
         unit->callbacks->logger(unit->callbacks->componentEnvironment, name, fmi2Warning, "w", text, unit->now.data.steps + 1, t);
@@ -154,6 +157,9 @@ fmi2Status fmi2GetStatus(fmi2Component instance, const fmi2StatusKind kind, fmi2
 }
 fmi2Status fmi2GetRealStatus(fmi2Component instance, const fmi2StatusKind kind, fmi2Real *value) {
     Unit *unit = instance;
+#ifdef TOLD
+    if (unit->now.data.strict) return fmi2Discard;
+#endif
     if (kind == fmi2LastSuccessfulTime) *value = *clock_of(&unit->now.data);
     return kind == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
 }
