@@ -80,7 +80,17 @@ SYMBOLS = {
     "rpm": _unit(2.0 * PI / 60.0, rad=1, s=-1),
     "%": _unit(1e-2),
     "degC": _unit(1.0, 273.15, K=1),
+    "degF": _unit(5.0 / 9.0, 459.67 * 5.0 / 9.0, K=1),
+    "ft": _unit(0.3048, m=1),
+    "in": _unit(0.0254, m=1),
+    "yd": _unit(0.9144, m=1),
+    "mi": _unit(1609.344, m=1),
+    "mph": _unit(0.44704, m=1, s=-1),
+    "lb": _unit(0.45359237, kg=1),
+    "lbf": _unit(4.4482216152605, kg=1, m=1, s=-2),
+    "psi": _unit(4.4482216152605 / 0.0254**2, kg=1, m=-1, s=-2),
 }
+OTHERWISE = {"m/s": "km/h", "N": "kN", "N/m": "kN/m", "m": "mm"}  # a unit in which a number of the field is as often written
 _FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
 
 
@@ -119,8 +129,37 @@ def conversion(
     return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor
 
 
+def conversion_of(
+    written: str, unit: str, where: str, shown: str, defined: Unit | None = None, relative: bool = False
+) -> tuple[float, float]:
+    """As `conversion`, of a unit that a person has written where one of this dimension is wanted; shown: what a message quotes."""
+    try:
+        return conversion(written, unit, where, (None, defined), relative)
+    except BadInput as error:
+        wanted = f"a unit of the dimension of {unit}" if unit != "1" else "a number without unit"
+        remedy = ""
+        if error.actual == f"unit {written!r}":
+            exponents = (defined or parse(unit, where)).exponents
+            alike = [symbol for symbol, known in SYMBOLS.items() if known.exponents == exponents and unit != "1"]
+            remedy = error.remedy if "did you mean" in error.remedy else f"Such as {', '.join(alike)}." if alike else ""
+        raise BadInput(where, shown, wanted, remedy) from None
+
+
 _WRITTEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?![eE.]?[+-]?\d)\s*([^\s\d.,+*/-].*?)\s*")
 _SIGNS = {"°C": "degC", "°": "deg", "µ": "u", "μ": "u", "²": "2", "³": "3", "·": ".", "*": ".", "^": "", "Ω": "Ohm", " ": "."}
+
+
+def plain(text: str) -> str:
+    """A unit as a person writes it, "N / mm²", in the form that `parse` takes."""
+    written = re.sub(r"\s*/\s*", "/", text.strip())
+    for sign, other in _SIGNS.items():
+        written = written.replace(sign, other)
+    return re.sub(r"\(([^()]+)\)2(?!\d)", lambda match: squared(match[1]), written)
+
+
+def squared(unit: str) -> str:
+    """The square of a unit: "m2/s4" of "m/s2"."""
+    return _FACTOR.sub(lambda f: f[0] if f[2] == "1" else f"{f[1]}{f[2]}{2 * int(f[3] or 1)}", unit)
 
 
 def is_quantity(text: object) -> bool:
@@ -137,17 +176,8 @@ def number_in(text: str, unit: str, where: str, defined: Unit | None = None, rel
     match = _WRITTEN.fullmatch(text)
     if match is None:
         raise BadInput(where, repr(text), f"a number in {unit}, or a text with its unit")
-    written = re.sub(r"\s*/\s*", "/", match[2])
-    for sign, plain in _SIGNS.items():
-        written = written.replace(sign, plain)
-    try:
-        factor, offset = conversion(written, unit, where, (None, defined), relative)
-    except BadInput as error:
-        if error.actual == f"unit {written!r}":
-            raise BadInput(where, repr(text), error.expected, error.remedy) from None
-        raise BadInput(
-            where, repr(text), f"a unit of the dimension of {unit}" if unit != "1" else "a number without unit"
-        ) from None
+    written = plain(match[2])
+    factor, offset = conversion_of(written, unit, where, repr(text), defined, relative)
     if offset:
         raise BadInput(where, repr(text), f"a number in {unit}", "A temperature and a difference of temperatures would differ.")
     return float(match[1]) * factor

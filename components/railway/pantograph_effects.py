@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..core.columns import table_of
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.errors import BadInput
@@ -319,14 +320,14 @@ def uneven(wire, position, s):
 def measured_heights(table: str, where: str) -> np.ndarray:
     """Positions, rising, and heights, (2, n) m, of `MeasuredUnevenness`; `BadInput` for another kind of table."""
     place = f"{where}: measured_unevenness.table"
-    lines = [line for line in table.splitlines() if line.strip()]
-    try:
-        values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
-    except ValueError as error:
-        raise BadInput(place, str(error), "a header, then rows of two numbers separated by a comma") from None
-    if values.ndim != 2 or values.shape[0] < 2 or values.shape[1] != 2 or not np.isfinite(values).all():
-        raise BadInput(place, f"{len(lines)} lines", "a header, then at least two rows of a position and a height")
-    if np.any(np.diff(values[:, 0]) <= 0.0):
-        k = int(np.argmax(np.diff(values[:, 0]) <= 0.0))
-        raise BadInput(place, f"{values[k + 1, 0]:g} m behind {values[k, 0]:g} m", "positions that rise")
-    return np.ascontiguousarray(values.T)
+    columns = table_of(table, place)
+    columns.only(("position", "height"), "position and height")
+    x, height = (columns.numbers(name, "m", asked=True) for name in ("position", "height"))
+    if x.size < 2 or np.isnan(x + height).any():
+        raise BadInput(
+            place, f"{np.isfinite(x + height).sum()} whole rows of {x.size}", "at least two rows of a position and a height"
+        )
+    if np.any(np.diff(x) <= 0.0):
+        k = int(np.argmax(np.diff(x) <= 0.0))
+        raise BadInput(place, f"{x[k + 1]:g} m behind {x[k]:g} m", "positions that rise")
+    return np.array((x, height))

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import logging
 import os
-import stat
 import sys
 from collections.abc import Sequence
 
+from ...components.core.columns import refuse_pipe
 from ...components.core.errors import BadInput
 from ..cache import tidy_daily
 from ..output import FULL, NoSpace
@@ -32,7 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _run(arguments: Sequence[str]) -> None:
     try:
-        _refuse_pipes(arguments)
+        for argument in arguments:
+            refuse_pipe(argument)
         app([*arguments])
     except BadInput as error:
         print(f"cosimo: {error}", file=sys.stderr)
@@ -54,17 +55,3 @@ def _disk_is_full(error: BaseException) -> bool:
             return True
         cause = cause.__cause__ or cause.__context__
     return False
-
-
-def _refuse_pipes(arguments: Sequence[str]) -> None:
-    """Raises `BadInput` for a named pipe, a device or a socket in the place of a file: to open one may wait for ever.
-
-    A pipe that the shell has opened, under /dev, has its writer.
-    """
-    for argument in arguments:
-        try:
-            mode = os.stat(argument).st_mode
-        except (OSError, ValueError):  # no path
-            continue
-        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and not argument.startswith(("/dev/fd/", "/dev/std", "/proc/self/fd/")):
-            raise BadInput(repr(argument), "a pipe, a device or a socket", "a file or a folder")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from typer import Argument, BadParameter, Option
 
 from ...components.core.errors import BadInput
-from ...components.core.measure import is_quantity, number_in
+from ...components.core.measure import OTHERWISE, is_quantity, number_in
 from ..delivery import PLACES, delivered
 from .completion import parameters, presets, scenes
 
@@ -188,9 +188,6 @@ def listed(option: str, texts: Sequence[str] | None) -> list[str]:
     if not all(names):
         raise BadInput(option, repr(",".join(texts or ())), "names separated by commas")
     return names
-
-
-OTHERWISE = {"m/s": "km/h", "N": "kN", "N/m": "kN/m", "m": "mm"}  # a unit in which a number of the field is as often written
 
 
 def number_given(text: str, unit: str, option: str, *, bare: bool = True) -> float:

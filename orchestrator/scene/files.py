@@ -8,6 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from ...components.core.columns import decoded, read_bytes
 from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_TOML, check_values, loading
 
@@ -59,15 +60,14 @@ def read_file(path: Path, given: Collection[str] = ()) -> tuple[dict[str, Any], 
 
 
 def read_text(path: Path, where: str = "scene") -> str:
-    """The text of a TOML file; one that is missing, too long or no text is one `BadInput`."""
+    """The text of a TOML file, or of a CSV table; one that is missing, too long or no text is one `BadInput`."""
+    data = read_bytes(path, where, MOST_TOML)
+    if path.suffix.lower() == ".csv":
+        return decoded(data, str(path))
     try:
-        if (size := path.stat().st_size) > MOST_TOML:
-            raise BadInput(str(path), f"a file of {size} bytes", f"at most {MOST_TOML} bytes")
-        return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise BadInput(where, repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
-        raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8") from None
+        raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8", "Save it in this encoding.") from None
 
 
 def read_toml(path: Path) -> dict[str, Any]:

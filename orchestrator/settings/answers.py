@@ -68,7 +68,7 @@ class SpectrumSettings(Model):
 
     signal: str = Field(description='"unit.output" of the scene')
     file: str = Field(description="CSV with one line of names, beside the plan")
-    frequency: str = Field(default="frequency", description="column of the frequency in Hz")
+    frequency: str = Field(default="frequency", description="column of the frequency (Hz, or the unit of the header)")
     ordinate: str = Field(description="column of the spectrum")
     kind: Literal["power spectral density", "amplitude spectrum"] = Field(
         default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit"
@@ -79,7 +79,7 @@ class SpectrumSettings(Model):
     low: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(default=0.0, description="Hz, from here on")
     high: Positive | None = Field(default=None, description="Hz, up to here")
     logarithmic: Truth = Field(default=True, description="residuals of natural logarithms; false: of the numbers themselves")
-    separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(default=",", description="of the columns")
+    separator: Annotated[str, Field(max_length=1)] = Field(default="", description="of the columns; default: as the header shows")
     scale: Positive = Field(default=1.0, description="times the measured number gives the signal's unit")
     source: str = Field(default="", description="where the measurement comes from")
     deviation: Positive | None = Field(

@@ -56,11 +56,14 @@ class CurveSettings(Model):
     signal: str = Field(description='"unit.output" of the scene')
     condition: str = Field(default="", description="the run; without it the only one")
     file: str = Field(description="CSV with one line of names, beside the case's file")
-    abscissa: str = Field(description="column of the time in s, or of the signal in `over`")
-    ordinate: str = Field(description="column of the measured signal")
+    abscissa: str = Field(description="column of the time (s, or the unit of the header), or of the signal in `over`")
+    ordinate: str = Field(description="column of the measured signal, in its unit or that of the header, as in F [kN]")
     over: str = Field(default="", description='"unit.output" that rises throughout the run, such as a position; without it time')
-    separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(default=",", description="of the columns")
-    scale: Number = Field(default=1.0, description="times the measured number gives the signal's unit")
+    separator: Annotated[str, Field(max_length=1)] = Field(default="", description="of the columns; default: as the header shows")
+    scale: Number = Field(
+        default=1.0,
+        description="times the measured number gives the signal's unit; without it the unit of the header leads there",
+    )
     offset: Number = Field(default=0.0, description="added after the scale")
     shift: Number = Field(default=0.0, description="added to the abscissa")
     cutoff: Positive | None = Field(default=None, description="Hz, low-pass filter of both; without it none")

@@ -117,7 +117,7 @@ def test_two_supports_are_a_line_and_one_is_none(folder, capsys):
     for supports, code in (("0\n50\n", 0), ("0\n", 2)):
         (folder / "few.csv").write_text("position [m]\n" + supports)
         assert command("new", "line", f"{code}.toml", "few.csv") == code
-    assert "1 supports; expected at least two" in capsys.readouterr().err
+    assert "supports at 0 m; expected at least two" in capsys.readouterr().err
 
 
 def test_bad_input_leaves_no_file(folder, capsys):
@@ -130,9 +130,9 @@ def test_bad_input_leaves_no_file(folder, capsys):
     for arguments, named in (
         (("line", "line.toml", "supports.csv"), "there already"),
         (("line", "new.txt", "supports.csv"), "ends with .toml"),
-        (("line", "new.toml", "bad.csv"), "'contact height [m]'"),
+        (("line", "new.toml", "bad.csv"), "'contact height'"),
         (("line", "new.toml", "back.csv"), "behind the one before"),
-        (("line", "new.toml", "commas.csv"), "separated by semicolons"),
+        (("line", "new.toml", "commas.csv"), "need semicolons"),
         (("line", "new.toml", "supports.csv", "--contact-tension", "22 kg"), "dimension of N"),
         (("line", "new.toml", "supports.csv", "--contact-tension", "22"), "22 kN or 22 N?"),
         (("line", "new.toml", "supports.csv", "--messenger-tension", "16"), "16 kN or 16 N?"),

@@ -4,9 +4,9 @@ import json
 from xml.sax.saxutils import quoteattr
 
 import pytest
+from cosimo.components.core.columns import read_table
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.common import changes_of
-from cosimo.orchestrator.harness.validation.curves import read_columns
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
@@ -73,7 +73,7 @@ def test_a_run_with_odd_names_is_written_and_read_again(tmp_path):
     for each in (result, again):
         assert list(each.columns) == [f"a.{names[0]}", f"b.{names[1]}"]
         assert each[f"b.{names[1]}"][-1] == 2.5
-    column = read_columns(tmp_path / "out" / "result.csv", "time", f"b.{names[1]}", ",").ordinate
+    column = read_table(tmp_path / "out" / "result.csv").numbers(f"b.{names[1]}")
     assert column.tolist() == result[f"b.{names[1]}"].tolist()
     assert again.scene.ends == scene.ends
     told = json.loads((tmp_path / "out" / "run.json").read_text())["scene"]["connections"]

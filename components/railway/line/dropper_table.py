@@ -6,12 +6,12 @@ cut length.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from ...core.errors import BadInput, nearest
+from ...core.columns import table_of
+from ...core.errors import BadInput
 from .from_table import Resolved, resolved_sections
 from .table import Dropper, Line, checked_number, read_line
 
@@ -68,51 +68,32 @@ def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper]) -> Any:
 
 def _rows(text: str, where: str) -> dict[int, Dropper]:
     """Number of the line in the text -> dropper."""
-    lines = text.removeprefix("\ufeff").splitlines()
-    head = lines[0] if lines else ""
-    delimiter = next((d for d in (";", "\t") if d in head), ",")
-    records = list(csv.reader(lines, delimiter=delimiter))
-    names = {column: key for key, column in column_names().items()}
-    header = [" ".join(cell.split()) for cell in (records[0] if records else ())]
-    for column in header:
-        if column not in names:
-            raise BadInput(f"{where}, line 1", f"column {column!r}", "a column of droppers with its unit", nearest(column, names))
-    if "position [m]" not in header:
-        raise BadInput(f"{where}, line 1", ", ".join(header) or "nothing", "a header with a column position [m]")
-    if len(set(header)) < len(header):
-        raise BadInput(f"{where}, line 1", ", ".join(header), "each column once")
+    table = table_of(text, where)
+    kinds = {f.name.replace("_", " "): f for f in fields(Dropper)}
+    table.only(kinds, "a column of droppers")
+    columns: dict[str, Any] = {}
+    for name, f in kinds.items():
+        if f.metadata["kind"] == "words":
+            columns |= {f.name: table.texts(name)} if table.place(name) is not None else {}
+        elif name == "position" or table.place(name) is not None:
+            columns[f.name] = table.numbers(name, f.metadata["unit"], asked=True)
     rows: dict[int, Dropper] = {}
-    for place, cells in enumerate(records[1:], 2):
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(header):
-            raise BadInput(
-                f"{where}, line {place}",
-                f"{len(cells)} cells",
-                f"{len(header)}, one for each column",
-                "Decimal commas need semicolons between the cells." if len(cells) > len(header) else "",
-            )
-        given = {names[c]: cell.strip() for c, cell in zip(header, cells, strict=True) if cell.strip()}
-        rows[place] = _dropper(given, delimiter != ",", f"{where}, line {place}")
+    for i, (line, _) in enumerate(table.rows):
+        given = {key: values[i] for key, values in columns.items()}
+        rows[line] = _dropper({key: v for key, v in given.items() if v != "" and v == v}, f"{where}, line {line}")
     if not rows:
         raise BadInput(where, "no row", "a header, then a row for each dropper")
     return rows
 
 
-def _dropper(given: dict[str, str], commas: bool, where: str) -> Dropper:
-    values: dict[str, Any] = {}
-    for f in fields(Dropper):
-        if f.name not in given:
-            continue
-        cell = given[f.name]
-        if f.metadata["kind"] == "words":
-            values[f.name] = cell
-            continue
-        try:
-            value = float(cell.replace(",", ".") if commas else cell)
-        except ValueError:
-            raise BadInput(f"{where}, {f.name.replace('_', ' ')}", repr(cell), f"a number in {f.metadata['unit']}") from None
-        values[f.name] = checked_number(f.metadata, value, f"{where}, {f.name.replace('_', ' ')}")
+def _dropper(given: dict[str, Any], where: str) -> Dropper:
+    values = {
+        f.name: given[f.name]
+        if f.metadata["kind"] == "words"
+        else checked_number(f.metadata, float(given[f.name]), f"{where}, {f.name.replace('_', ' ')}")
+        for f in fields(Dropper)
+        if f.name in given
+    }
     if "position" not in values:
         raise BadInput(where, "no position", "that of the dropper along the line, m")
     return Dropper(**values)

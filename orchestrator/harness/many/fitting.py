@@ -19,7 +19,7 @@ from ..analysis.least_squares import Fit
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
-from ..validation.curves import Comparison, Measured, compare_curve, read_curve
+from ..validation.curves import Comparison, Measured, compare_curve, read_curve, units_of
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
@@ -94,9 +94,10 @@ def fit(
     """
     data, name, folder = read_settings(settings, "fit", scene, Path(folder))
     wanted = validated(FitSettings, data, name)
-    curves = [(curve, read_curve(curve, folder)) for curve in wanted.curves]
+    units = units_of(scene)
+    curves = [(curve, read_curve(curve, folder, units)) for curve in wanted.curves]
     for spectrum in wanted.spectra:
-        read_spectrum(spectrum, folder)
+        read_spectrum(spectrum, folder, units.get(spectrum.signal, ""))
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})

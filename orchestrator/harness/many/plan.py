@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import warnings
@@ -15,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from ....components.catalogue import component_class
+from ....components.core.columns import read_table
 from ....components.core.errors import BadInput, nearest
-from ....components.core.measure import conversion
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
 from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
+from ...units.fmu import declared_signals
 from .limits import with_rows
 from .measures import check_analysis
 
@@ -139,7 +139,7 @@ def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None
     `cube`: points (n, d) of the unit cube in the place of the method's own. Raises `BadInput`.
     """
     if settings.table:
-        settings = settings.model_copy(update={"vary": read_table(Path(settings.table), scene)})
+        settings = settings.model_copy(update={"vary": read_points(Path(settings.table), scene)})
     columns = _columns(settings, cube)
     size = next(iter(columns.values())).numbers.size
     for name in columns:
@@ -230,34 +230,37 @@ def matrix_of(names: Sequence[str], pairs: Sequence[tuple[str, str, float]]) -> 
     return matrix
 
 
-def read_table(path: Path, scene: Scene) -> dict[str, Choices]:
-    """Points from a CSV: names in the first line, with or without ", unit"; raises `BadInput`."""
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            header, *rows = list(csv.reader(file)) or [[]]
-    except (OSError, UnicodeError) as error:
-        raise BadInput("table", repr(str(path)), "a CSV file that can be read", f"{error}.") from None
-    rows = [row for row in rows if row]
-    if not header or not rows:
+def read_points(path: Path, scene: Scene) -> dict[str, Choices]:
+    """Points from a CSV: names in the first line, with or without their units; raises `BadInput`."""
+    table = read_table(path, "table")
+    if not table.rows:
         raise BadInput(str(path), "no points", "a line of names and at least one line of values")
     columns: dict[str, Choices] = {}
-    for k, text in enumerate(header):
-        name, comma, unit = (part.strip() for part in text.rpartition(","))
-        if not comma or "]" in unit:  # an element of an array has commas, too
-            name, comma, unit = text.strip(), "", ""
-        factor, offset = 1.0, 0.0
-        if comma and unit != (own := unit_of(scene, name)):
-            factor, offset = conversion(unit, own, f"{path}: {name}")
+    for text, name, unit in zip(table.header, table.names, table.units, strict=True):
+        if _is_variable(scene, text):  # of an FMU, whose names may look as if they had a unit
+            name, unit = text, ""
+        own, where = unit_of(scene, name), f"{path}, column {text!r}"
         if name in columns:
             raise BadInput(str(path), f"{name!r} twice", "each name once")
-        try:
-            cells = [_cell(row[k]) for row in rows]
-        except IndexError:
-            raise BadInput(str(path), f"a line without {name}", f"{len(header)} values in each line") from None
-        if factor != 1.0 or offset:
-            cells = [factor * c + offset if isinstance(c, int | float) else c for c in cells]
-        columns[name] = Choices(tuple(cells))
+        if unit and not own:
+            raise BadInput(where, f"unit {unit!r}", f"a name alone, as the unit of {name} is not known")
+        cells = table.texts(text)
+        if not all(cells):
+            raise BadInput(f"{path}, line {table.rows[cells.index('')][0]}, column {text!r}", "an empty cell", "a value")
+        values = [_cell(cell) for cell in cells]
+        if unit or any(isinstance(value, str) for value in values):
+            try:
+                values = table.numbers(text, own).tolist()
+            except BadInput:
+                if unit or all(cell[-1:].isdigit() for cell in cells):
+                    raise
+        columns[name] = Choices(tuple(values))
     return columns
+
+
+def _is_variable(scene: Scene, name: str) -> bool:
+    unit, variable = scene.split(name)
+    return bool(unit in scene.units and (fmu := scene.units[unit].fmu) and variable in declared_signals(fmu, f"units.{unit}.fmu"))
 
 
 def from_columns(columns: Mapping[str, Iterable[Any]]) -> dict[str, Any]:

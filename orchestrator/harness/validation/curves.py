@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.columns import Columns, read_table
+from ....components.core.errors import BadInput
+from ....components.core.measure import conversion_of
 from ...judgement.instants import at_instants
 from ...settings.case import CurveSettings
 from ..analysis.signals import Filter, amplitude_spectrum, uniform
@@ -33,6 +35,16 @@ SHOWN = (
     0.9  # of half the samples a second: what a measurement shows at the frequency where it is (an anti-aliasing filter's reach)
 )
 SHARP = 12  # order of the filter that takes the rest away
+
+
+class Scaling(Protocol):
+    """Settings of a measured curve or spectrum."""
+
+    separator: str
+    scale: float
+
+    @property
+    def model_fields_set(self) -> set[str]: ...
 
 
 class Recorded(Protocol):
@@ -176,56 +188,46 @@ def _filtered(cutoff: float, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.interp(at, even, Filter(cutoff).apply(values, rate))
 
 
-def read_curve(curve: CurveSettings, folder: Path) -> Measured:
-    """The file's two columns, scaled and shifted; faults are one `BadInput` with file and line."""
-    measured = read_columns(folder / curve.file, curve.abscissa, curve.ordinate, curve.separator)
-    return Measured(measured.abscissa + curve.shift, measured.ordinate * curve.scale + curve.offset, measured.empty)
+def units_of(scene: Scene) -> dict[str, str]:
+    """Units of measure of all outputs, by "unit.output"."""
+    return {f"{u}.{n}": s.unit for u, i in scene.coupling.interfaces.items() for n, s in i.outputs.items()}
 
 
-def read_columns(path: Path, abscissa: str, ordinate: str, separator: str) -> Measured:
-    """Two columns of a CSV by their names, the first one rising; faults are one `BadInput` with file and line.
+def read_curve(curve: CurveSettings, folder: Path, units: Mapping[str, str]) -> Measured:
+    """The file's two columns in the units of time and signal, shifted; faults are one `BadInput` with file, line and column.
+
+    units: of the signals of the run.
+    """
+    x, y = units.get(curve.over, "") if curve.over else "s", units.get(curve.signal, "")
+    return read_columns(folder / curve.file, (curve.abscissa, x), (curve.ordinate, y), curve)
+
+
+def read_columns(path: Path, abscissa: tuple[str, str], ordinate: tuple[str, str], settings: Scaling) -> Measured:
+    """Two columns of a CSV by their names, each in a unit, the first one rising; faults are one `BadInput` with file and line.
 
     A line whose cell is empty or NaN in either column is left out and counted: loggers write so what they have not measured.
     """
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = csv.reader(file, delimiter=separator)
-            names = next(lines, [])
-            if not {abscissa, ordinate} <= {*names}:  # blanks are no part of a name, unless one is asked for so
-                names = [name.strip() for name in names]
-            columns = {}
-            for name in (abscissa, ordinate):
-                if name not in names:
-                    raise BadInput(str(path), f"no column {name!r}", "a column of the first line", nearest(name, names))
-                columns[name] = names.index(name)
-            rows = [
-                (lines.line_num, *(_number(line, *column, f"{path}:{lines.line_num}") for column in columns.items()))
-                for line in lines
-                if any(cell.strip() for cell in line)
-            ]
-    except OSError as error:
-        raise BadInput("curve", repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise BadInput(str(path), f"what is no CSV in UTF-8 ({error})", "a CSV file") from None
-    table = np.array(rows, dtype=float).reshape(len(rows), -1)
-    table = table[~np.isnan(table).any(axis=1)]
-    if len(table) < LEAST:
-        raise BadInput(str(path), f"{len(table)} lines of numbers", f"{LEAST} or more")
-    line, x, y = table.T[0], table.T[1], table.T[-1]
+    table = read_table(path, "curve", settings.separator)
+    x = table.numbers(*abscissa)
+    y = table.numbers(ordinate[0], _unit(table, *ordinate, settings))
+    line, kept = np.array([number for number, _ in table.rows]), ~np.isnan(x + y)
+    line, x, y = line[kept], x[kept], y[kept]
+    if len(x) < LEAST:
+        raise BadInput(str(path), f"{len(x)} lines of numbers", f"{LEAST} or more")
     if not (np.diff(x) > 0.0).all():
         k = int(np.argmin(np.diff(x) > 0.0)) + 1
-        what = f"{x[k]:.9g} behind {x[k - 1]:.9g} of line {line[k - 1]:.0f}"
-        raise BadInput(f"{path}:{line[k]:.0f}", f"{abscissa} that does not rise: {what}", "rising numbers")
-    return Measured(x, y, len(rows) - len(table))
+        what = f"{x[k]:.9g} behind {x[k - 1]:.9g} of line {line[k - 1]}"
+        raise BadInput(f"{path}, line {line[k]}", f"{abscissa[0]} that does not rise: {what}", "rising numbers")
+    shift, offset = getattr(settings, "shift", 0.0), getattr(settings, "offset", 0.0)
+    return Measured(x + shift, settings.scale * y + offset, int((~kept).sum()))
 
 
-def _number(line: list[str], name: str, place: int, where: str) -> float:
-    """A cell; NaN of an empty one. Raises `BadInput`."""
-    text = line[place].strip() if place < len(line) else ""
-    try:
-        value = float(text) if text else float("nan")
-    except ValueError:
-        raise BadInput(f"{where}, column {name!r}", repr(text)[:80], "a number", "Decimals have a point.") from None
-    if np.isinf(value):
-        raise BadInput(f"{where}, column {name!r}", "a number that is not finite", "finite numbers")
-    return value
+def _unit(table: Columns, name: str, unit: str, settings: Scaling) -> str:
+    """The unit in which a column is read: that of the signal, or "" where the user's own factor leads there from that of the header."""
+    written = table.unit(name, unit)
+    if "scale" not in settings.model_fields_set or not written or not unit:
+        return unit
+    where, shown = f"{table.where}, column {name!r}", f"scale = {settings.scale:g} beside the unit {written!r}"
+    if not isclose(abs(settings.scale), factor := conversion_of(written, unit, where, shown)[0], rel_tol=1e-6):
+        raise BadInput(where, shown, f"scale = {factor:g}, which leads from {written} to {unit}, or no scale")
+    return ""

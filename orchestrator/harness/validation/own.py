@@ -16,7 +16,7 @@ from ...settings.case import COMPARED, CaseSettings, CurveSettings
 from ...settings.messages import one_message
 from ..studies.quantities import recording
 from .case import Case, Row, compare
-from .curves import Comparison, compare_curve, read_curve
+from .curves import Comparison, compare_curve, read_curve, units_of
 from .limits_of_run import judge, named_numbers, with_limits
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
@@ -89,7 +89,7 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     for kind in curve.tolerances:
         if kind not in COMPARED:
             raise BadInput(where, f"tolerance of {kind!r}", "one of " + ", ".join(COMPARED), nearest(kind, COMPARED))
-    read_curve(curve, folder)
+    read_curve(curve, folder, units_of(scenes[curve.condition]))
 
 
 def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...]) -> Scene:
@@ -114,7 +114,7 @@ def _measure(
     """Of the run of a condition: its rows beside the numbers of its summary, its curves beside the measured ones."""
     result = runs[condition]
     numbers = summarize(result)
-    comparisons = [compare_curve(curve, read_curve(curve, folder), result) for curve in curves]
+    comparisons = [compare_curve(curve, read_curve(curve, folder, result.measures), result) for curve in curves]
     curve_rows = (row for c in comparisons for row in _curve_rows(c, sources[c.curve.source]))
     judged = judge(result, numbers)
     limit_rows = (

@@ -6,7 +6,6 @@ title and text of a case stand in `Case`.
 
 from __future__ import annotations
 
-import csv
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -14,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ....components.core.columns import Columns, read_table, table_of
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import shipped
 from .claims import CONSTRUCTION, ROLES, Claim, read_claims
@@ -206,7 +206,7 @@ def parse_table(name: str, text: str, lines: str) -> Table:
     data = tomllib.loads(text)
     if not data.get("sources"):
         raise BadInput(f"table {name}", "no 'sources'", "[sources], the text of each key in the column source")
-    rows = table_rows(name, read_rows(name, lines), data["sources"])
+    rows = table_rows(name, read_rows(table_of(lines, f"table {name}")), data["sources"])
     claims = read_claims(name, data.get("claims", ()))
     numbers = {claim.number for claim in claims}
     for i, row in enumerate(rows, 1):
@@ -227,39 +227,20 @@ def functions(data: Mapping[str, Any]) -> dict[str, str]:
     return {key: str(data.get(key, "")) for key in ("measures", "rules", "check")}
 
 
-def read_rows(name: str, lines: str) -> list[dict[str, Any]]:
-    """Rows from CSV: the first line names the columns, an empty cell is none; numbers in `NUMBERS`, text elsewhere.
-
-    Commas or semicolons stand between cells. Raises `BadInput` with the number of the row.
-    """
-    first, *others = lines.removeprefix("\ufeff").splitlines() or [""]
-    separator = ";" if ";" in first and "," not in first else ","
-    columns = next(csv.reader([first], delimiter=separator), [])
-    for column in columns:
-        if column not in FIELDS + OPTIONAL:
-            raise BadInput(
-                f"table {name}", f"column {column!r}", "a column of a reference table", nearest(column, FIELDS + OPTIONAL)
-            )
-    rows = []
-    for i, cells in enumerate(csv.reader(others, delimiter=separator), 1):
-        if not any(cells):
+def read_rows(table: Columns) -> list[dict[str, Any]]:
+    """Rows from a CSV table: an empty cell is none; numbers in `NUMBERS`, text elsewhere. Raises `BadInput` with line and column."""
+    table.only(FIELDS + OPTIONAL, "a column of a reference table")
+    if not table.rows:
+        raise BadInput(table.where, "no rows", "at least one line behind the names of the columns")
+    columns: dict[str, Any] = {}
+    for column in FIELDS + OPTIONAL:
+        if (k := table.place(column)) is None:
             continue
-        if len(cells) != len(columns):
-            raise BadInput(f"table {name}, row {i}", f"{len(cells)} cells", f"{len(columns)}, as the first line has")
-        given = {column: cell.strip() for column, cell in zip(columns, cells, strict=True) if cell.strip()}
-        rows.append(
-            given | {column: _number(given[column], f"table {name}, row {i}, {column}") for column in NUMBERS if column in given}
-        )
-    if not rows:
-        raise BadInput(f"table {name}", "no rows", "at least one line behind the names of the columns")
-    return rows
-
-
-def _number(cell: str, where: str) -> float:
-    try:
-        return int(cell) if cell.lstrip("+-").isdigit() else float(cell)
-    except ValueError:
-        raise BadInput(where, repr(cell), "a number, with a point") from None
+        if table.units[k] and column != "tolerance":
+            raise BadInput(table.where, f"column {table.header[k]!r}", f"{column!r}; units of ranges stand in the column 'unit'")
+        unit = "1" if column == "tolerance" else ""
+        columns[column] = table.numbers(column, unit).tolist() if column in NUMBERS else table.texts(column)
+    return [{n: v for n, values in columns.items() if (v := values[i]) != "" and v == v} for i in range(len(table.rows))]
 
 
 def rows_of(name: str, data: Mapping[str, Any], folder: Path) -> Sequence[Mapping[str, Any]]:
@@ -267,10 +248,7 @@ def rows_of(name: str, data: Mapping[str, Any], folder: Path) -> Sequence[Mappin
     rows = data.get("rows", ())
     if not isinstance(rows, str):
         return rows
-    try:
-        return read_rows(rows, (folder / rows).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"{name}: rows", repr(rows), "a CSV file that can be read", f"{error}.") from None
+    return read_rows(read_table(folder / rows, f"{name}: rows"))
 
 
 def table_rows(name: str, rows: Sequence[Mapping[str, Any]], sources: Mapping[str, str]) -> tuple[TableRow, ...]:

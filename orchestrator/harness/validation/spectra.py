@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ....components.core.measure import squared
 from ...settings.answers import SpectrumSettings
 from ..analysis.signals import uniform, welch_spectrum
 from ..charts.chart import Chart, Panel, Series
@@ -48,7 +49,7 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -
     Raises `BadInput` where the file or the record cannot be used.
     """
     where = f"spectrum {wanted.file}"
-    f, measured = read_spectrum(wanted, folder)
+    f, measured = read_spectrum(wanted, folder, result.measures.get(wanted.signal, ""))
     rate, instants, (even,) = uniform(result.time, np.asarray(result[wanted.signal], dtype=float))
     x = even[instants >= result.scene.counts_from]
     samples = round(wanted.segment * rate) if wanted.segment is not None else x.size
@@ -78,13 +79,14 @@ def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -
     return SpectrumComparison(wanted, unit, f, measured, simulated, float(lines[1]))
 
 
-def read_spectrum(wanted: SpectrumSettings, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """(frequency (n,) Hz, spectrum (n,)) of the file between `low` and `high`; faults are one `BadInput`."""
+def read_spectrum(wanted: SpectrumSettings, folder: Path, unit: str) -> tuple[np.ndarray, np.ndarray]:
+    """(frequency (n,) Hz, spectrum (n,)) of the file between `low` and `high`; unit: of the signal. Faults are one `BadInput`."""
     path = folder / wanted.file
-    columns = read_columns(path, wanted.frequency, wanted.ordinate, wanted.separator)
+    unit = f"{squared(unit)}/Hz" if unit and wanted.kind == "power spectral density" else unit
+    columns = read_columns(path, (wanted.frequency, "Hz"), (wanted.ordinate, unit), wanted)
     f, y = columns.abscissa, columns.ordinate
     kept = (f > 0.0) & (f >= wanted.low) & (f <= (np.inf if wanted.high is None else wanted.high))
-    f, y = f[kept], y[kept] * wanted.scale
+    f, y = f[kept], y[kept]
     if f.size < LEAST:
         raise BadInput(str(path), f"{f.size} frequencies above 0 and between low and high", f"{LEAST} or more")
     if (y <= 0.0).any() if wanted.logarithmic else (y < 0.0).any():

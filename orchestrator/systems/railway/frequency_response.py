@@ -13,7 +13,6 @@ The static force, the lift and the contact spring are no part of the response.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,7 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ....components.core.columns import Columns, read_table
 from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import parse
 from ....components.core.store import replaced
 from ...harness.analysis.least_squares import Fit, fit
 from ...harness.charts.blocks import Block, Text
@@ -37,6 +38,8 @@ UNITS = {"mass": "kg", "stiffness": "N/m", "damping": "N.s/m"}
 NOISE = 3.84  # growth of the sum of squares over the residuals' variance: 95 % of one parameter (chi squared)
 BOUNDS = {"mass": (0.1, 200.0), "stiffness": (1e-2, 1e6), "damping": (1e-3, 1e4)}  # kg, N/m, N.s/m
 STARTS = {"mass": (7.0, 10.0, 10.0), "stiffness": (7e3, 1e4, 1e2), "damping": (2e1, 2e1, 8e1)}  # from the head to the base
+KINDS = {"frequency": "Hz", "real": "", "imaginary": "", "magnitude": "", "phase": "rad", "deviation": "1"}  # column -> unit
+FEWEST = 5  # rows of a response
 SEARCHES = 10  # starts of the search, the first at `STARTS`, the others around it
 SPREAD = {"mass": 0.4, "stiffness": 1.2, "damping": 1.2}  # of the logarithms of the other starts
 SAME = 1e-3  # relative difference of the residual up to which two searches have the same end
@@ -91,50 +94,56 @@ def read_response(path: str | Path) -> FrequencyResponse:
     """Read a CSV file whose header names the columns with their units.
 
     `frequency [Hz]`, then `real [unit]` and `imaginary [unit]`, or `magnitude [unit]` and `phase [deg]` (or `[rad]`); if known
-    `deviation [1]`, the relative standard deviation. unit: m/N, m/s/N or m/s2/N of motion per force, or N/m, N.s/m or kg of force
-    per motion (dynamic stiffness, impedance, apparent mass). Raises `BadInput`.
+    `deviation [1]`, the relative standard deviation. unit: as m/N, m/s/N or m/s2/N of motion per force, or as N/m, N.s/m or kg of
+    force per motion (dynamic stiffness, impedance, apparent mass); mm/N is one as well. Raises `BadInput` with line and column.
     """
     path = Path(path)
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(line for line in file if not line.startswith("#")) if row]
-        header = [cell.strip() for cell in rows[0]]
-        values = np.array([[float(cell) for cell in row] for row in rows[1:]])
-    except OSError as error:
-        raise BadInput(str(path), error.strerror or str(error), "a file that can be read") from None
-    except (UnicodeDecodeError, csv.Error, ValueError, IndexError) as error:
-        raise BadInput(str(path), f"no table of numbers: {error}", "a header and rows of numbers, separated by commas") from None
-    if values.ndim != 2 or values.shape[1] != len(header) or values.shape[0] < 5:
-        raise BadInput(str(path), f"{values.shape[0]} whole rows of numbers", f"at least 5 rows of {len(header)} numbers")
-    columns, units = {}, {}
-    for cell, column in zip(header, values.T, strict=True):
-        name, _, unit = cell.partition("[")
-        columns[name.strip()], units[name.strip()] = column, unit.rstrip("]").strip()
-    if unknown := set(columns) - {"frequency", "real", "imaginary", "magnitude", "phase", "deviation"}:
-        raise BadInput(str(path), f"column {min(unknown)!r}", "frequency, real and imaginary, or magnitude and phase; deviation")
-    f = columns.get("frequency", np.zeros(0))
-    if not np.isfinite(values).all() or not f.size or f[0] <= 0.0 or np.any(np.diff(f) <= 0.0):
+    table = read_table(path, "frequency response")
+    table.only(KINDS, "frequency, real and imaginary, or magnitude and phase; deviation")
+    columns = {name: table.numbers(name, unit, asked=True) for name, unit in KINDS.items() if table.place(name) is not None}
+    pair = next((pair for pair in (("real", "imaginary"), ("magnitude", "phase")) if {*pair} <= columns.keys()), None)
+    if pair is None:
+        raise BadInput(str(path), f"columns {', '.join(table.header)}", "real and imaginary, or magnitude and phase")
+    unit = _kind_of(table, pair[0])
+    first = table.numbers(pair[0], unit)
+    response = (
+        first + 1j * table.numbers("imaginary", unit, asked=True) if pair[0] == "real" else first * np.exp(1j * columns["phase"])
+    )
+    f, deviation = table.numbers("frequency", "Hz", asked=True), columns.get("deviation")
+    whole = np.isfinite(np.abs(response) + sum(columns.values()))
+    if not whole.all():
+        raise BadInput(
+            f"{path}, line {table.rows[int(whole.argmin())][0]}", "a cell without a number", "numbers", "Leave the row out."
+        )
+    if f.size < FEWEST:
+        raise BadInput(str(path), f"{f.size} rows", f"at least {FEWEST} rows of numbers")
+    if f[0] <= 0.0 or np.any(np.diff(f) <= 0.0):
         raise BadInput(f"{path}: frequency", "values that are not positive and rising", "a column frequency [Hz] that rises")
-    if {"real", "imaginary"} <= columns.keys():
-        unit, response = units["real"], columns["real"] + 1j * columns["imaginary"]
-    elif {"magnitude", "phase"} <= columns.keys():
-        turn = {"deg": np.pi / 180.0, "rad": 1.0}.get(units["phase"])
-        if turn is None:
-            raise BadInput(f"{path}: phase", f"unit {units['phase']!r}", "[deg] or [rad]")
-        unit, response = units["magnitude"], columns["magnitude"] * np.exp(1j * turn * columns["phase"])
-    else:
-        raise BadInput(str(path), f"columns {', '.join(columns)}", "real and imaginary, or magnitude and phase")
-    if unit not in POWERS:
-        raise BadInput(str(path), f"unit {unit!r}", f"one of {', '.join(POWERS)}", nearest(unit, POWERS))
+    if pair[0] == "magnitude" and (first <= 0.0).any():
+        raise BadInput(f"{path}: magnitude", f"{first.min():g} {unit}", "magnitudes above 0", "Are they levels in dB?")
     if not np.abs(response).all():
         raise BadInput(str(path), "a response of 0", "a response that has a logarithm", "Leave those rows out.")
     if unit in ("N/m", "N.s/m", "kg"):
         response = 1.0 / response
     receptance = response / (2j * np.pi * f) ** POWERS[unit]
-    deviation = columns.get("deviation")
-    if deviation is not None and not np.all(deviation > 0.0):
-        raise BadInput(f"{path}: deviation", "values that are not positive", "relative standard deviations, such as 0.05")
+    if deviation is not None and not np.all((deviation > 0.0) & (deviation <= 1.0)):
+        raise BadInput(
+            f"{path}: deviation",
+            f"from {deviation.min():g} to {deviation.max():g}",
+            "relative standard deviations, such as 0.05 or 5 %",
+        )
     return FrequencyResponse(path.name, f, receptance, deviation)
+
+
+def _kind_of(table: Columns, name: str) -> str:
+    """Which of the kinds of responses a column is, by the dimension of its unit: one of `POWERS`."""
+    written, where = table.unit(name), f"{table.where}, column {name!r}"
+    if not written:
+        raise BadInput(where, "no unit", f"one of the dimension of {', '.join(POWERS)}", f"Write '{name} [m/N]'.")
+    exponents = parse(written, where).exponents
+    if (unit := next((unit for unit in POWERS if parse(unit).exponents == exponents), None)) is None:
+        raise BadInput(where, f"unit {written!r}", f"one of the dimension of {', '.join(POWERS)}")
+    return unit
 
 
 def parameter_names(masses: int) -> tuple[str, ...]:

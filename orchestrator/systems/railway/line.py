@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ....components.core.columns import decoded, read_bytes
 from ....components.core.errors import BadInput
 from ....components.railway.catenary import Catenary
 from ....components.railway.line.dropper_table import column_names, with_droppers
@@ -28,6 +29,7 @@ CREW = DROPPER_COLUMNS[:7]  # what the terminal shows
 SUPPORT_COLUMNS = ("position [m]", "reaction [N]", "rest height of the spring [m]")
 WIDTH, HEIGHT = 110, 14  # characters of the drawing
 PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a metre up, pixels a metre to the side
+MOST_NAMED = 5  # droppers in a message
 MARGIN = 40.0  # pixels at the left and at the right
 
 
@@ -43,15 +45,29 @@ def read(
     line = read_line(text, str(path))
     tables = {"line_table.table": text}
     if droppers is not None:
-        tables["line_table.droppers"] = read_text(droppers, "droppers")
+        tables["line_table.droppers"] = decoded(read_bytes(droppers, "droppers"), str(droppers))
         line = with_droppers(line, tables["line_table.droppers"], str(droppers))
     change = {} if temperature is None else {"temperature.change": temperature}
     catenary = Catenary(["line_table", *(["temperature"] if change else [])], {**values, **tables, **change})
     catenary.refuse_unused(values)
     p, title = catenary._declared_arguments()[0], line.title or path.stem
-    if temperature is None:
-        return find_form(line, p), title
-    return line_at(line, p, temperature)[1], f"{title}, {temperature:+g} K"
+    form = find_form(line, p) if temperature is None else line_at(line, p, temperature)[1]
+    refuse_pushing(form, str(droppers or path))
+    return form, title if temperature is None else f"{title}, {temperature:+g} K"
+
+
+def refuse_pushing(form: Form, where: str) -> None:
+    """Raises `BadInput` where droppers would push at rest: they cannot, so the wire hangs in another form."""
+    slack = np.flatnonzero(form.preload <= 0.0)
+    if slack.size:
+        shown = ", ".join(f"{form.preload[k]:.4g} N at {form.layout.droppers.position[k]:.6g} m" for k in slack[:MOST_NAMED])
+        more = f" and {slack.size - MOST_NAMED} more" if slack.size > MOST_NAMED else ""
+        raise BadInput(
+            where,
+            f"{slack.size} of {form.preload.size} droppers would push at rest: {shown}{more}",
+            "tension in every dropper",
+            "Raise the wire there or lower it at the droppers beside, reduce the pre-sag, or move or remove these droppers.",
+        )
 
 
 def is_line(path: Path) -> bool:

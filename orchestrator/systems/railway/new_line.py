@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ....components.core.columns import read_table
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import number_in
 from ....components.railway.line.from_table import resolved_sections
@@ -16,15 +16,16 @@ from ....components.railway.line.table import read_line
 from ....components.railway.pantograph import Pantograph
 from ...scene.files import read_text, read_toml
 
-COLUMNS = {  # of the table of supports: key of a support in a line's table, "" for what is none
-    "position [m]": "",
-    "section": "",
-    "contact height [m]": "contact_height",
-    "system height [m]": "system_height",
-    "stagger [m]": "stagger",
-    "held": "held",
-    "contact stiffness [N/m]": "contact_stiffness",
+COLUMNS = {  # of the table of supports -> key of a support in a line's table, "" for what is none; unit
+    "position": ("", "m"),
+    "section": ("", ""),
+    "contact height": ("contact_height", "m"),
+    "system height": ("system_height", "m"),
+    "stagger": ("stagger", "m"),
+    "held": ("held", ""),
+    "contact stiffness": ("contact_stiffness", "N/m"),
 }
+TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 START = 30.0  # m, of the last pantograph, at most half of the first span
 TRANSIENT = 1.0  # s, of the start at full speed
 CALM = 1.6  # times the way of the transient, before the first span that is judged: for runs at higher speeds, too
@@ -40,49 +41,30 @@ NUMBERED = ("first", "second", "third", "fourth")
 
 def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
     """Section -> its supports in the order of their positions, of a CSV table with a row for each; raises `BadInput` with the line."""
-    lines = read_text(path, "supports").removeprefix("\ufeff").splitlines()
-    head = lines[0] if lines else ""
-    delimiter = next((d for d in (";", "\t") if d in head), ",")
-    records = list(csv.reader(lines, delimiter=delimiter))
-    header = [" ".join(cell.split()) for cell in (records[0] if records else ())]
-    for column in header:
-        if column not in COLUMNS:
-            raise BadInput(
-                f"{path}, line 1", f"column {column!r}", "a column of supports with its unit", nearest(column, COLUMNS)
-            )
-    if "position [m]" not in header:
-        raise BadInput(f"{path}, line 1", ", ".join(header) or "nothing", "a column 'position [m]'", "A row is a support.")
+    table = read_table(path, "supports")
+    table.only(COLUMNS, "a column of supports")
+    columns = {
+        name: table.numbers(name, unit, asked=True) if unit else table.texts(name)
+        for name, (_, unit) in COLUMNS.items()
+        if name == "position" or table.place(name) is not None
+    }
     sections: dict[str, list[dict[str, Any]]] = {}
-    for number, record in enumerate(records[1:], 2):
-        cells = {c: cell.strip() for c, cell in zip(header, record, strict=False) if cell.strip()}
-        if not cells:
-            continue
-        if len(record) != len(header):
-            raise BadInput(
-                f"{path}, line {number}",
-                f"{len(record)} cells",
-                f"{len(header)}, as the first line has",
-                "With decimal commas, cells are separated by semicolons.",
-            )
-        support: dict[str, Any] = {
-            c: cell if c in ("section", "held") else _number(cell, f"{path}, line {number}, {c}") for c, cell in cells.items()
-        }
-        if "position [m]" not in support:
-            raise BadInput(f"{path}, line {number}", "no position", "the position of each support, m")
+    for i, (line, _) in enumerate(table.rows):
+        cells = {name: values[i] for name, values in columns.items()}
+        support = {name: v if isinstance(v, str) else float(v) for name, v in cells.items() if v != "" and v == v}
+        if "position" not in support:
+            raise BadInput(f"{path}, line {line}", "no position", "the position of each support, m")
+        if support.get("held", "yes").lower() not in TRUTHS:
+            raise BadInput(f"{path}, line {line}, column 'held'", repr(support["held"]), "yes or no")
         sections.setdefault(support.pop("section", "1"), []).append(support)
     for name, supports in sections.items():
-        if len(supports) < 2 or (np.diff([s["position [m]"] for s in supports]) <= 0.0).any():
-            raise BadInput(f"{path}, section {name}", f"{len(supports)} supports", "at least two, each behind the one before")
+        positions = [s["position"] for s in supports]
+        if len(supports) < 2 or (np.diff(positions) <= 0.0).any():
+            actual = f"supports at {', '.join(f'{x:g}' for x in positions[:8])}{', ...' if len(positions) > 8 else ''} m"
+            raise BadInput(f"{path}, section {name}", actual, "at least two, each behind the one before")
     if not sections:
         raise BadInput(str(path), "no support", "a row for each support")
     return sections
-
-
-def _number(cell: str, where: str) -> float:
-    try:
-        return float(cell.replace(",", "."))
-    except ValueError:
-        raise BadInput(where, repr(cell), "a number") from None
 
 
 def line_text(
@@ -91,11 +73,11 @@ def line_text(
     """A line's table. data: "contact_wire", "messenger", "droppers", "support" -> numbers of each section's table, SI."""
     parts = [f"title = {_quoted(title)}", f"source = {_quoted(source)}", ""]
     for supports in sections.values():
-        positions = [s["position [m]"] for s in supports]
+        positions = [s["position"] for s in supports]
         parts += ["[[sections]]", f"start = {positions[0]:.9g}"]
         parts += [f"{name} = {_table(values)}" for name, values in data.items() if values]
         parts += [f"spans = [{', '.join(f'{span:.9g}' for span in np.diff(positions))}]"]
-        rows = [_table({COLUMNS[c]: v for c, v in s.items() if COLUMNS[c]}) for s in supports]
+        rows = [_table({COLUMNS[c][0]: v for c, v in s.items() if COLUMNS[c][0]}) for s in supports]
         parts += ["supports = [", *(f"    {row}," for row in rows), "]", ""] if any(row != "{}" for row in rows) else [""]
     return "\n".join(parts)
 
@@ -104,7 +86,7 @@ def _table(values: Mapping[str, Any]) -> str:
     def shown(value: Any) -> str:
         if isinstance(value, float):
             return f"{value:.9g}"
-        return "true" if str(value).lower() in ("true", "yes", "1") else "false"
+        return "true" if TRUTHS[str(value).lower()] else "false"
 
     return "{ " + ", ".join(f"{key} = {shown(value)}" for key, value in values.items()) + " }" if values else "{}"
 

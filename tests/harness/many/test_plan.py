@@ -88,8 +88,11 @@ def test_values_from_a_table_with_and_without_units(tmp_path):
     assert [plan.values(i) for i in range(plan.size)] == [{"m.k": 100, "m.m": 1}, {"m.k": 400.5, "m.m": 2.5}]
     (tmp_path / "points.csv").write_text('"m.k, kN/m"\n1.5\n')
     assert plan_of(SCENE, plan_settings(tmp_path / "plan.toml")).values(0) == {"m.k": 1500.0}
+    (tmp_path / "points.csv").write_text("m.k [kN/m];m.m\n1,5;0,25\n2;1\n")
+    plan = plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
+    assert [plan.values(i) for i in range(plan.size)] == [{"m.k": 1500.0, "m.m": 0.25}, {"m.k": 2000.0, "m.m": 1}]
     (tmp_path / "points.csv").write_text('"m.k, kg"\n1\n')
-    with pytest.raises(BadInput, match="'kg' cannot become 'N/m'"):
+    with pytest.raises(BadInput, match="unit 'kg'; expected a unit of the dimension of N/m"):
         plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
 
 

@@ -121,11 +121,11 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         cutoff=20.0,
         source="s",
     )
-    comparison = compare_curve(curve, read_curve(curve, tmp_path), simulated)
+    comparison = compare_curve(curve, read_curve(curve, tmp_path, simulated.measures), simulated)
     assert comparison.time[0] == pytest.approx(0.5 + 2.0 / 20.0, abs=0.01)
     difference, spread = comparison.numbers["difference"][1], comparison.numbers["standard deviation"][1]
     assert difference < 0.05 * spread
-    raw = compare_curve(curve.model_copy(update={"cutoff": None}), read_curve(curve, tmp_path), simulated)
+    raw = compare_curve(curve.model_copy(update={"cutoff": None}), read_curve(curve, tmp_path, simulated.measures), simulated)
     assert raw.numbers["difference"][1] == pytest.approx(30.0 / np.sqrt(2.0), rel=0.02)
 
 
@@ -141,7 +141,8 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         ('source = "rig"\n[[curves]]', 'source = "rug"\n[[curves]]', "rug"),
         ('file = "measured.csv"', 'file = "measure.csv"', "measure.csv"),
         ('ordinate = "x_mm"', 'ordinate = "x_m"', "x_mm"),
-        ('separator = ";"', "", "no column"),
+        ('separator = ";"', 'separator = ","', "no column"),
+        ("scale = 1e-3", "scale = 1.0", "scale = 1 beside the unit 'mm'; expected scale = 0.001"),
         ("mean = 0.01", "median = 0.01", "median"),
         ("mean = 0.01", "mean = -0.01", "greater than 0"),
         ("scale = 1e-3", "shift = 1e6", "a stretch that both have"),
@@ -160,10 +161,10 @@ def test_what_cannot_be_used_is_one_message(old, new, named, folder):
     ("lines", "named"),
     [
         (["t;x_mm", "0;1", "1;2"], "2 lines"),
-        (["t;x_mm", *(f"{k};1" for k in range(9)), "4;1"], "measured.csv:11.*does not rise"),
-        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;1,5"], "measured.csv:11.*Decimals have a point"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "4;1"], "measured.csv, line 11.*does not rise"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;1,5", "10;2.5"], "'x_mm': decimals with ',' in line 11 and '.' in line 12"),
         (["t;x_mm", *(f"{k};1" for k in range(9)), "9;inf"], "not finite"),
-        ([], "no column 't'"),
+        ([], "a header and rows"),
     ],
 )
 def test_a_broken_file_is_named_with_its_line(lines, named, folder):

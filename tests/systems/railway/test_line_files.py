@@ -109,12 +109,12 @@ def test_droppers_of_spreadsheets_are_read(write):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("height [m]\n1", "a column position"),
-        ("position [mm]\n1", r"column 'position \[mm\]'.*did you mean 'position \[m\]'"),
+        ("height [m]\n1", "no column 'position'"),
+        ("position\n1", r"column 'position': no unit; .* m or mm\? Write 'position \[m\]'"),
+        ("position [N]\n1", r"column 'position \[N\]': unit 'N'; expected a unit of the dimension of m"),
         ("position [m],position [m]\n1,2", "each column once"),
         ("position [m],height [m]\n10,5,3", "line 2: 3 cells; expected 2.*Decimal commas need semicolons"),
-        ("position [m],height [m]\n10,abc", "line 2, height: 'abc'; expected a number in m"),
-        ("position [m],height [m]\n10,nan", "line 2, height"),
+        ("position [m],height [m]\n10,abc", r"line 2, column 'height \[m\]': 'abc'; expected a number in m"),
         ("position [m],mass [kg]\n10,-1", "line 2, mass: -1"),
         ("position [m],height [m]\n,5", "line 2: no position"),
         ("position [m]\n40", "line 2: a dropper of contact wire 1 at 40 m; expected a place inside a span"),

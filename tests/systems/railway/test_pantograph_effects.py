@@ -156,12 +156,13 @@ def test_measured_unevenness_is_a_height_of_the_wire():
 @pytest.mark.parametrize(
     ("table", "expected"),
     [
-        ("", "at least two rows"),
+        ("", "a header and rows"),
         ("position [m],height [m]\n0,0\n", "at least two rows"),
-        ("x,z\n0,0\n1,a\n", "two numbers"),
-        ("x,z\n0,0\n2,0\n1,0\n", "1 m behind 2 m"),
-        ("x,z\n0,0,0\n1,0,0\n", "at least two rows"),
-        ("x,z\n0,0\n1,nan\n", "rows"),
+        ("position [m],z\n0,0\n", "column 'z'"),
+        ("position [m],height [mm]\n0,0\n1,a\n", "'a'; expected a number"),
+        ("position [m],height [m]\n0,0\n2,0\n1,0\n", "1 m behind 2 m"),
+        ("position [m],height [m]\n0,0,0\n1,0,0\n", "3 cells"),
+        ("position [m],height [m]\n0,0\n1,nan\n", "rows"),
     ],
 )
 def test_a_table_of_heights_that_cannot_be_used_is_one_message(table, expected):
