@@ -10,9 +10,7 @@ Files are in UTF-8, UTF-16 or Windows-1252 (Latin-1). Lines that begin with # ar
 from __future__ import annotations
 
 import csv
-import os
 import re
-import stat
 from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
@@ -23,37 +21,14 @@ from pathlib import Path
 import numpy as np
 
 from .errors import BadInput, nearest
+from .files import read_bytes
 from .measure import OTHERWISE, conversion_of, is_quantity, number_in, parse, plain
 
-MOST = 1 << 30  # bytes of a table
-STREAMS = ("/dev/fd/", "/dev/std", "/proc/self/fd/")  # pipes that a shell has opened for this process
 EMPTY = ("", "nan", "n/a", "na", "-")  # cells without a number, as loggers write them
 COMMAS = "Decimal commas need semicolons between the cells."
 SHORT = ("in", "min")  # ends of names that are no units: input, minimum
 _NO_TEXT = re.compile("[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 _WITH_UNIT = re.compile(r"(.*?\S)(\s*)\[([^\[\]]*)\]|(.*?\S)\s*\(([^()]*)\)")
-
-
-def refuse_pipe(path: str | Path, where: str = "") -> None:
-    """Raises `BadInput` for a named pipe, a device or a socket in the place of a file: to open one may wait for ever."""
-    mode = stat.S_IFREG
-    with suppress(OSError, ValueError):  # none there, or no path at all: what is to read it says so
-        mode = os.stat(path).st_mode
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and not str(path).startswith(STREAMS):
-        raise BadInput(f"{where} {str(path)!r}".lstrip(), "a pipe, a device or a socket", "a file or a folder")
-
-
-def read_bytes(path: str | Path, where: str, most: int = MOST) -> bytes:
-    """The content of a file; raises `BadInput` for one that cannot be read, is no regular file or is too long."""
-    refuse_pipe(path, where)
-    try:
-        if (size := os.stat(path).st_size) > most:
-            raise BadInput(str(path), f"a file of {size} bytes", f"at most {most} bytes")
-        return Path(path).read_bytes()
-    except BadInput:
-        raise
-    except (OSError, ValueError) as error:
-        raise BadInput(where, repr(str(path)), "a file that can be read", f"{getattr(error, 'strerror', error)}.") from error
 
 
 def decoded(data: bytes, where: str) -> str:
@@ -76,8 +51,8 @@ def read_table(path: str | Path, where: str = "table", separator: str = "") -> C
 def table_of(text: str, where: str, separator: str = "") -> Columns:
     """The table of a text. separator: of cells, where the header does not show it."""
     text = text.removeprefix("\ufeff")
-    if told := re.match(r"sep=(.)\r?\n", text):  # of spreadsheets
-        separator, text = separator or told[1], f"#\n{text[told.end() :]}"
+    if mark := re.match(r"sep=(.)\r?\n", text):  # of spreadsheets
+        separator, text = separator or mark[1], f"#\n{text[mark.end() :]}"
     lines = list(StringIO(text, newline=""))
     start = next((k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")), len(lines))
     first, comment = "".join(lines[start : start + 1]), [line.lstrip("# ") for line in lines[:start] if line.startswith("#")][-1:]
@@ -170,8 +145,8 @@ class Columns:
             values[i] = number_in(cell, unit, place) if with_unit else factor * self._number(cell, unit, place) + offset
             signs |= {sign: line for sign in ",." if sign in cell and sign not in signs}
         if len(signs) > 1:
-            told = " and ".join(f"{sign!r} in line {line}" for sign, line in signs.items())
-            raise BadInput(where, f"decimals with {told}", "one decimal sign", "Thousands have no sign of their own.")
+            both = " and ".join(f"{sign!r} in line {line}" for sign, line in signs.items())
+            raise BadInput(where, f"decimals with {both}", "one decimal sign", "Thousands have no sign of their own.")
         return values
 
     def unit(self, name: str, wanted: str = "") -> str:

@@ -13,8 +13,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from ...components.core.columns import refuse_pipe
 from ...components.core.errors import BadInput
+from ...components.core.files import refuse_pipe
 from ..cache import tidy_daily
 from ..output import FULL, NoSpace
 from .application import app

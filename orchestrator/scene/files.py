@@ -8,8 +8,9 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
-from ...components.core.columns import decoded, read_bytes
+from ...components.core.columns import decoded
 from ...components.core.errors import BadInput, nearest
+from ...components.core.files import read_bytes
 from ..loading import MOST_TOML, check_values, loading
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ....components.core.columns import decoded, read_bytes
+from ....components.core.columns import decoded
 from ....components.core.errors import BadInput
+from ....components.core.files import read_bytes
 from ....components.railway.catenary import Catenary
 from ....components.railway.line.dropper_table import column_names, with_droppers
 from ....components.railway.line.form import Form, find_form
