@@ -316,13 +316,12 @@ def choices(scenes: Iterable[str], runs: int, seed: int) -> dict[str, list[Choic
     """So many choices at random, by scene; the same for the same seed."""
     chance = random.Random(seed)
     names = list(scenes)
-    variants = {name: Hunt(load_scene(name)).variants(random.Random(f"{seed} {name}")) for name in names}
-    chosen = {
-        name: dict.fromkeys(Choice(name, MESH, factors=f) for f in of_mesh(name, those)) for name, those in variants.items()
-    }
+    loaded = {name: load_scene(name) for name in names}
+    variants = {name: Hunt(scene).variants(random.Random(f"{seed} {name}")) for name, scene in loaded.items()}
+    chosen = {n: dict.fromkeys(Choice(n, MESH, factors=f) for f in of_mesh(loaded[n], those)) for n, those in variants.items()}
     while sum(map(len, chosen.values())) < runs:
         name = chance.choice(names)
-        scene = load_scene(name)
+        scene = loaded[name]
         coarser = chance.choice([k for k in COARSER if 4 * k * scene.master.step <= scene.stop_time])
         linked = bool(scene.coupling.links)  # without a connection, there is nothing to extrapolate
         algorithm, degree = chance.choice(ALGORITHMS if linked else ALGORITHMS[:1]), chance.choice((0, 1, 2)) if linked else 0
@@ -330,9 +329,9 @@ def choices(scenes: Iterable[str], runs: int, seed: int) -> dict[str, list[Choic
     return {name: list(those) for name, those in chosen.items()}
 
 
-def of_mesh(name: str, variants: list[Factors]) -> list[Factors]:
+def of_mesh(scene: Scene, variants: list[Factors]) -> list[Factors]:
     """The variants of a scene with meshes for which these are judged: all but stiffnesses; none of a scene without a mesh."""
-    return [v for v in variants if not v or max(f for _, f in v) <= 1.0 + MOST] if meshes_of(load_scene(name)) else []
+    return [v for v in variants if not v or max(f for _, f in v) <= 1.0 + MOST] if meshes_of(scene) else []
 
 
 def table(runs: list[Run]) -> str:
