@@ -11,9 +11,9 @@ from ..components.core.component import Component
 from ..components.core.errors import BadInput
 from ..fmus.native.build import built, own_target
 from .engine.stepping.faults import Faults
-from .open_units import OpenScene
 from .run_info import scene_info
 from .scene.scene import Scene
+from .session.open_scene import OpenScene
 from .units.component import ComponentSimulator, make
 from .units.native import NativeFmu
 

@@ -69,6 +69,10 @@ class Recorder(BatchObserver):
             self._times.append(t)
             self._values.fromlist((sample or self._sample)())
 
+    def go_back(self) -> None:
+        """Behind a row that is taken back: the next one is that of the next step."""
+        self._due, self._last = 0, -math.inf
+
     def drain(self, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Times (rows,) s and values (rows, width) of the first rows, which it keeps no longer."""
         time, values = self.time[:rows], self.values[:rows]

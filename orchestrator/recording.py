@@ -23,7 +23,7 @@ from ..components.core.errors import BadInput
 from .engine.stepping.loop import BatchObserver
 from .output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
 from .recorders import Recorder, TextRecorder
-from .tables import INTERNAL, StoredTable, Table, joined, prepare
+from .tables import INTERNAL, MemoryTable, StoredTable, Table, joined, prepare
 from .units.fmu_messages import log_lines
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
@@ -83,6 +83,17 @@ class Spool:
     def flush(self) -> None:
         """Rows that are not in the table yet go there."""
         self.table.append(*self.drain())
+
+    def forget(self, t: float) -> None:
+        """Drop the rows behind t, s: the run has been taken back to there. For rows in memory."""
+        self.flush()
+        time, values, texts = joined(self.table)
+        rows = int(np.searchsorted(time, t, side="right"))
+        assert isinstance(self.table, MemoryTable)
+        self.table.clear()
+        self.table.append(time[:rows], values[:rows], texts[:rows])
+        for recorder in [r for r in (self.recorder, self.texts) if r is not None]:
+            recorder.go_back()
 
     def state(self) -> dict[str, Any]:
         """Where the rows so far are stored, or where they are in memory the rows, for a checkpoint."""

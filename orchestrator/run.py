@@ -19,17 +19,14 @@ from typing import TYPE_CHECKING
 from ..components.core.errors import BadInput, StepFailed
 from . import working_directory
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
-from .engine.algorithms.energy import EnergyAccount
 from .engine.algorithms.master import Runaway, Unstable
 from .engine.coupling import Coupling
-from .engine.stepping.adaptive import AdaptiveStepping, stepping_of
-from .engine.stepping.faults import Faults
+from .engine.stepping.adaptive import AdaptiveStepping
 from .engine.stepping.loop import Observer
 from .interrupts import Interrupted
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
-from .open_units import OpenScene
 from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
@@ -38,6 +35,7 @@ from .recording import OutputFailed, ResultFiles, Spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
+from .session.open_scene import Course, OpenScene
 from .settings.study import wanted
 from .shorter_steps import asked_for, late_samples
 from .tables import MemoryTable, Table
@@ -152,21 +150,19 @@ class Run:
 
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
-        scene, coupling, stack = self.scene, self.coupling, self.stack
+        scene, stack = self.scene, self.stack
         if (open_scene := self._open_scene) is None:
             open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
         self.clock, self.units, self.master = open_scene.clock, open_scene.units, open_scene.master
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
-        correction = scene.master.energy_correction
-        self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
         # warnings of components, in FMUs too: they share this interpreter
         self._caught_warnings = []
         if self._stop is None:
             self._caught_warnings = stack.enter_context(warnings.catch_warnings(record=True))
             warnings.simplefilter("always", UserWarning)
-        self.faults = Faults(scene.faults, coupling, self.master, self.clock)
-        self.stepping = stepping_of(scene, coupling, self.master, self.account, self.clock, self.faults.stops())
+        self.course = Course(open_scene)
+        self.account, self.stepping = self.course.account, self.course.stepping
 
     def _native_fmus(self) -> Mapping[str, NativeFmu]:
         if not self.native:
@@ -407,8 +403,7 @@ class Run:
         return self.clock.time(self.stepping.tick)
 
     def _start(self, past: Checkpoint | None) -> None:
-        self.faults.before_start()
-        (self.account or self.master).initialize(self.scene.start_time)
+        self.course.start()
         repeats = self.scene.master.abilities.iterates or isinstance(self.stepping, AdaptiveStepping)
         if repeats or past is not None or self.checkpoints is not None:
             for unit in self._own:

@@ -53,6 +53,11 @@ class MemoryTable:
         """As in `Table`."""
         return iter(self._chunks)
 
+    def clear(self) -> None:
+        """Forget all rows."""
+        self._chunks.clear()
+        self.rows = 0
+
 
 def prepare() -> None:
     """Write a table into memory, so that all is there that Arrow makes at its first use.

@@ -9,8 +9,9 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import is_dataclass
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
@@ -28,11 +29,18 @@ def write_verified(path: Path, content: Any) -> None:
     Others may not write it: `read_verified` takes no file that they could have written. Raises `OSError`, and `TypeError` for any
     other object.
     """
+    with replaced(path, "wb", private=True) as file:
+        file.write(verified_bytes(content))
+
+
+def verified_bytes(content: Any) -> bytes:
+    """Plain data and arrays as bytes, with a digest that shows damage."""
     arrays: dict[str, np.ndarray] = {}
     arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
     arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
-    with replaced(path, "wb", private=True) as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
+    file = BytesIO()
+    np.savez(file, **arrays)  # type: ignore[arg-type]
+    return file.getvalue()
 
 
 def read_verified(path: Path) -> Any:
@@ -41,28 +49,37 @@ def read_verified(path: Path) -> Any:
     Raises `OSError` for what cannot be read, `PermissionError` for what another user can have written, `ValueError` for what is none
     of its files, and for a damaged one `DamagedFile`.
     """
+    with opened_trusted(path) as file:
+        return _verified(file, str(path))
+
+
+def verified_content(content: bytes) -> Any:
+    """What `verified_bytes` was given; raises `ValueError` for other bytes, and `DamagedFile` for damaged ones."""
+    return _verified(BytesIO(content), "what was given")
+
+
+def _verified(file: IO[bytes], what: str) -> Any:
     try:
-        arrays = _read_arrays(path)
+        arrays = _read_arrays(file)
     except OSError:
         raise
-    except Exception:  # a file from anywhere: what NumPy and zipfile raise for damaged ones is of many kinds
+    except Exception:  # from anywhere: what NumPy and zipfile raise for damaged files is of many kinds
         arrays = {}
     if not {"text", "digest"} <= arrays.keys():
-        raise ValueError(f"{path} holds no content with a digest")
+        raise ValueError(f"{what} holds no content with a digest")
     if arrays.pop("digest").tobytes() != content_digest(arrays):
-        raise DamagedFile(str(path))
+        raise DamagedFile(what)
     return _arrayed(json.loads(arrays["text"].tobytes()), arrays)
 
 
-def _read_arrays(path: Path) -> dict[str, np.ndarray]:
+def _read_arrays(content: IO[bytes]) -> dict[str, np.ndarray]:
     """The arrays of a file; of one that is compressed none, because cosimo compresses nothing and a small one may be huge."""
-    with opened_trusted(path) as content:
-        with ZipFile(content) as archive:
-            if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
-                return {}
-        content.seek(0)
-        with np.load(content, allow_pickle=False) as file:
-            arrays = dict(file)  # a member that is no array comes as bytes
+    with ZipFile(content) as archive:
+        if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
+            return {}
+    content.seek(0)
+    with np.load(content, allow_pickle=False) as file:
+        arrays = dict(file)  # a member that is no array comes as bytes
     return arrays if all(isinstance(array, np.ndarray) for array in arrays.values()) else {}
 
 

@@ -23,8 +23,8 @@ from ..engine.algorithms.node import Node
 from ..engine.coupling import Coupling
 from ..engine.coupling.checks import free
 from ..engine.stepping.loop import Steppable
-from ..open_units import OpenScene
 from ..scene.scene import Scene
+from ..session.open_scene import OpenScene
 from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 

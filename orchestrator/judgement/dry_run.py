@@ -11,8 +11,8 @@ from ..engine.coupling import Coupling, Link
 from ..engine.coupling.graph import Loop
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
-from ..run import Run
 from ..scene.scene import Scene
+from ..session.open_scene import Course, OpenScene
 from .probing import Advice, PairLimit
 from .thresholds import PREFIX_SECONDS, PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
 from .verification import run
@@ -205,11 +205,9 @@ class SteppingPath(NamedTuple):
 def stepping_path(scene: Scene) -> SteppingPath:
     """Opens and initializes the scene's units, in process where they are components; raises what a run of it would."""
     with ExitStack() as stack:
-        run = Run(scene, stack, in_process=True, native=False, progress=False)
-        run.prepare()
-        run.faults.before_start()
-        (run.account or run.master).initialize(scene.start_time)
+        course = Course(OpenScene(scene, stack, in_process=True))
+        course.start()
         reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
-        if isinstance(run.stepping, AdaptiveStepping) and not reasons:
+        if isinstance(course.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]
-        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), run.master.machine.in_python)
+        return SteppingPath((*reasons, *dict.fromkeys(obstacles(course.master, course.account))), course.master.machine.in_python)

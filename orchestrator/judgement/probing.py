@@ -29,9 +29,9 @@ from ...components.core.errors import BadInput, StepFailed
 from ...components.core.measure import parse
 from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
-from ..open_units import OpenScene
 from ..run_info import CompileTime
 from ..scene.scene import Scene
+from ..session.open_scene import OpenScene
 from ..units import Interface, Simulator
 from ..units.interface import PortValues
 from .closed_form import longest_step, radii

@@ -15,8 +15,8 @@ from ...fmus.native.instance import Model
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.stepping.faults import Faults
-from ..open_units import OpenScene
 from ..scene.scene import Scene
+from ..session.open_scene import OpenScene
 from ..units.component import ComponentSimulator
 from .layout import Layout
 from .tables import fault_changes, model_of

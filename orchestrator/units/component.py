@@ -172,6 +172,11 @@ class ComponentSimulator(PlainSimulator):
         self._write(*self._rows[0], values)
         self.component.refresh()
 
+    def put(self, name: str, value: float | str) -> None:
+        self.component.set(name, value)
+        if self.starts:
+            self.component.refresh()
+
     def save(self, reuse: bytes | None = None) -> bytes:
         return self.component.save()
 

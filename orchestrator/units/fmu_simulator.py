@@ -305,6 +305,9 @@ class FmuSimulator:
         """Inputs that have changed at this instant."""
         inputs.write(values, self._time)
 
+    def put(self, name: str, value: float | str) -> None:
+        self._hand_over(Others(self.name, [name], *self._common()), [value])
+
     def wire_texts(self, inputs: Sequence[str]) -> None:
         self._texts = Others(self.name, inputs, *self._common())
 

@@ -150,6 +150,9 @@ class Simulator(Protocol):
     def update(self, values: PortValues) -> None:
         """The inputs have these values now; outputs that depend on them directly follow."""
 
+    def put(self, name: str, value: float | str) -> None:
+        """An input that is not among the driven ones has this value from now on, before `initialize` or between two steps."""
+
     def get(self) -> PortValues:
         """Present values of the outputs given to `wire`."""
 

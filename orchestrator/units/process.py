@@ -312,6 +312,9 @@ class WorkerSimulator:
         self._channel.limit = self._limit
         self._channel.limit = self._limit
 
+    def put(self, name: str, value: float | str) -> None:
+        self._move("put", name, value)
+
     def wire_texts(self, inputs: Sequence[str]) -> None:
         self._ask("wire_texts", [*inputs])
 

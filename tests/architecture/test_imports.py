@@ -39,7 +39,7 @@ FLOORS = (
         "orchestrator.run",
         "orchestrator.run_info",
         "orchestrator.checkpoint",
-        "orchestrator.open_units",
+        "orchestrator.session",
         "orchestrator.native",
         "orchestrator.scene_fmu",
         "orchestrator.judgement",

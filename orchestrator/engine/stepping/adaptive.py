@@ -117,7 +117,7 @@ class AdaptiveStepping(Stepping):
         self._behind_event = False  # the tick is no multiple of the stride, because an event ended the last step
         self.shortest, self.longest = end, 0  # ticks of the steps that were kept, but for those that a stop or an event has cut
 
-    def _advance(self, stop: int, observers: Sequence[Observer]) -> None:
+    def _advance(self, stop: int, observers: Sequence[Observer], most: int) -> int:
         """One step that is kept."""
         control = self.control
         if self._rollback:
@@ -169,6 +169,7 @@ class AdaptiveStepping(Stepping):
             for restart in self._restarts:
                 restart()
         self._behind_event = event and self.tick % self.stride > 0
+        return 1
 
     def _length(self, stop: int) -> int:
         """Ticks of the next step, if nothing happens in it."""

@@ -117,29 +117,35 @@ class Stepping:
     ):
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})
-        self.tick = 0
+        self.tick, self._begun = 0, False
         self._batches, self._trusted = batches, trusted
         self._pace = BATCH_SECONDS  # s of a step, as in the last batch
         self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
 
-    def run(self, observers: Sequence[Observer]) -> None:
-        """Step to the end; observers see every instant after all units have reached it, a resumed run the new ones."""
-        if self.tick == 0:
+    def run(self, observers: Sequence[Observer], most: int | None = None) -> None:
+        """Step to the end, or over at most so many steps; observers see every instant after all units have reached it, a resumed
+        run the new ones."""
+        if self.tick == 0 and not self._begun:
             self._arrive(observers)
+        self._begun, left = True, self.end if most is None else most
         for stop in sorted({self.end, *self.stops}):
             if self.tick < stop <= self.end:
-                while self.tick < stop:
-                    self._advance(stop, observers)
+                while self.tick < stop and left > 0:
+                    left -= self._advance(stop, observers, left)
                     if self.tick < stop:
                         self._observe(observers)
+                if self.tick < stop:
+                    return
                 self._arrive(observers)
 
-    def _advance(self, stop: int, observers: Sequence[Any]) -> None:
-        """One step or several, at most to the tick `stop`; observers see all but the last one."""
+    def _advance(self, stop: int, observers: Sequence[Any], most: int) -> int:
+        """One step or several, at most so many and to the tick `stop`; observers see all but the last one. Returns how many."""
         length, count = next(lengths(self.tick, stop, self.stride, stop == self.end))
+        count = min(count, most)
         if self._batches is not None:
-            self._take_batch(self._batches, length, self.tick + length * count, observers)
-            return
+            begin = self.tick
+            self._take_batch(self._batches, length, begin + length * count, observers)
+            return (self.tick - begin) // length
         time, step, tick = self.clock.time, self.master.step, self.tick
         t, h = time(tick), self.clock.seconds(length)
         for k in range(count):
@@ -149,6 +155,7 @@ class Stepping:
                     observe(tick, t)
             step(t, h)
             self.tick = tick = tick + length
+        return count
 
     def _observe(self, observers: Sequence[Observer]) -> None:
         t = self.clock.time(self.tick)

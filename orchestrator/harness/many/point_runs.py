@@ -12,10 +12,10 @@ from typing import Any
 
 from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
-from ...open_units import OpenScene
 from ...progress import Stop
 from ...results import Result
 from ...run import Run, run
+from ...session.open_scene import OpenScene
 from ...shorter_steps import asked, asked_for
 from .measures import Row, Task, row_of_result
 from .plan import changes

@@ -23,8 +23,8 @@ import numpy as np
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import Master
-from ...open_units import OpenScene
 from ...scene.scene import Scene
+from ...session.open_scene import OpenScene
 from ...units.component import ComponentSimulator
 from .quantities import Quantity
 

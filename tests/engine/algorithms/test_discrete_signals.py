@@ -8,9 +8,9 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator import open_units
 from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
 from cosimo.orchestrator.run import run
+from cosimo.orchestrator.session import open_scene
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal
@@ -201,14 +201,14 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
             outputs={**interface.outputs, "says": Signal("says", "", "", **text)},
         )
 
-    open_unit = open_units.open_unit
+    open_unit = open_scene.open_unit
 
     def speaking(name, settings, **how):
         opened[name] = Speaker(name, open_unit(name, settings, **how).component)
         return opened[name]
 
     monkeypatch.setattr(resolve, "describe", describe)
-    monkeypatch.setattr(open_units, "open_unit", speaking)
+    monkeypatch.setattr(open_scene, "open_unit", speaking)
     talk = {**scene("jacobi", 1), "stop_time": 0.3, "record": {"signals": ["b.now"]}}
     talk["connections"] = [*talk["connections"], "c.says -> b.hears", "b.says -> c.hears"]
     settled = read_scene(talk)

@@ -7,21 +7,23 @@ from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ..components.core.component import Component
-from ..components.core.contract import KernelComponent
-from .engine.algorithms import master_of
-from .engine.algorithms.contact import ContactSimulator
-from .engine.algorithms.step_control import counts_alone
-from .engine.coupling import Endpoint
-from .engine.stepping.adaptive import clock_for
-from .scene.scene import Scene
-from .units import Simulator, open_unit
-from .units.component import ComponentSimulator
-from .units.exit_guard import ExitGuard
-from .units.interface import Span
+from ...components.core.component import Component
+from ...components.core.contract import KernelComponent
+from ..engine.algorithms import master_of
+from ..engine.algorithms.contact import ContactSimulator
+from ..engine.algorithms.energy import EnergyAccount
+from ..engine.algorithms.step_control import counts_alone
+from ..engine.coupling import Endpoint
+from ..engine.stepping.adaptive import clock_for, stepping_of
+from ..engine.stepping.faults import Faults
+from ..scene.scene import Scene
+from ..units import Simulator, open_unit
+from ..units.component import ComponentSimulator
+from ..units.exit_guard import ExitGuard
+from ..units.interface import Span
 
 if TYPE_CHECKING:
-    from .units.native import NativeFmu
+    from ..units.native import NativeFmu
 
 
 def _judging_steps(scene: Scene) -> tuple[Endpoint, ...]:
@@ -30,6 +32,22 @@ def _judging_steps(scene: Scene) -> tuple[Endpoint, ...]:
         return ()
     interfaces = scene.coupling.interfaces
     return tuple((u, n) for u, one in interfaces.items() for n, s in one.outputs.items() if counts_alone(n, s))
+
+
+class Course:
+    """What begins anew with every run of an open scene: the account of energy, the faults, and the stepping."""
+
+    def __init__(self, open_scene: OpenScene):
+        scene, self.master, clock = open_scene.scene, open_scene.master, open_scene.clock
+        coupling, correction = scene.coupling, scene.master.energy_correction
+        self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
+        self._faults, self._start = Faults(scene.faults, coupling, self.master, clock), scene.start_time
+        self.stepping = stepping_of(scene, coupling, self.master, self.account, clock, self._faults.stops())
+
+    def start(self) -> None:
+        """Initialize the units, with the faults that act from the start; raises `StepFailed` where values do not converge."""
+        self._faults.before_start()
+        (self.account or self.master).initialize(self._start)
 
 
 class OpenScene:

@@ -1,0 +1,1 @@
+"""A scene in the hand: opened once, and stepped, asked and set from outside."""

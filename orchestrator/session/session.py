@@ -1,0 +1,451 @@
+"""A scene that is held: opened once, and then set, stepped, read, saved and taken back by whoever holds it."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from fractions import Fraction
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ...components.catalogue import component_class
+from ...components.core.errors import BadInput, StepFailed, nearest
+from ...components.core.measure import is_quantity, number_in
+from ...components.core.variables import SEED
+from ..engine.coupling import Endpoint
+from ..recorders import Recorder, TextRecorder, reading
+from ..recording import Spool
+from ..results import Result, result_of
+from ..run_info import describe_run
+from ..scene.scene import Scene
+from ..tables import MemoryTable
+from ..units.fmu import declared_signals
+from .open_scene import Course, OpenScene
+from .state import State, packed, unpacked
+
+Value = float | int | bool | str | np.ndarray | Sequence[float]
+SHOWN = 40  # outputs in a notebook
+
+
+class Session:
+    """A scene in the hand. Its steps are those of `run`, with the same bits.
+
+        with cosimo.open("en50318-2002") as sim:
+            sim["pantograph.static_force"] = "130 N"
+            sim.initialize()
+            sim.until(2.0)
+            print(sim["pantograph.contact_force"])
+
+    A parameter is set before `initialize`, an input that nothing drives at any time. After a step that has failed, with
+    `StepFailed`, the session can be taken back (`restore`), begun anew (`reset`) and closed. A session is used by one thread.
+    """
+
+    def __init__(self, scene: Scene, *, in_process: bool = True, native: bool = False):
+        """in_process: components run in this process, else as FMUs.  native: as native FMUs. Units are opened by `initialize`."""
+        self._given, self._scene, self._in_process, self._native = scene, scene, in_process, native
+        self._stack = ExitStack()
+        self._open_scene: OpenScene | None = None
+        self._changes: dict[str, Any] = {}  # numbers that an open scene begins anew with
+        self._inputs: dict[Endpoint, Any] = {}  # set by hand
+        self._initialized, self._closed, self._failure = False, False, ""
+        self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
+        self._observers: list[Any] = []
+        self._spool: Spool | None = None
+        self._states: list[weakref.ref[State]] = []
+
+    # -- from the beginning to the end -------------------------------------------------------------------------------
+    @property
+    def scene(self) -> Scene:
+        """The scene as it stands, with the parameters that were set."""
+        return self._scene
+
+    def initialize(self) -> None:
+        """Open the units where that has not been done, and find their initial states, at the scene's start_time.
+
+        Raises `BadInput` for what cannot start, `StepFailed` where initial values are not found.
+        """
+        self._alive()
+        if self._initialized:
+            raise BadInput(self._where, "initialize() of a scene that runs", "a session before its start", "reset() comes first.")
+        if self._open_scene is None or not self._open_scene.takes(self._changes):
+            self._open()
+        elif self._changes or self._begun:
+            self._scene = self._open_scene.begin_anew(self._changes)
+        assert self._open_scene is not None
+        self._begun, self._course = True, Course(self._open_scene)
+        self._master, self._stepping = self._open_scene.master, self._course.stepping
+        for (unit, name), value in self._inputs.items():
+            self._open_scene.units[unit].put(name, value)
+        self._course.start()
+        self._stepping.run(self._observers, 0)
+        self._initialized = True
+
+    _begun = False  # whether the open scene has been started
+
+    def _open(self) -> None:
+        self._close_units()
+        native = {}
+        if self._native:
+            from ..native import native_fmus  # which loads a compiler
+
+            native = native_fmus(self._scene)
+        self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native, watched=None)
+        self._readers.clear()
+
+    def step(self, steps: int = 1) -> None:
+        """So many macro steps. Raises `StepFailed` where a unit fails, `BadInput` beyond the scene's stop_time."""
+        self._started("step()")
+        if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
+            raise BadInput(f"{self._where}: step", repr(steps), "a whole number of macro steps, 1 at least")
+        stepping = self._stepping
+        if stepping.tick == stepping.end:
+            end = f"stop_time = {self._scene.stop_time:g} s"
+            raise BadInput(f"{self._where}: step", f"a step behind {end}", "a time within the scene", "Take a later stop_time.")
+        try:
+            stepping.run(self._observers, steps)
+        except StepFailed as error:
+            self._failure = str(error)
+            raise
+
+    def until(self, t: float) -> None:
+        """Macro steps up to the first instant of all units that is not before t, s; none where t has been reached."""
+        self._started("until()")
+        if not self.time <= t <= self._scene.stop_time:
+            stretch = f"a time from {self.time:.9g} s, which is reached, to stop_time = {self._scene.stop_time:g} s"
+            raise BadInput(f"{self._where}: until", f"{t:.9g} s", stretch)
+        goal, clock = t, self._stepping.clock
+        while (tick := self._stepping.tick) < self._stepping.end and clock.time(tick) < goal:
+            whole = int((goal - clock.time(tick)) / self._scene.master.step)
+            self.step(max(whole - 1, 1))
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._stepping.clock.time(self._stepping.tick) if self._initialized else self._scene.start_time
+
+    @property
+    def done(self) -> bool:
+        """Whether the scene's stop_time is reached."""
+        return self._initialized and self._stepping.tick == self._stepping.end
+
+    def reset(self, seed: int | None = None) -> None:
+        """Back to before `initialize`, with the parameters as they were set; what was recorded and set as an input is gone.
+
+        seed: for every parameter of the scene that is a seed.
+        """
+        self._alive()
+        self._initialized, self._failure = False, ""
+        self._inputs.clear()
+        self._observers, self._spool = [], None
+        if self._open_scene is not None and not self._open_scene.takes({}):
+            self._close_units()
+        if seed is not None:
+            for unit, settings in self._scene.units.items():
+                variables = component_class(settings.component, unit).variables if settings.component else {}
+                on = {*settings.effects, ""}
+                for name, v in variables.items():
+                    if v.structural == SEED and name.rpartition(".")[0] in on:
+                        self[f"{unit}.{name}"] = seed
+
+    def close(self) -> None:
+        """Close the units; a session that is closed can be asked nothing."""
+        self._close_units()
+        self._closed, self._initialized = True, False
+
+    def _close_units(self) -> None:
+        for reference in self._states:
+            if (state := reference()) is not None:
+                state.release()
+        self._states.clear()
+        self._stack.close()
+        self._open_scene, self._begun = None, False
+        self._readers.clear()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # -- values by name ----------------------------------------------------------------------------------------------
+    def __getitem__(self, name: str) -> Any:
+        """A parameter, an input or an output by its name, "unit.variable"; an array by the name of all its elements, (n,).
+
+        Outputs and driven inputs have values from `initialize` on. Raises `BadInput` with the near names.
+        """
+        unit, variable = self._split(name)
+        interface = self._scene.coupling.interfaces[unit]
+        if variable in interface.outputs or self._elements(interface.outputs, variable):
+            self._started(f"the output {name!r}")
+            if variable in interface.outputs and interface.outputs[variable].is_text:
+                return reading(self._units, [(unit, variable)], texts=True)()[0]
+            return self.values([name]) if variable not in interface.outputs else self._typed(unit, variable)
+        if variable in interface.inputs:
+            return self._input(unit, variable)
+        return self._parameter(unit, variable)
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        """Set a parameter before `initialize`, an input that nothing drives at any time; "250 km/h" is converted.
+
+        Raises `BadInput` for a name, a value or a moment that cannot be.
+        """
+        self._alive()
+        unit, variable = self._split(name)
+        interface = self._scene.coupling.interfaces[unit]
+        if variable in interface.outputs:
+            raise BadInput(f"{self._where}: {name}", repr(value), "a parameter or an input", "It is an output.")
+        if variable in interface.inputs and (self._initialized or not interface.inputs[variable].is_text):
+            self._put(unit, variable, value)
+            return
+        if self._initialized:
+            raise BadInput(
+                f"{self._where}: {name}",
+                f"{value!r} at t = {self.time:.9g} s",
+                "a parameter that is set before initialize()",
+                "reset() goes back to there.",
+            )
+        place = f"units.{unit}.parameters.{variable}"
+        given = value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value
+        number = isinstance(given, float | int) and not isinstance(given, bool)
+        if number and self._open_scene is not None and self._open_scene.takes({place: given}):
+            variables = self._declared(unit)
+            self._changes[place] = variables[variable].checked(given, f"{self._where}: {unit}")
+            return
+        self._scene = self._scene.with_changes({**self._changes, place: given})
+        self._changes.clear()
+        self._close_units()
+
+    def values(self, names: Sequence[str]) -> np.ndarray:
+        """Present values of outputs, (n,): numbers, truth values as 0 and 1; arrays by the names of all their elements."""
+        read = self._readers.get(key := tuple(names))
+        if read is None:
+            self._started("values()")
+            read = self._readers[key] = self._reader(key)
+        return read()
+
+    def _reader(self, names: tuple[str, ...]) -> Callable[[], np.ndarray]:
+        ends: list[Endpoint] = []
+        for name in names:
+            unit, variable = self._split(name)
+            outputs = self._scene.coupling.interfaces[unit].outputs
+            elements = [variable] if variable in outputs else self._elements(outputs, variable)
+            if not elements or outputs[elements[0]].is_text:
+                known = [
+                    f"{u}.{n}" for u, i in self._scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text
+                ]
+                raise BadInput(f"{self._where}: values", repr(name), "an output that is a number", nearest(name, known))
+            ends += [(unit, n) for n in elements]
+        cells = self._master.positions
+        if all(end in cells for end in ends):
+            signals, places = self._master.signals, np.array([cells[end] for end in ends], dtype=np.intp)
+            return lambda: signals[places]
+        sample = reading(self._units, ends)
+        return lambda: np.array(sample(), dtype=float)
+
+    def _typed(self, unit: str, variable: str) -> float | int | bool:
+        (value,) = self.values([f"{unit}.{variable}"]).tolist()
+        kind = self._scene.coupling.interfaces[unit].outputs[variable].kind
+        if kind == "boolean":
+            return bool(value)
+        return int(value) if kind in ("integer", "enumeration") else float(value)
+
+    @staticmethod
+    def _elements(signals: Mapping[str, Any], name: str) -> list[str]:
+        return [n for n in signals if n.startswith(f"{name}[")]
+
+    def _split(self, name: str) -> Endpoint:
+        """("unit", "variable") of a name; raises `BadInput` for one that the scene does not have."""
+        unit, variable = self._scene.split(name)
+        interfaces = self._scene.coupling.interfaces
+        if unit not in interfaces:
+            raise BadInput(f"{self._where}: {name}", f"unit {unit!r}", "a unit of the scene", nearest(unit, interfaces))
+        known = {**interfaces[unit].inputs, **interfaces[unit].outputs, **self._declared(unit)}
+        if variable in known or self._elements(known, variable):
+            return unit, variable
+        expected = f"a parameter, an input or an output of {unit}"
+        raise BadInput(self._where, repr(name), expected, nearest(variable, known))
+
+    def _declared(self, unit: str) -> Mapping[str, Any]:
+        """All variables that a unit declares, by name."""
+        settings = self._scene.units.get(unit)
+        if settings is None:  # a contact
+            return {}
+        if settings.component:
+            return component_class(settings.component, unit).variables
+        return declared_signals(settings.fmu, f"units.{unit}.fmu")
+
+    def _parameter(self, unit: str, variable: str) -> Any:
+        """As it was set, or else as the unit has it."""
+        if (place := f"units.{unit}.parameters.{variable}") in self._changes:
+            return self._changes[place]
+        if self._open_scene is None:
+            self._open()
+        known = self._units[unit].parameters()
+        if variable in known:
+            return known[variable]
+        if elements := self._elements(known, variable):
+            return np.array([known[n] for n in elements])
+        raise BadInput(self._where, repr(f"{unit}.{variable}"), "a variable that has a value here", "Its effect is off.")
+
+    def _input(self, unit: str, variable: str) -> Any:
+        """The present value of an input."""
+        if not self._initialized or (unit, variable) in self._inputs:
+            start = self._scene.coupling.interfaces[unit].inputs[variable].start
+            return self._inputs.get((unit, variable), start)
+        node = self._master.node_of[unit]
+        for link, value in zip(node.links, node.inputs(), strict=True):
+            if link.target[1] == variable:
+                return float(value)
+        return self._scene.coupling.interfaces[unit].inputs[variable].start
+
+    def _put(self, unit: str, variable: str, value: Any) -> None:
+        """Set an input from now on, and let what depends on it within the instant follow."""
+        where, signal = f"{self._where}: {unit}.{variable}", self._scene.coupling.interfaces[unit].inputs[variable]
+        links = (*self._scene.coupling.links, *self._scene.coupling.texts)
+        if source := next((link.source for link in links if link.target == (unit, variable)), None):
+            raise BadInput(where, repr(value), "an input that nothing drives", f"It is connected to {'.'.join(source)}.")
+        if is_quantity(value) and not signal.is_text:
+            value = number_in(value, signal.unit, where, signal.measure, signal.relative)
+        if signal.is_text != isinstance(value, str) or (not signal.is_text and not np.isfinite(value)):
+            raise BadInput(where, repr(value), "a text" if signal.is_text else f"a finite number in {signal.unit or '1'}")
+        self._inputs[unit, variable] = value if signal.is_text else float(value)
+        if not self._initialized:
+            return
+        if self._failure:
+            self._started("an input")
+        master, node = self._master, self._master.node_of[unit]
+        before = master.signals.copy()
+        self._units[unit].put(variable, self._inputs[unit, variable])
+        node.read()
+        master.follow(self.time)
+        moved = np.flatnonzero(master.signals != before)
+        for other in master.nodes:
+            if not moved.size:
+                break
+            if np.isin(other.sources, moved).any():  # what jumps tells nothing of where inputs go
+                other.restart()
+
+    @property
+    def _units(self) -> dict[str, Any]:
+        assert self._open_scene is not None
+        return self._open_scene.units
+
+    # -- states ------------------------------------------------------------------------------------------------------
+    def save(self) -> State:
+        """All that the next steps depend on, between two steps; `restore` takes it, as often as wanted.
+
+        bytes(state) is the same for a file, for a session of the same scene in any process. Raises `BadInput` where a unit cannot
+        save its state.
+        """
+        self._started("save()")
+        unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.saves_state]
+        if unable:
+            raise BadInput(f"{self._where}: save", ", ".join(unable), "units that can save their state")
+        course, nodes = self._course.stepping, self._master.nodes
+        units = [node.unit for node in nodes]
+        state = State(self._master.save(), course.tick, course.state(), dict(self._inputs), units, self._to_bytes)
+        self._states = [one for one in self._states if one() is not None] + [weakref.ref(state)]
+        return state
+
+    def restore(self, state: State | bytes) -> None:
+        """Back, or on, to a saved state; rows that were recorded behind it are gone.
+
+        Raises `BadInput` for one of another scene, or of units that were closed meanwhile.
+        """
+        self._alive()
+        if not self._initialized:
+            self.initialize()
+        if isinstance(state, bytes):
+            self._from_bytes(state)
+        elif state.released or state.units != [node.unit for node in self._master.nodes]:
+            raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
+        else:
+            self._master.restore(state.master)
+            self._stepping.take(state.stepping)
+            self._stepping.tick = state.tick
+            self._inputs = dict(state.inputs)
+        self._failure = ""
+        if self._spool is not None:
+            self._spool.forget(self.time)
+
+    def _to_bytes(self, state: State) -> bytes:
+        now = self.save()
+        self.restore(state)
+        content = {"tick": state.tick, "master": self._master.state(), "stepping": state.stepping}
+        inputs = [[unit, name, value] for (unit, name), value in state.inputs.items()]
+        self.restore(now)
+        return packed(self._scene, content | {"inputs": inputs})
+
+    def _from_bytes(self, content: bytes) -> None:
+        state = unpacked(content, self._scene, f"{self._where}: restore")
+        self._master.take(state["master"])
+        self._stepping.take(state["stepping"])
+        self._stepping.tick = state["tick"]
+        self._inputs = {(unit, name): value for unit, name, value in state["inputs"]}
+
+    # -- what was seen -----------------------------------------------------------------------------------------------
+    def record(self) -> None:
+        """From now on a row of all that the scene records, at every macro step; see `result`."""
+        self._started("record()")
+        coupling = self._scene.coupling
+        ends = list(self._master.positions)
+        every, end = Fraction(1), self._stepping.end
+        signals = Recorder(self._master.sample, len(ends), every, end, of_master=True)
+        texts = None
+        if wanted := coupling.recorded_texts:
+            texts = TextRecorder(reading(self._units, wanted, texts=True), len(wanted), every, end)
+        places = {end: k for k, end in enumerate(ends)}
+        table = MemoryTable(*([f"{u}.{n}" for u, n in some] for some in (coupling.signals, coupling.recorded_texts)))
+        self._spool = Spool(signals, table, [places[signal] for signal in coupling.signals], texts)
+        self._observers = [*([texts] if texts else []), signals]
+        for observe in self._observers:
+            observe(self._stepping.tick, self.time)
+
+    def result(self) -> Result:
+        """What was recorded so far, as of `cosimo.run`: its summary, report and plots; not verified."""
+        if self._spool is None:
+            raise BadInput(f"{self._where}: result", "a session that records nothing", "a call of record() before")
+        self._spool.flush()
+        coupling = self._scene.coupling
+        measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
+        info = describe_run(self._scene, coupling, self._units, self._master)
+        outcome, message = ("done", "") if self.done else ("stopped", f"held at t = {self.time:.9g} s")
+        if self._failure:
+            outcome, message = "failed", self._failure
+        info |= {"outcome": outcome, "message": message, "warnings": self._master.warnings(), "timing": {}}
+        return result_of(self._scene, self._spool.table, {}, measures, info, None)
+
+    # -- what it is --------------------------------------------------------------------------------------------------
+    @property
+    def _where(self) -> str:
+        return f"session of {self._scene.name}"
+
+    def _alive(self) -> None:
+        if self._closed:
+            raise BadInput(self._where, "a session that is closed", "one that is open", "cosimo.open gives another one.")
+
+    def _started(self, what: str) -> None:
+        self._alive()
+        if self._failure:
+            raise BadInput(self._where, f"{what} after a step that failed", "restore(), reset() or close()", f"{self._failure}.")
+        if not self._initialized:
+            raise BadInput(self._where, f"{what} before the start", "a call of initialize() before")
+
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else f"at t = {self.time:.9g} s" if self._initialized else "before its start"
+        return f"<Session of {self._scene.name}: {', '.join(self._scene.units)}; {state}{', failed' if self._failure else ''}>"
+
+    def _repr_html_(self) -> str:
+        rows = ""
+        if self._initialized and not self._failure:
+            interfaces = self._scene.coupling.interfaces
+            numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
+            values = self.values([".".join(end) for end in numbers[:SHOWN]])
+            for (unit, name), value in zip(numbers, values, strict=False):
+                rows += f"<tr><td>{escape(unit)}.{escape(name)}</td><td>{value:.6g}</td>"
+                rows += f"<td>{escape(interfaces[unit].outputs[name].unit)}</td></tr>"
+            rows += f"<tr><td>and {len(numbers) - SHOWN} more</td></tr>" if len(numbers) > SHOWN else ""
+        return f"<b>{escape(repr(self)[1:-1])}</b><table>{rows}</table>"
