@@ -199,7 +199,10 @@ class Hunt:
 
     @staticmethod
     def _figures(result: Result, finer: Result, stated: Mapping[str, float | None]) -> Iterator[tuple[str, float, float, float]]:
-        ours, theirs = ({row.name: row.value for row in r.summary} for r in (result, finer))
+        try:
+            ours, theirs = ({row.name: row.value for row in r.summary} for r in (result, finer))
+        except BadInput:  # such as a window that is longer than the run with moved parameters
+            return
         for name, value in ours.items():
             scale = max(abs(value), abs(theirs.get(name, math.nan)))
             if scale > 0.0 and isinstance(error := stated.get(name), float):
