@@ -97,6 +97,12 @@ class Session:
 
     def step(self, steps: int = 1) -> None:
         """So many macro steps. Raises `StepFailed` where a unit fails, `BadInput` beyond the scene's stop_time."""
+        try:
+            if steps == 1 and not self._observers and self._initialized and not self._failure and self._stepping.step_unseen():
+                return
+        except StepFailed as error:
+            self._failure = str(error)
+            raise
         self._started("step()")
         if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
             raise BadInput(f"{self._where}: step", repr(steps), "a whole number of macro steps, 1 at least")
@@ -106,6 +112,7 @@ class Session:
             raise BadInput(f"{self._where}: step", f"a step behind {end}", "a time within the scene", "Take a later stop_time.")
         try:
             stepping.run(self._observers, steps)
+            stepping.look_ahead()
         except StepFailed as error:
             self._failure = str(error)
             raise

@@ -92,14 +92,15 @@ class Machine:
 
     def perform(self, rows: Rows, t: float, h: float) -> None:
         """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
-        self.records.take_rows(*rows, t, h)
+        self.records.take_rows(rows, t, h)
         if self.records.answer("unit") >= 0:
             self._go_on(t, h)
 
     def step(self, rows: Rows, t: float, h: float) -> bool:
         """Take the rows of a macro step; returns whether the signals have left the limit."""
-        self.records.ask(first=rows[0], last=rows[1], steps=1, times=0, begin=0, whole=1, rows=0, sampled_count=0)
-        self.records.run_steps(t, h)
+        self.records.take_rows(rows, t, h, 1)
+        if (unit := self.records.answer("unit")) < 0:
+            return unit == BEYOND
         self._go_on(t, h)
         return self.records.answer("unit") == BEYOND
 
@@ -182,6 +183,7 @@ class Machine:
             self._under_way = space
             records.run_steps(0.0, h)
             self._under_way = None
+            records.ask(rows=0, sampled_count=0)  # nothing is wanted of single steps
             space.done += records.answer("done")
             if records.answer("unit") >= 0:
                 self._go_on(float(space.times[space.done]), h)

@@ -30,6 +30,7 @@ from .records import (
     Memory,
 )
 
+HEAD = 7  # fields at the beginning of `REQUEST`, up to `whole`
 KERNELS: dict[str, Any] = {"run_steps": run_steps, "initialize_groups": initialize_groups}
 OF_FAULTS: dict[str, Any] = {"begin_change": begin_change, "end_change": end_change}
 _ENTRIES: dict[tuple[Any, ...], Entry] = {}  # of the kernels, for each layout in this process
@@ -93,7 +94,8 @@ class Records:
         self.block, self.driven = Block(begin, (), (), dict.fromkeys(KERNELS | OF_FAULTS, times)), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
-        self._head = self.place("request", 0, "first")  # and behind it steps, times, begin, started, whole, see `REQUEST`
+        self._head = self.place("request", 0, "first")
+        self._heads: dict[tuple[tuple[int, int], int], Any] = {}  # the first fields of the request, for single steps
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
         self._calls: dict[str, Callable[[float, float], int]] = {}
 
@@ -108,11 +110,11 @@ class Records:
         for name, value in fields.items():
             integers[places[name]] = value
 
-    def take_rows(self, first: int, last: int, t: float, h: float) -> None:
-        """Call the kernel for some rows of the program, in the step from t to t + h."""
-        cells, at = self.integers, self._head
-        cells[at], cells[at + 1], cells[at + 2], cells[at + 3], cells[at + 4] = first, last, 1, 0, 0
-        cells[at + 5], cells[at + 6] = 0, 0
+    def take_rows(self, rows: tuple[int, int], t: float, h: float, whole: int = 0) -> None:
+        """Call the kernel for some rows of the program, in the step from t to t + h; whole: whether they are a macro step."""
+        if (head := self._heads.get((rows, whole))) is None:  # one write of all takes a fifth of the time
+            head = self._heads[rows, whole] = _cells(np.array([*rows, 1, 0, 0, 0, whole], dtype=np.int64))
+        self.integers[self._head : self._head + HEAD] = head
         self.run_steps(t, h)
 
     def answer(self, field: str) -> int:

@@ -81,7 +81,7 @@ class Node:
         return port_values(self.link_records["looked"])
 
     def _look(self) -> None:
-        self._records.take_rows(*self.look_rows, 0.0, 0.0)
+        self._records.take_rows(self.look_rows, 0.0, 0.0)
 
     def foreseen(self) -> np.ndarray:
         """Where extrapolation will have taken the inputs, as of the last `FORESEE`, (n,)."""

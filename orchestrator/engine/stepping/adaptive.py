@@ -117,6 +117,9 @@ class AdaptiveStepping(Stepping):
         self._behind_event = False  # the tick is no multiple of the stride, because an event ended the last step
         self.shortest, self.longest = end, 0  # ticks of the steps that were kept, but for those that a stop or an event has cut
 
+    def look_ahead(self) -> None:
+        """No step is known before it is taken."""
+
     def _advance(self, stop: int, observers: Sequence[Observer], most: int) -> int:
         """One step that is kept."""
         control = self.control

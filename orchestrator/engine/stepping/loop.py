@@ -118,6 +118,7 @@ class Stepping:
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})
         self.tick, self._begun = 0, False
+        self._whole, self._seconds = range(0), clock.seconds(stride)  # ticks from which a step is a whole stride
         self._batches, self._trusted = batches, trusted
         self._pace = BATCH_SECONDS  # s of a step, as in the last batch
         self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
@@ -137,6 +138,21 @@ class Stepping:
                 if self.tick < stop:
                     return
                 self._arrive(observers)
+
+    def look_ahead(self) -> None:
+        """Find out to where `step_unseen` can go."""
+        stop = min((stop for stop in (*self.stops, self.end) if stop > self.tick), default=self.tick)
+        self._whole = range(self.tick, stop - 2 * self.stride)
+
+    def step_unseen(self) -> bool:
+        """One step that no observer sees, on the shortest way to the master, and whether there was one: from a multiple of the
+        stride, behind the last `look_ahead`, and away from what happens at a tick."""
+        tick = self.tick
+        if tick not in self._whole or tick % self.stride:
+            return False
+        self.master.step(self.clock.time(tick), self._seconds)
+        self.tick = tick + self.stride
+        return True
 
     def _advance(self, stop: int, observers: Sequence[Any], most: int) -> int:
         """One step or several, at most so many and to the tick `stop`; observers see all but the last one. Returns how many."""
