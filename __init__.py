@@ -10,6 +10,7 @@ What stands here is the public interface; whatever it needs is imported when it 
 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
 `summary`, `write_report`, `delivered`.
+A scene in the hand: `open`, to set, step, read, save and take back.
 Many runs: `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `compare`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
         build_scene,
         compare,
         load_scene,
+        open,
         read_result,
         read_scene,
         run,
@@ -85,6 +87,7 @@ _PLACES = {
         "build_scene",
         "compare",
         "load_scene",
+        "open",
         "read_result",
         "read_scene",
         "run",
@@ -135,6 +138,7 @@ __all__ = [
     "kernel_tuple",
     "load_scene",
     "ode_kernels",
+    "open",
     "output",
     "parameter",
     "read_result",

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..judgement.verification import Wish
     from ..results import Result
     from ..scene.scene import Scene
+    from ..session.session import Session
 
 FMU_ALONE = "fmu"  # the unit of a scene that is one FMU
 NAMES = ("railway", "bearings", "rotor", "rov", "two_axis_joint", "wind_pump", "friction_drive", "pipe_robot", "wrist")
@@ -134,6 +135,16 @@ def run(scene: Scene | str | Path, **options: Any) -> Result:
     from ..judgement.verification import run as run_verified
 
     return run_verified(with_limits(scene_of(scene)), **options)
+
+
+def open(scene: Scene | str | Path, *, in_process: bool = True, native: bool = False) -> Session:
+    """A scene, by itself, its name or its path, to be held: set, stepped, read, saved and taken back. Close it, or use `with`.
+
+    in_process: components run in this process, else as FMUs; native: as native FMUs; the numbers have the same bits.
+    """
+    from ..session.session import Session
+
+    return Session(scene_of(scene), in_process=in_process, native=native)
 
 
 def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress: bool = False) -> Comparison:
