@@ -65,6 +65,12 @@ EXAMPLES = {
     "load_scene": """
         scene = cosimo.load_scene("mass-on-spring")
         print(scene.units["spring"].parameters)""",
+    "open": """
+        with cosimo.open("mass-on-spring") as sim:
+            sim["spring.stiffness"] = "60 N/m"
+            sim.initialize()
+            sim.step(100)
+            print(sim.time, sim["mass.base_x"])""",
     "build_scene": """
         scene = cosimo.build_scene(
             {"mass": cosimo.unit("PlanarLink", mass=2.0), "spring": cosimo.unit("CompliantJoint", stiffness=5e3)},
