@@ -31,7 +31,7 @@ SHOWN = 40  # outputs in a notebook
 
 
 class Session:
-    """A scene in the hand. Its steps are those of `run`, with the same bits.
+    """A scene in the hand. Its steps are bit-identical to those of `run`.
 
         with cosimo.open("en50318-2002") as sim:
             sim["pantograph.static_force"] = "130 N"

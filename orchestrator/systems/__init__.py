@@ -140,7 +140,7 @@ def run(scene: Scene | str | Path, **options: Any) -> Result:
 def open(scene: Scene | str | Path, *, in_process: bool = True, native: bool = False) -> Session:
     """A scene, by itself, its name or its path, to be held: set, stepped, read, saved and taken back. Close it, or use `with`.
 
-    in_process: components run in this process, else as FMUs; native: as native FMUs; the numbers have the same bits.
+    in_process: components run in this process, else as FMUs; native: as native FMUs; bit-identical.
     """
     from ..session.session import Session
 
