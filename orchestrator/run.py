@@ -24,6 +24,7 @@ from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping
 from .engine.stepping.loop import Observer
 from .interrupts import Interrupted
+from .judgement import work
 from .judgement.instability import InstabilityMonitor, energy_warnings
 from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
@@ -37,7 +38,7 @@ from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
 from .session.open_scene import Course, OpenScene
 from .settings.study import wanted
-from .shorter_steps import asked_for, late_samples
+from .shorter_steps import MadeRun, asked_for, late_samples, note_runs
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
 from .units.discarded import warnings_of as of_discarded
@@ -368,13 +369,20 @@ class Run:
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
+        if work.as_repeated(self.scene, self.in_process):
+            compiled = "stepping" not in info["counters"] and (self.account or self.master).in_batches
+            resumed = self.scene.stop_time - past.t if past else self.scene.duration  # units count what is behind it
+            share = max(resumed, self.scene.master.step) / self.scene.duration
+            info["counters"]["work"] = work.counted(self.units, info["counters"], compiled=compiled, share=share)
+        note_runs([MadeRun(self.scene, info["counters"].get("work"))])
         logs = {name: unit.log_messages() for name, unit in self.units.items() if hasattr(unit, "log_messages")}
         info |= {"fmu_log": described(logs, self._fmu_log)} if any(one.counts for one in logs.values()) else {}
         info |= {"warnings": [*self._warnings(), *of_discarded(info["counters"]["units"]), *warnings_of(logs)]}
         if self.outcome == "done" and self._wish is not None:
             self._interrupt.at_once = True
             try:
-                self._answer(self._wish, info["timing"]["cpu"])
+                if self._wish.needed(info["counters"]["work"]):
+                    self._answer(self._wish)
             except KeyboardInterrupt:
                 self._stopped()
                 self.message += ", while windows of the run were repeated; the run itself is whole"
@@ -442,12 +450,12 @@ class Run:
         """What would help a run that became unstable."""
         return self.master.delayed_feedthrough or remedy(self.scene)
 
-    def _answer(self, wish: WindowsWish, cpu: float) -> None:
-        """Repeat windows of the run if it is too long to be repeated; units and account move: call it last."""
+    def _answer(self, wish: WindowsWish) -> None:
+        """Repeat windows of the run; units and account move: call it last."""
         if self.windows is not None:
             with working_directory.of_its_own(any(unit.fmu for unit in self.scene.units.values())):  # the run's own files stay
-                self.windows.answer(wish, cpu, self.signals.table.chunks())
-        elif 2.0 * cpu > wish.budget:
+                self.windows.answer(wish, self.signals.table.chunks())
+        else:
             wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"
 
     def _warnings(self) -> list[str]:

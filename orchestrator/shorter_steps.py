@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from ..components.catalogue import component_class
 from ..components.core.errors import BadInput
 from ..components.core.variables import Causality
-from .meshes import coarser, meshes_of
+from .meshes import coarser
 from .scene.scene import Scene
 from .units.component import make
 
@@ -19,7 +19,14 @@ P = ParamSpec("P")
 R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
 _coarser: ContextVar[int] = ContextVar("times the length of elements", default=1)
-_meshed: ContextVar[list[Scene] | None] = ContextVar("scenes with a mesh that were run", default=None)
+_noted: ContextVar[list[MadeRun] | None] = ContextVar("runs that were made", default=None)
+
+
+class MadeRun(NamedTuple):
+    """scene: as it was run.  work: counted, see `judgement.work`; None where its components were FMUs, which do not count."""
+
+    scene: Scene
+    work: float | None
 
 
 def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
@@ -130,14 +137,21 @@ def coarser_meshes(factor: int) -> Iterator[None]:
 
 
 @contextmanager
-def meshed_scenes() -> Iterator[list[Scene]]:
-    """The scenes that are run inside and have a mesh."""
-    scenes: list[Scene] = []
-    token = _meshed.set(scenes)
+def made_runs() -> Iterator[list[MadeRun]]:
+    """The runs that are made inside, those that `kept_runs` need not make again among them."""
+    runs: list[MadeRun] = []
+    token = _noted.set(runs)
     try:
-        yield scenes
+        yield runs
     finally:
-        _meshed.reset(token)
+        _noted.reset(token)
+        note_runs(runs)
+
+
+def note_runs(runs: Iterable[MadeRun]) -> None:
+    """Runs that have ended, for `made_runs`."""
+    if (noted := _noted.get()) is not None:
+        noted += runs
 
 
 def asked() -> tuple[int, int]:
@@ -148,8 +162,6 @@ def asked() -> tuple[int, int]:
 def asked_for(scene: Scene) -> Scene:
     """The scene as it is to be run: as it is, or with what `shorter_steps` and `coarser_meshes` ask for."""
     parts, factor = asked()
-    if (seen := _meshed.get()) is not None and meshes_of(scene):
-        seen.append(scene)
     changes = shorter(scene, parts, denser=False) if parts > 1 else {}
     changes |= coarser(scene, factor) if factor > 1 else {}
     return scene.with_changes(changes) if changes else scene
@@ -157,17 +169,16 @@ def asked_for(scene: Scene) -> Scene:
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
     """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps and meshes that are asked for, too."""
-    known: dict[Any, tuple[R, list[Scene]]] = {}
+    known: dict[Any, tuple[R, list[MadeRun]]] = {}
 
     @wraps(function)
     def kept(*args: P.args, **kwargs: P.kwargs) -> R:
         key = (asked(), args, tuple(kwargs.items()))
         if key not in known:
-            with meshed_scenes() as scenes:
-                known[key] = function(*args, **kwargs), scenes
-        value, scenes = known[key]
-        if (seen := _meshed.get()) is not None:
-            seen += scenes
-        return value
+            with made_runs() as runs:
+                known[key] = function(*args, **kwargs), runs
+        else:
+            note_runs(known[key][1])
+        return known[key][0]
 
     return kept

@@ -114,8 +114,8 @@ def run(
         Option(
             metavar="whole|full|steps",
             help="Find errors by repeating the whole run with half the steps and with coarser meshes, whatever it costs; full: and "
-            "with finer tolerances; steps: as by default, without meshes. Default: the whole run where that takes at most 5 s of "
-            "CPU time, else windows of it.",
+            "with finer tolerances; steps: as by default, without meshes. Default: the whole run where its counted work "
+            "allows that (some 5 s, the same on every machine), else windows of it.",
         ),
     ] = None,
     no_verify: NoVerify = False,

@@ -43,7 +43,7 @@ def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
         )
         warn(scene.remarks)
     else:
-        text, warnings = first_part(scene, advice.seconds)
+        text, warnings = first_part(scene, advice)
         print(text)
         warn([*scene.remarks, *advice.warnings(scene), *warnings])
     if output is not None:

@@ -37,7 +37,7 @@ def validate(
         Option(
             metavar="whole",
             help="Find the errors of all numbers by repeating each case with half of its steps, whatever it costs. Default: "
-            "cases whose repetition takes at most 5 s of CPU time.",
+            "cases whose counted work allows that (some 5 s, the same on every machine).",
         ),
     ] = None,
     no_verify: NoVerify = False,

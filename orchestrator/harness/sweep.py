@@ -85,7 +85,7 @@ def sweep(
     `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
     `cube`: points (n, d) of the unit cube in the place of the method's own. `limits`, `conditions`: a validation table whose rows
     are limits, and which of them. `verify`: whether some points, those at the ends and three at random, run again with half of
-    every macro step, as far as they take no more than 5 s. `columns`: that an answer needs; those and the limits' that no run has
+    every macro step, as far as their counted work allows. `columns`: that an answer needs; those and the limits' that no run has
     are refused before the first run, figures of a system behind the first. Neither the number of workers nor their order changes a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """

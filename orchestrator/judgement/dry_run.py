@@ -13,13 +13,14 @@ from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
 from ..scene.scene import Scene
 from ..session.open_scene import Course, OpenScene
+from . import work
 from .probing import Advice, PairLimit
-from .thresholds import PREFIX_SECONDS, PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
+from .thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
-NOTHING_PROBED = Advice((), (), 0, 0.0, 0.0)
+NOTHING_PROBED = Advice((), (), 0, 0.0, 0.0, 0.0)
 
 
 def not_executed(scene: Scene) -> list[str]:
@@ -120,15 +121,16 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
         f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.duration:g} s, "
         f"beside starting{compiling}"
     )
-    if in_process and 2.0 * whole > SECONDS:
+    about = "about" if in_process else "in process, below"
+    if not work.allows(advice.steps * advice.work, 2.0):
         yield (
-            f"verification: windows of the run with half the macro step, about {WINDOWS_SHARE * whole:.2g} s; the whole with "
+            f"verification: windows of the run with half the macro step, {about} {WINDOWS_SHARE * whole:.2g} s; the whole with "
             f"--verify whole, {2.0 * whole:.2g} s"
         )
     else:
         yield (
-            f"verification: the run again with half the steps, {'about' if in_process else 'in process, below'} "
-            f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of them as well"
+            f"verification: the run again with half the steps, {about} {2.0 * whole:.2g} s; where the two differ by much, with a "
+            "quarter of them as well"
         )
 
 
@@ -168,21 +170,16 @@ def _share(value: float) -> str:
     return {inf: "no oscillation", -inf: "grows"}.get(value) or f"{100.0 * value:.3g} %"
 
 
-def first_part(scene: Scene, seconds: float) -> tuple[str, list[str]]:
+def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
     """What the first part of a run shows: its errors in words, and warnings; the same judgement as of a whole run.
 
-    seconds: real time that a macro step takes, as estimated; a part that would take too long is not run.
+    A part that is too much work for a dry run is not run.
     """
     step = scene.master.step
     length = min(max(PREFIX_STEPS * step, PROBED * scene.duration), scene.duration)
-    if (takes := length / step * seconds) > PREFIX_SECONDS:
-        return f"the first {length:.3g} s: not run, as they take about {takes:.2g} s", []
-    record = {
-        f"record.{key}": step
-        for key in ("interval", "snapshot_interval")
-        if (given := getattr(scene.record, key)) is not None and given > length
-    }
-    result = run(scene.with_changes({"stop_time": scene.start_time + length, "faults": [], **record}), in_process=True)
+    if length / step * advice.work > PREFIX_WORK:
+        return f"the first {length:.3g} s: not run, as they take about {length / step * advice.seconds:.2g} s", []
+    result = run(work.beginning(scene, length), in_process=True)
     verification = result.info["verification"]
     if result.outcome != "done" or not verification["done"]:
         return f"the first {length:.3g} s: {result.outcome}. {result.message or verification['why']}", []

@@ -85,7 +85,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
         return replace(kept, left_out=left_out, kept=True)
     places = tuple(m.name for m in meshes_of(scene).values())
     if not affordable():
-        why = "a run with a coarser mesh takes too long to be made without being asked for (--verify whole)"
+        why = "a run with a coarser mesh is too much work to be made without being asked for (--verify whole)"
         return MeshError(not_covered=dict.fromkeys(places, why), left_out=left_out)
     try:
         changes = coarser(scene, 2)

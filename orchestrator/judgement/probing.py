@@ -34,18 +34,21 @@ from ..scene.scene import Scene
 from ..session.open_scene import OpenScene
 from ..units import Interface, Simulator
 from ..units.interface import PortValues
+from . import work
 from .closed_form import longest_step, radii
 from .thresholds import TOLERABLE
 
 PACE = 10.0  # from one part to the next
 SHARES = tuple(PACE**k for k in range(-6, 1))  # of a macro step
 MOST_CALLS = 200_000  # operations that a probing step may take
-MOST_SECONDS = 0.5  # real time that one may take of a unit that does not count what it does inside: FMUs
 
 
 @dataclass(frozen=True)
 class StepCost:
-    """share: part of the step that was made, 1 for all of it. calls: counted operations, seconds: real time of that part."""
+    """share: part of the step that was made, 1 for all of it. calls: counted operations of that part.
+
+    seconds: real time of it, from which only the time of a run is foretold.
+    """
 
     share: float = 1.0
     calls: int = 0
@@ -58,18 +61,17 @@ class StepCost:
 
     def text(self, name: str, step: float) -> str:
         """For the reader of a dry run: what was cut, and what a whole `step` (s) would take."""
-        counted = f"{self.calls} operations" if self.calls > 1 else f"{self.seconds:.2g} s"
-        whole = f"{self.calls / self.share:.2g}" if self.calls > 1 else f"{self.seconds / self.share:.2g} s"
         return (
-            f"the probe was cut: {name} takes {counted} for {self.share:g} of its step of {step:g} s, so about {whole} for "
-            "a whole one; its time is extrapolated"
+            f"the probe was cut: {name} takes {self.calls} operations for {self.share:g} of its step of {step:g} s, so about "
+            f"{self.calls / self.share:.2g} for a whole one; its time is extrapolated"
         )
 
 
 def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: float) -> StepCost:
     """The cost of a step of `step` s from where the unit stands, with its inputs held; the unit is left as it was.
 
-    A unit that cannot go back or cannot shorten its steps is not asked, and its step is taken as one that may be made.
+    A unit that cannot go back or cannot shorten its steps is not asked, and its step is taken as one that may be made. So is that
+    of an FMU, which counts a step as one operation, however long it takes: a clock would cut it elsewhere on another machine.
     """
     if not interface.saves_state or not interface.variable_step or interface.fixed_step:
         return StepCost()
@@ -77,7 +79,7 @@ def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: f
         _part(unit, values, SHARES[0] * step)  # which compiles
         for share in SHARES:
             calls, seconds = _part(unit, values, share * step)
-            if PACE * max(calls / MOST_CALLS, seconds / MOST_SECONDS if calls <= 1 else 0.0) > 1.0 > share:
+            if PACE * calls > MOST_CALLS and share < 1.0:
                 return StepCost(share, calls, seconds)
     except StepFailed:  # the run's own first step will say why
         return StepCost()
@@ -86,21 +88,16 @@ def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: f
 
 def _part(unit: Simulator, values: PortValues, h: float) -> tuple[int, float]:
     """Counted operations and real time (s) of a step of h, s."""
-    state, before, start = unit.save(), _calls(unit), perf_counter()
+    state, before, start = unit.save(), work.calls_of(unit.work()), perf_counter()
     try:
         if len(values):
             unit.drive(values, None, None, h)
         unit.step(0.0, h)
         unit.get()
-        return _calls(unit) - before, perf_counter() - start
+        return work.calls_of(unit.work()) - before, perf_counter() - start
     finally:
         unit.restore(state)
         unit.release(state)
-
-
-def _calls(unit: Simulator) -> int:
-    """The unit's dearest counter."""
-    return max((int(n) for n in unit.work().values()), default=0)
 
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
@@ -137,15 +134,16 @@ class PairLimit:
 
 @dataclass(frozen=True)
 class Advice:
-    """limits: of pairs. unknown: why others have none. steps: of the run. seconds: real time of one step.
-    compiling: s that this took just now; 0 where all machine code was kept from earlier. cut: units that were probed over a
-    part of the macro step only, and what a whole one takes.
+    """limits: of pairs. unknown: why others have none. steps: of the run. seconds: real time of one step, work: what is counted
+    of it. compiling: s that this took just now; 0 where all machine code was kept from earlier. cut: units that were probed
+    over a part of the macro step only, and what a whole one takes.
     """
 
     limits: tuple[PairLimit, ...]
     unknown: tuple[str, ...]
     steps: int
     seconds: float
+    work: float
     compiling: float
     cut: tuple[str, ...] = ()
 
@@ -179,17 +177,28 @@ def _percent(share: float) -> str:
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
-    with ExitStack() as stack:
-        compiling = stack.enter_context(CompileTime())
-        open_scene = OpenScene(scene, stack, in_process, watched=())
-        open_scene.master.initialize(scene.start_time)
-        limits, unknown = pair_limits(open_scene)
-        steps, costs = ceil(scene.duration / scene.master.step * (1.0 - 1e-12)), _costs(open_scene)
-        if not any(cost.cut for cost, _ in costs.values()):
-            return Advice(limits, unknown, steps, _timed(open_scene), compiling.seconds)
-        seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
-        cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
-        return Advice(limits, unknown, steps, seconds, compiling.seconds, cut)
+    with CompileTime() as compiling:
+        with ExitStack() as stack:  # in process, where components count what they do
+            open_scene = _started(scene, stack, in_process=True)
+            limits, unknown = pair_limits(open_scene)
+            costs, counted = _costs(open_scene), 0.0
+            for name, (cost, every) in costs.items():
+                counted += work.HAND_OVER + work.of_calls(open_scene.units[name], max(cost.calls, 1) / cost.share / every)
+            cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
+            seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
+            if not cut and (here := work.as_repeated(scene, in_process)):
+                seconds = _timed(open_scene)
+        if not cut and not here:
+            with ExitStack() as stack:
+                seconds = _timed(_started(scene, stack, in_process=False))
+    steps = ceil(scene.duration / scene.master.step * (1.0 - 1e-12))
+    return Advice(limits, unknown, steps, seconds, counted, compiling.seconds, cut)
+
+
+def _started(scene: Scene, stack: ExitStack, in_process: bool) -> OpenScene:
+    open_scene = OpenScene(scene, stack, in_process, watched=())
+    open_scene.master.initialize(scene.start_time)
+    return open_scene
 
 
 def _costs(open_scene: OpenScene) -> dict[str, tuple[StepCost, int]]:
@@ -395,8 +404,6 @@ def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     """The scene is started anew to ask its units, in this process; nothing where it does not start."""
     with ExitStack() as stack:
         try:
-            open_scene = OpenScene(scene, stack, in_process=True, watched=())
-            open_scene.master.initialize(scene.start_time)
-            return pair_limits(open_scene)[0]
+            return pair_limits(_started(scene, stack, in_process=True))[0]
         except (BadInput, StepFailed):
             return ()

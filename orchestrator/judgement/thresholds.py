@@ -14,13 +14,15 @@ NO_MATTER = 5e-3  # of a figure: what the ends of a run make of it may stay in i
 NOTHING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
 
 # -- budget ------------------------------------------------------------------------------------------------------------------
-SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
+BUDGET = 5e8  # counted work, see `work`, that repetitions of a run may take without being asked for: some 5 s of one core
+BUDGETS_OF_CASE = 2.0  # that a case may take, which has several runs
 WINDOWS = 4  # of a run that is too long to repeat: the begin, two places within and the end
 WINDOWS_PLACES = 50  # where a window may begin: half of one, which is what is judged of it, is as long as from one to the next
 WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
-PROBED = 0.02  # of a run that is made to see what the whole costs, and in a dry run how large errors are
+PROBED = 0.02  # of a run that is made to count the work of the whole, and in a dry run to see how large errors are
+PROBED_STEPS = 16  # macro steps of it at least to count the work
 PREFIX_STEPS = 400  # macro steps of it at least in a dry run: motions begin
-PREFIX_SECONDS = 30.0  # real time that they may take in a dry run, which is to answer at once
+PREFIX_WORK = 6.0 * BUDGET  # that they may take in a dry run, which is to answer at once
 
 MOSTLY = (
     0.75  # share of an error that half the macro step alone shows, from which the error is its own; below the rest, it is inside

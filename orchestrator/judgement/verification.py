@@ -15,7 +15,7 @@ from dataclasses import replace
 from math import isfinite, nan
 from pathlib import Path
 from signal import SIGINT, Signals
-from time import process_time
+from time import process_time  # for what is shown; what is repeated follows from counted work
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..run import run as run_once
 from ..scene.scene import Scene
 from ..shorter_steps import numbers_in_use, shorter, substeps
 from ..units.fmu_messages import DEFAULT
+from . import work
 from .comparison import (
     SURE,
     Difference,
@@ -45,7 +46,7 @@ from .instability import unfollowed
 from .mesh import mesh_error
 from .record import NOT_ASKED, STEPS, Verification
 from .sampling import between, of_parts, rows_of
-from .thresholds import GROWN, LASTING, LOST, NO_MATTER, PROBED, SECONDS, SECTIONS, UNSEEN, WARN
+from .thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
 from .warnings import of_macro_step, suggestion, warnings_of
 from .windows import WindowsWish
 
@@ -80,7 +81,7 @@ def run(
 ) -> Result:
     """Simulate a scene to its stop_time, and find the numerical error of each number by repeating the run.
 
-    verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
+    verify: "auto" repeats the whole run where the counted work of that is within `BUDGET`, else windows of it; "whole" the whole run
     whatever it takes; "full" also refines the tolerances of the units; each finds the errors that meshes make, too, from a coarser
     one, see `judgement.mesh`, but for "steps", which is "auto" without them; "no" leaves the errors unknown.
     distances: of further quantities, whose errors are then in `info["verification"]["quantities"]`.
@@ -89,7 +90,7 @@ def run(
     """
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
-    wish = WindowsWish(SECONDS) if verify in ("auto", "steps") and _here(scene, in_process) else None
+    wish = WindowsWish() if verify in ("auto", "steps") and work.as_repeated(scene, in_process) else None
     result = run_once(
         scene,
         in_process=in_process,
@@ -107,11 +108,6 @@ def run(
     if output is not None and verified is not result:
         verified.save(output)
     return verified
-
-
-def _here(scene: Scene, in_process: bool) -> bool:
-    """Whether a run has its units as a repetition would have them."""
-    return in_process or not any(unit.component for unit in scene.units.values())
 
 
 def verified_result(
@@ -139,7 +135,7 @@ def verified_result(
             else:
                 verification = _repeated(whole, of_steps, in_process, distances or (lambda *_: {}))
             if verification.done and wish != "steps":
-                verification = _with_mesh(whole, verification, wish, in_process, distances)
+                verification = _with_mesh(whole, verification, wish, distances)
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
     except MemoryError:
@@ -149,16 +145,14 @@ def verified_result(
     return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
-def _with_mesh(
-    result: Result, verification: Verification, wish: Wish, in_process: bool, distances: Distances | None
-) -> Verification:
+def _with_mesh(result: Result, verification: Verification, wish: Wish, distances: Distances | None) -> Verification:
     """The verification with what meshes make of the errors."""
 
     def again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
         coarse, why = _again(scene, changes)
         return coarse, why.text
 
-    of_meshes = mesh_error(result, again, lambda: wish != "auto" or 0.75 * _cost(result, in_process) <= SECONDS, distances)
+    of_meshes = mesh_error(result, again, lambda: wish != "auto" or work.allows(_work(result), 0.75), distances)
     figures = {
         name: e + of_meshes.figures.get(name, nan if of_meshes.places else 0.0) for name, e in verification.figures.items()
     }
@@ -199,18 +193,18 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
     scene = result.scene
     if not result.held or result.rows < 2:
         return Verification(False, "too many rows to compare in memory" if result.rows > 1 else "no two rows to compare")
-    each = _cost(result, in_process)
-    if wish == "auto" and 2.0 * each > SECONDS:
-        if not _here(scene, in_process):
+    each = _work(result) if wish == "auto" else 0.0
+    if not work.allows(each, 2.0):
+        if not work.as_repeated(scene, in_process):
             return _over_windows(scene)
-        return Verification(False, f"to repeat the run would take about {2.0 * each:.2g} s of CPU time: ask with --verify whole")
+        return Verification(False, f"to repeat the run is much work ({work.shown(each, 2.0)}): ask with --verify whole")
     second, why = _again(scene, shorter(scene, 2))
     if second is None:
         return Verification(False, f"the run cannot be repeated with half its steps: {why.text}", unstable=why.unstable)
     first_gap = differences(result, second)
     of_quantities = _as_differences(distances(result, second))
     third, unsure = None, ""
-    if (needs_third(first_gap) or of_quantities) and (wish != "auto" or 6.0 * each <= SECONDS):
+    if (needs_third(first_gap) or of_quantities) and work.allows(each, 6.0):
         third, why = _again(scene, shorter(scene, 4))
         unsure = (
             f"a third run, with a quarter of the steps, failed ({why.text}): errors are those of two" if third is None else ""
@@ -222,7 +216,7 @@ def _repeated(result: Result, wish: Wish, in_process: bool, distances: Distances
         errors = signal_errors(of_quantities, _as_differences(distances(second, third)) if third is not None else None)
         quantities[STEPS] = {name: e.rms for name, e in errors.items()}
     inside = substeps(scene)
-    if inside and any(e.rms > WARN for e in signals.values()) and (wish != "auto" or 8.0 * each <= SECONDS):
+    if inside and any(e.rms > WARN for e in signals.values()) and work.allows(each, 8.0):
         signals = _with_shares(result, first_gap, signals)
     figures = _figures(shown, unsure=needs_third(first_gap), parted=[name for name, e in signals.items() if e.parted])
     parts: dict[str, Mapping[str, Difference]] = {}
@@ -318,23 +312,21 @@ def _values(result: Result) -> dict[str, float]:
     return {row.name: row.value for row in result.summary}
 
 
-def _cost(result: Result, in_process: bool) -> float:
-    """CPU time of stepping the run once in this process, s: of the run itself, or estimated from a short part of it."""
-    timing = result.info["timing"]
-    spent = max(timing["cpu"], timing["run"] if any(u.isolation != "none" for u in result.scene.units.values()) else 0.0)
-    if _here(result.scene, in_process) or 6.0 * spent <= SECONDS:
-        return float(spent)
-    share = max(PROBED, 16.0 * result.scene.master.step / result.scene.duration)
-    if share >= 0.5:
-        return float(spent)
-    stop = result.scene.start_time + share * result.scene.duration
-    probe = run_once(result.scene.with_changes({"stop_time": stop, "faults": []}), in_process=True)
-    return float(probe.info["timing"]["cpu"] / share) if probe.outcome == "done" else float(spent)
+def work_of(scene: Scene, counted: float | None) -> float:
+    """The work of running a scene as repetitions do, in this process; counted: in a run of it, None where its components were FMUs.
+
+    Raises `BadInput` where a unit cannot be opened in this process, `Interrupted` where a signal has come.
+    """
+    return counted if counted is not None else work.from_part(run_once(work.to_count(scene), in_process=True), scene.duration)
+
+
+def _work(result: Result) -> float:
+    return work_of(result.scene, result.info["counters"].get("work"))
 
 
 def _over_windows(scene: Scene) -> Verification:
     """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which is bit-identical."""
-    wish = WindowsWish(0.0)
+    wish = WindowsWish(in_any_case=True)
     again = run_once(scene, in_process=True, windows=wish)
     if again.outcome == "stopped":
         raise Interrupted(Signals[again.info["signal"]])

@@ -22,6 +22,7 @@ from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.master import Master
 from ..engine.stepping.loop import BatchObserver, Steppable, Stepping
 from ..scene.scene import Scene
+from . import work
 from .comparison import Difference, difference
 from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_PLACES, WINDOWS_SHARE
 
@@ -64,11 +65,15 @@ def obstacle(scene: Scene) -> str:
 
 @dataclass
 class WindowsWish:
-    """Asks a run for its windows where repeating all of it takes more than `budget` s of CPU time; `result` and `why` answer."""
+    """Asks a run for its windows, where repeating all of it is too much work or `in_any_case`; `result` and `why` answer."""
 
-    budget: float
+    in_any_case: bool = False
     result: WindowsResult | None = None
     why: str = ""
+
+    def needed(self, counted: float) -> bool:
+        """Whether the windows of a run of this work are asked for."""
+        return self.in_any_case or not work.allows(counted, 2.0)
 
 
 class Windows(BatchObserver):
@@ -109,13 +114,8 @@ class Windows(BatchObserver):
         """As in `BatchObserver`; in batches, no account takes part in steps."""
         self._saved += [one for one in saved if self._fits(one[0])]
 
-    def answer(self, wish: WindowsWish, cpu: float, rows: Chunks) -> None:
-        """Repeat the windows if the run, which took `cpu` s, is too long to be repeated; call it when the run has ended.
-
-        rows: what the run has recorded.
-        """
-        if 2.0 * cpu <= wish.budget:
-            return
+    def answer(self, wish: WindowsWish, rows: Chunks) -> None:
+        """Repeat the windows; call it when the run has ended. rows: what it has recorded."""
         if not self._saved or not self._master.positions:
             wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
             return

@@ -195,7 +195,7 @@ def validate(
     """Run cases by name, write `report.html`, `validation.json` and `validation.csv` to `directory`.
 
     No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
-    verify: "auto" finds the errors of all numbers where the repetition takes at most 5 s of CPU time, "whole" always, "no" never.
+    verify: "auto" finds the errors of all numbers where the counted work of the runs allows to repeat them, "whole" always, "no" never.
 
     Raises `BadInput` for an unknown case before anything runs.
     """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import warnings
 from pathlib import Path
@@ -54,6 +55,25 @@ def undocumented(path: Path) -> list[str]:
     found = [] if ast.get_docstring(tree) or not tree.body else ["the module"]
     named = (node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef))
     return found + [node.name for node in named if not node.name.startswith("_") and not ast.get_docstring(node)]
+
+
+# What reads a clock: to show or to keep a time, to pace, or for a limit that a user gives; what is repeated of a run does not depend on it.
+READS_CLOCKS = {
+    "orchestrator": {"cache", "output", "pacing", "progress", "recording", "run", "run_info"},
+    "orchestrator/cli": {"show_parts"},
+    "orchestrator/engine/stepping": {"loop"},
+    "orchestrator/harness/many": {"execute", "executors", "live", "store"},
+    "orchestrator/harness/studies": {"component_accuracy", "reference", "trial"},
+    "orchestrator/judgement": {"probing", "verification"},
+    "orchestrator/units": {"channel", "fmi2", "folders", "process"},
+}
+
+
+def test_only_what_shows_paces_or_limits_reads_a_clock():
+    clocks = re.compile(r"^\s*(from time import|import time\b)", re.MULTILINE)
+    product = [p for p in SOURCES if p.relative_to(ROOT).parts[0] != "tests"]
+    found = {p.relative_to(ROOT).with_suffix("").as_posix() for p in product if clocks.search(p.read_text())}
+    assert found == {f"{folder}/{name}" for folder, names in READS_CLOCKS.items() for name in names}
 
 
 @pytest.mark.parametrize("package", ["components", "fmus", "orchestrator"])

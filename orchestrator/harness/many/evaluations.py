@@ -98,7 +98,7 @@ class Evaluations:
         return list(stored.rows(range(len(points))).values())
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
-        """Rows at points that were run, with half of every step, None where that takes too long; and what this changes."""
+        """Rows at points that were run, with half of every step, None where that is too much work; and what this changes."""
         rows = self(points)
         names = dict.fromkeys(n for row in rows for n in row.numbers)
         numbers = {n: np.array([row.numbers.get(n, np.nan) for row in rows]) for n in names}

@@ -6,19 +6,23 @@ The runs are kept beside those of the points, in points/<base>/half, and are not
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ...judgement.thresholds import SECONDS, WARN
+from ....components.core.errors import BadInput
+from ...judgement import work
+from ...judgement.thresholds import WARN
 from ...shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error
 from .execute import Schedule, compute
 from .executors import Here
 from .measures import Row
-from .plan import Points
+from .plan import Points, changes
+from .point_runs import PointRuns
 from .store import Store, StoredPlan
 
 AT_RANDOM = 3  # points besides those at the ends
@@ -32,7 +36,7 @@ NONE_REPEATED = "no point was repeated: the errors of these numbers are not know
 class Repeated:
     """What half of every step changes at some points.
 
-    chosen: places of the points that were to be repeated; points: of those that were, within the time for it.  errors: by column,
+    chosen: places of the points that were to be repeated; points: of those that were, within the work for it.  errors: by column,
     twice the largest difference of any point.  shares: the same over the column's scale, its largest size at any point, or that
     of its signal's other statistics.  at: by column, the place of that point.  failed: by place, why the run with half the step
     has not come to its end.
@@ -49,7 +53,7 @@ class Repeated:
         """Which points were repeated, and how large the errors are, in one sentence."""
         if not self.points:
             return NONE_REPEATED
-        over = "" if len(self.points) == len(self.chosen) else f"; {len(self.chosen)} were to be, which takes too long"
+        over = "" if len(self.points) == len(self.chosen) else f"; {len(self.chosen)} were to be, which is too much work"
         worst = max(self.shares, key=self.shares.__getitem__, default="")
         largest = f"errors up to {100.0 * self.shares[worst]:.2g} % ({worst})" if worst else "no number to compare"
         return (
@@ -96,13 +100,32 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
     return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
 
 
-def repeat(points: StoredPlan, places: Sequence[int], seconds: float = SECONDS) -> dict[int, Row]:
-    """Rows with half of every step by place, as far as they are known or computed in this time, s; one in any case."""
+def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, Row]:
+    """Rows with half of every step by place, of as many as their counted work allows; of one in any case."""
+    places = _allowed(points, places)
     half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
     if (missing := half.missing()).size:
         with shorter_steps(2):
-            compute(Here(), half, Schedule(half, missing), seconds=seconds)
+            compute(Here(), half, Schedule(half, missing))
     return {places[k]: row for k, row in half.rows(range(len(places))).items()}
+
+
+def _allowed(points: StoredPlan, places: Sequence[int]) -> Sequence[int]:
+    """The first places, as far as the work of their runs with half of every step is within the budget; counted anew each time,
+    so that what is kept of an earlier sweep changes no choice."""
+    scene, total = points.task.scene(), 0.0
+    runs = PointRuns(replace(points.task, data=work.to_count(scene).settings()))
+    try:
+        for k, place in enumerate(places):
+            values = points.plan.values(place)
+            stop = changes(scene, values).get("stop_time", scene.stop_time)
+            with suppress(BadInput):  # a point that cannot start takes no work
+                total += work.from_part(runs.result(values), stop - scene.start_time)
+            if k and not work.allows(total, 2.0):
+                return places[:k]
+    finally:
+        runs.close()
+    return places
 
 
 def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
+from ...judgement.work import hand_overs, macro_steps
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
@@ -221,15 +222,14 @@ def work_of(result: Result) -> dict[str, int]:
     def total(name: str) -> int:
         return sum(int(unit.get(name, 0)) for unit in units)
 
-    steps = int(stepping.get("accepted", 0) + stepping.get("rejected", 0) or master["steps"])
-    hand_overs = max(steps, int(master.get("iterations", 0))) * len(units)
+    steps, handed_over = macro_steps(counters), hand_overs(counters)
     return {
         "macro_steps": steps,
-        "hand_overs": hand_overs,
+        "hand_overs": handed_over,
         "unit_steps": total("steps"),
         "derivative_calls": total("derivative_calls"),
         "iterations": int(master.get("iterations", 0)),
         "rollbacks": int(master.get("restores", 0) + stepping.get("restores", 0)),
         "events": int(stepping.get("events", 0)) + total("events"),
-        "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units) + hand_overs,
+        "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units) + handed_over,
     }

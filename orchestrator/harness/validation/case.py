@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ....components.core.errors import StepFailed
 from ...judgement.warnings import not_verified
 from ...progress import tracked
+from ...shorter_steps import made_runs
 from ..charts.chart import Chart, Grid
 from ..summary import with_error
 from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
@@ -141,13 +142,15 @@ class Case:
     studies: tuple[Question, ...] = ()
     system: str = ""
 
-    def findings(self, options: Options) -> Findings:
+    def findings(self, options: Options, kept: dict[int, Evidence] | None = None) -> Findings:
         """The evidence of all questions beside the rows of the table. A run that fails ends the case; what was measured stays.
 
+        kept: evidence of questions by their places, which are not asked again; those that run no scene are added, as neither
+        shorter steps nor coarser meshes change their numbers.
         Two questions that measure the same, figures of a claim that the table does not have, and rows that no question measures
         are defects of the case (ValueError).
         """
-        evidence, failure = _ask(self.questions, self.name, options)
+        evidence, failure = _ask(self.questions, self.name, options, {} if kept is None else kept)
         measured = {measure: number for e in evidence for measure, number in e.measured.items()}
         if len(measured) < sum(len(e.measured) for e in evidence):
             twice = [m for m in measured if sum(m in e.measured for e in evidence) > 1]
@@ -181,18 +184,26 @@ class Case:
         """Findings with the charts of the studies; of incomplete ones there is nothing to explain."""
         if not findings.complete:
             return findings
-        evidence, failure = _ask(self.studies, self.name, options)
+        evidence, failure = _ask(self.studies, self.name, options, {})
         notes = findings.notes + (failure.notes if failure else ())
         return replace(findings, charts=findings.charts + tuple(c for e in evidence for c in e.charts), notes=notes)
 
 
-def _ask(questions: tuple[Question, ...], title: str, options: Options) -> tuple[list[Evidence], Findings | None]:
+def _ask(
+    questions: tuple[Question, ...], title: str, options: Options, kept: dict[int, Evidence]
+) -> tuple[list[Evidence], Findings | None]:
     """(evidence of the questions up to one whose run fails, the failed run and its message or None)."""
-    evidence = []
+    evidence: list[Evidence] = []
     several = options.progress and len(questions) > 1  # one bar over the questions, none over each run
     try:
-        for question in tracked(questions, title, several):
-            evidence.append(question.ask(replace(options, progress=options.progress and not several)))
+        for k, question in enumerate(tracked(questions, title, several)):
+            if k not in kept:
+                with made_runs() as runs:
+                    evidence.append(question.ask(replace(options, progress=options.progress and not several)))
+                if runs:
+                    continue
+                kept[k] = evidence.pop()
+            evidence.append(kept[k])
     except RunFailed as failed:
         return evidence, Findings((), {failed.label: failed.result}, notes=(failed.result.message,))
     except StepFailed as failed:

@@ -31,7 +31,7 @@ PLACEHOLDER = (
     "to be replaced by the source of each range"  # ends the source that `cosimo new table` of 0.7 wrote for its own numbers
 )
 CONFIDENCES = ("high", "medium-high", "medium", "low")
-UNCHANGED = "unchanged"  # half of the steps give the same number, or its steps are what is asked about
+UNCHANGED = "unchanged"  # half of the steps give the same number, no run is in it, or its steps are what is asked about
 NOT_REPEATED = "not repeated"
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
 NUMBERS = ("low", "high", "value", "tolerance")

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from time import process_time
 
 from ....components.core import store
 from ....components.core.errors import BadInput, StepFailed
@@ -19,41 +18,50 @@ from ....components.core.folders import cache_root
 from ....fmus.versions import version
 from ...checkpoint import digest
 from ...code_digests import components_digest
+from ...judgement import work
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
-from ...judgement.thresholds import ORDER_UNSURE, SECONDS
-from ...judgement.verification import NOT_ASKED, Wish
-from ...run_info import CompileTime
+from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE
+from ...judgement.verification import NOT_ASKED, Wish, work_of
+from ...meshes import meshes_of
 from ...scene.scene import Scene
-from ...shorter_steps import coarser_meshes, meshed_scenes, shorter_steps
+from ...shorter_steps import MadeRun, coarser_meshes, made_runs, shorter_steps
 from .case import Case, Findings, Row
-from .questions import Options
+from .questions import Evidence, Options
 from .reference import UNCHANGED
 
 
 def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     """What a case finds, each row with its numerical error where a repetition with half of every step shows one.
 
-    wish: "auto" repeats what takes at most `SECONDS` of CPU time, "whole" whatever it takes, "no" nothing. A number that is the
-    same to the last digit has no error: no step is in it. Each row without an error says why.
+    wish: "auto" repeats the case where the counted work of its runs is within the budget, see `judgement.work`, "whole" whatever it
+    takes, "no" nothing. Questions that run no scene are not asked again. A number that is the same to the last digit has no
+    error: no step is in it. Each row without an error says why.
     """
-    begun = process_time()
-    with CompileTime() as compiling, meshed_scenes() as scenes:
-        findings = case.findings(options)
-    cost = 2.0 * (process_time() - begun - compiling.spent[1])
+    kept: dict[int, Evidence] = {}
+    with made_runs() as runs:
+        findings = case.findings(options, kept)
     findings = case.with_studies(findings, options)
     if wish == "no" or not findings.complete:
         return _unverified(findings, NOT_ASKED if wish == "no" else "a run did not reach its end")
-    if wish == "auto" and cost > SECONDS:
-        why = f"to repeat the case with half of its steps would take about {cost:.2g} s: ask with --verify whole"
-        return _unverified(findings, why)
-    return _with_errors(findings, case, options, scenes)
+    try:
+        counted = sum(work_of(*one) for one in runs) if wish == "auto" else 0.0
+    except BadInput as error:
+        return _unverified(findings, f"the case cannot be repeated: {error}")
+    if not work.allows(counted, 2.0, BUDGETS_OF_CASE):
+        amount = work.shown(counted, 2.0, BUDGETS_OF_CASE)
+        return _unverified(
+            findings, f"to repeat the case with half of its steps is much work ({amount}): ask with --verify whole"
+        )
+    return _with_errors(findings, case, replace(options, in_process=True), kept, runs)
 
 
-def _with_errors(findings: Findings, case: Case, options: Options, scenes: Sequence[Scene]) -> Findings:
+def _with_errors(
+    findings: Findings, case: Case, options: Options, kept: dict[int, Evidence], runs: Sequence[MadeRun]
+) -> Findings:
     try:
         with shorter_steps(2):
-            finer = case.findings(replace(options, in_process=True))
+            finer = case.findings(options, kept)
     except (BadInput, StepFailed) as error:
         return _unverified(findings, f"the case cannot be repeated with half of its steps: {error}")
     if not finer.complete:
@@ -63,7 +71,7 @@ def _with_errors(findings: Findings, case: Case, options: Options, scenes: Seque
         why = f"half of its steps give {len(finer.rows)} rows instead of {len(findings.rows)}"
         return replace(_unverified(findings, why), confirmed=False)
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
-    gaps, why = _mesh_gaps(findings, case, options, scenes)
+    gaps, why = _mesh_gaps(findings, case, options, kept, [one.scene for one in runs if meshes_of(one.scene)])
     rows = tuple(_with_mesh(row, gap) for row, gap in zip(rows, gaps, strict=True)) if gaps else rows
     notes = (*findings.notes, f"The errors leave out the mesh: {why}") if why else findings.notes
     return replace(_with_rows(findings, rows), notes=notes)
@@ -90,7 +98,9 @@ def _with_error(row: Row, finer: Row) -> Row:
     return replace(row, error=(UNSURE if gap > ORDER_UNSURE * abs(row.measured) else SURE) * gap)
 
 
-def _mesh_gaps(findings: Findings, case: Case, options: Options, scenes: Sequence[Scene]) -> tuple[list[float] | None, str]:
+def _mesh_gaps(
+    findings: Findings, case: Case, options: Options, kept: dict[int, Evidence], scenes: Sequence[Scene]
+) -> tuple[list[float] | None, str]:
     """Of each row the change with elements twice as long; None where no scene has a mesh, or where that is refused, and why."""
     if not scenes:
         return None, ""
@@ -102,7 +112,7 @@ def _mesh_gaps(findings: Findings, case: Case, options: Options, scenes: Sequenc
         return json.loads(content), ""
     try:
         with coarser_meshes(2):
-            coarse = case.findings(replace(options, in_process=True))
+            coarse = case.findings(options, kept)
     except (BadInput, StepFailed) as error:
         return None, str(error)
     if not coarse.complete or len(coarse.rows) != len(findings.rows):

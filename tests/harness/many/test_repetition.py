@@ -14,6 +14,7 @@ from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
 from cosimo.orchestrator.harness.many.repetition import compared, ends_and_some
 from cosimo.orchestrator.harness.many.sensitivity import sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import uncertainty
+from cosimo.orchestrator.judgement import work
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import formula
@@ -61,10 +62,10 @@ def test_repeated_points_are_kept_and_change_no_number(tmp_path, monkeypatch):
 
 def test_some_points_are_left_where_they_take_too_long(monkeypatch):
     """One is repeated in any case."""
-    monkeypatch.setattr(repetition.repeat, "__defaults__", (0.0,))
+    monkeypatch.setattr(work, "BUDGET", 0.0)
     result = sweep(held(), {"vary": {"spring.stiffness": STIFFNESS.tolist()}})
     assert len(result.repeated.points) == 1 < len(result.repeated.chosen)
-    assert "takes too long" in result.repeated.summary(7)
+    assert "too much work" in result.repeated.summary(7)
 
 
 def test_ends_of_every_parameter_are_among_the_points():

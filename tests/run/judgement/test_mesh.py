@@ -9,7 +9,7 @@ from cosimo.components.core.component import Effect
 from cosimo.components.core.variables import SEED, integer, output, parameter
 from cosimo.orchestrator.harness.report import trust
 from cosimo.orchestrator.harness.summary import verification_text
-from cosimo.orchestrator.judgement import mesh, verification
+from cosimo.orchestrator.judgement import mesh, verification, work
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import OfTime
 
@@ -135,7 +135,7 @@ def test_what_no_repetition_covers_is_named(monkeypatch):
     assert "a seed (a.chance.seed)" in said
     assert "what the model simplifies" in said
     json.dumps(run.info["verification"])
-    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    monkeypatch.setattr(work, "BUDGET", 0.0)
     monkeypatch.setattr(verification, "_over_windows", lambda _: pytest.fail("no windows"))
     long = verification.verified_result(run, "whole", in_process=True).info["verification"]
     assert long["mesh"]["places"] == ["a.element"]

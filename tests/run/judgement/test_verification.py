@@ -8,7 +8,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.harness.summary import verification_text
-from cosimo.orchestrator.judgement import verification, windows
+from cosimo.orchestrator.judgement import verification, windows, work
 from cosimo.orchestrator.judgement.comparison import (
     Difference,
     SignalError,
@@ -150,7 +150,7 @@ def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
         }
     )
     whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
-    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    monkeypatch.setattr(work, "BUDGET", 0.0)
     some = cosimo.run(scene, in_process=True).info["verification"]
     assert (whole["how"], some["how"]) == ("whole", "windows")
     assert some["figures"] == {}
@@ -186,7 +186,7 @@ def test_windows_lie_where_the_signals_bend(event, monkeypatch):
         }
     )
     whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]["signals"]["m.x_out"]
-    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    monkeypatch.setattr(work, "BUDGET", 0.0)
     some = cosimo.run(scene, in_process=True).info["verification"]
     assert some["how"] == "windows"
     assert any(t <= begin <= t + some["windows"]["length"] for t in some["windows"]["begins"])
@@ -219,7 +219,7 @@ def test_places_of_windows_are_the_ends_and_what_they_do_not_show():
 def test_a_run_too_long_to_repeat_names_what_keeps_windows_out(monkeypatch):
     scene = read_scene({**two_masses("jacobi", 1e-2, 1), "faults": [{"kind": "freeze", "signal": "b.force", "begin": 0.5}]})
     assert windows.obstacle(scene) == "faults"
-    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    monkeypatch.setattr(work, "BUDGET", 0.0)
     found = cosimo.run(scene, in_process=True).info["verification"]
     assert not found["done"]
     assert "windows of it cannot be repeated with faults" in found["why"]
