@@ -246,6 +246,12 @@ class Component:
         reasons = {n: f"the effect {effect!r} takes its place" for effect in self.on for n in type(self).effects[effect].replaces}
         return {n: reasons[own] for n in names if (own := n.partition("[")[0]) in reasons}
 
+    def doubts(self, names: Iterable[str]) -> list[str]:
+        """Of some parameters those whose values are probably in another unit, each with the question."""
+        variables = type(self).variables
+        values = {n: self.parameters[n] for n in names if n in self.parameters}
+        return [f"{n} = {v:g}: {question}" for n, v in values.items() if (question := variables[n].doubt(v))]
+
     def refuse_unused(self, names: Iterable[str]) -> None:
         """`BadInput` where parameters that were given have no part: their values would be ignored."""
         if unused := self.unused(n for n in names if n in self.parameters):

@@ -90,7 +90,13 @@ SYMBOLS = {
     "lbf": _unit(4.4482216152605, kg=1, m=1, s=-2),
     "psi": _unit(4.4482216152605 / 0.0254**2, kg=1, m=-1, s=-2),
 }
-OTHERWISE = {"m/s": "km/h", "N": "kN", "N/m": "kN/m", "m": "mm"}  # a unit in which a number of the field is as often written
+OTHERWISE = {
+    "m/s": "km/h",
+    "N": "kN",
+    "N/m": "kN/m",
+    "m": "mm",
+    "rad": "deg",
+}  # a unit in which a number of the field is as often written
 _FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
 
 

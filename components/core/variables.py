@@ -21,7 +21,7 @@ from functools import cached_property
 from numbers import Real
 
 from .errors import BadInput
-from .measure import is_quantity, number_in, parse
+from .measure import OTHERWISE, is_quantity, number_in, parse
 
 Declared = Mapping[str, tuple[str, ...]]  # port -> own signals, and effects as "effect.*"
 
@@ -55,6 +55,9 @@ NUMBERED = "one of several parts"  # by its number
 STRUCTURAL = {Kind.INTEGER: "a count", Kind.CHOICE: "a choice between models", Kind.TEXT: "a table as long as its text"}
 
 
+USUAL = {"rad": (-4.0 * math.pi, 4.0 * math.pi)}  # where a variable does not say it
+
+
 @dataclass(frozen=True)
 class Variable:
     """One declared variable; `name` carries the effect it belongs to ("bump_stops.stiffness")."""
@@ -66,6 +69,8 @@ class Variable:
     text: str
     low: float = -math.inf
     high: float = math.inf
+    # of a real parameter: what is met in practice; a number beyond is probably in another unit, of which `doubt` tells
+    usual: tuple[float, float] | None = None
     nominal: float = 1.0
     size: int = 0  # 0: a scalar; n: an array that appears as name[1] ... name[n]
     choices: tuple[str, ...] = ()
@@ -109,6 +114,14 @@ class Variable:
     def number_of(self, value, where: str):
         """The value; of a text such as "250 km/h" for a real variable the number in the variable's unit, or `BadInput`."""
         return number_in(value, self.unit, where) if self.kind is Kind.REAL and is_quantity(value) else value
+
+    def doubt(self, value) -> str:
+        """The question which unit was meant, of a value beyond what is met in practice; "" of others."""
+        low, high = self.usual or USUAL.get(self.unit, (-math.inf, math.inf))
+        if self.kind is not Kind.REAL or not isinstance(value, Real) or low <= value <= high:
+            return ""
+        other = OTHERWISE[self.unit]
+        return f"{value:g} {other} or {value:g} {self.unit}? {low:g} to {high:g} {self.unit} are usual"
 
     def checked(self, value, where: str):
         """`value` in this variable's type and within its limits, or `BadInput`."""

@@ -39,9 +39,9 @@ class HungLine(KernelComponent):
 
     spans = integer(10, "number of spans", low=1, high=1000, structural=PARTS)
     span_length = parameter(60.0, "m", "length of a span", low=1.0, structural=PLACED)
-    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
+    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0, usual=(500.0, 1e5))
     contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
-    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
+    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0, usual=(500.0, 1e5))
     messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
     droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS, structural=PARTS)
     dropper_position = parameter(

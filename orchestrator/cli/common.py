@@ -262,13 +262,18 @@ def switched_on(scene: Scene, texts: Sequence[str] | None) -> dict[str, Any]:
 
 def change(scene: Scene, text: str) -> tuple[str, Any]:
     """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
+    from ...components.catalogue import component_class
+
     name, equals, value = assigned(scene, text)
     unit, parameter = scene.split(name)
     if option := OPTIONS.get(name):
         raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name} is no parameter of a unit.")
     if not equals or not parameter or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
-    return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", value_of(value)
+    given, kind = value_of(value), scene.units[unit].component if unit in scene.units else ""
+    if kind and (known := component_class(kind).variables.get(parameter)) is not None and (question := known.doubt(given)):
+        raise BadInput("--set", repr(text), "a number with its unit", question)
+    return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", given
 
 
 def assigned(scene: Scene, text: str) -> tuple[str, str, str]:

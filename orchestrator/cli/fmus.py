@@ -191,11 +191,14 @@ def check(
     from ...fmus.build import built
     from ...fmus.check import check as check_fmu
     from ...fmus.check_worker import CHECKS
+    from ..scene.kinds import refuse_other
     from ..units.checked import walled_check
 
     if isolate and execute:
         raise BadInput("--execute", "--isolate as well", "one of them", "Remove one of them.")
     path = Path(fmu)
+    if fmu not in CATALOGUE:
+        refuse_other(path, "FMU")
     if not path.is_file():
         if fmu not in CATALOGUE and (":" not in fmu or path.suffix):
             raise BadInput("check", repr(fmu), "an FMU file, a component or module:Class", nearest(fmu, CATALOGUE))

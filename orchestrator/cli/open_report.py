@@ -15,6 +15,9 @@ from .common import app
 @app.command("open")
 def open_(where: Annotated[Path, Argument(help="a directory with a report, or the report itself")] = Path()) -> None:
     """Open a report in the browser. Example: cosimo open out"""
+    from ..scene.kinds import refuse_other
+
+    refuse_other(where, "result", "report", "folder")
     page = where / "report.html" if where.is_dir() else where
     if page.suffix != ".html" or not page.is_file():
         raise BadInput("open", repr(str(where)), "a directory with a report.html, or the path of one", "Give a run -o DIR.")

@@ -44,18 +44,20 @@ def show(
 ) -> None:
     """What a component, a scene or a case consists of, and whether Python is in its steps. Example: cosimo show Pantograph"""
     from ...components.catalogue import CATALOGUE
+    from ..scene.kinds import kind_of, refuse_other
     from ..scene.scene import scene_files
     from ..systems import cases
-    from ..systems.railway.line import is_line
     from ..systems.railway.line import read as read_line
     from . import show_parts
 
     component = name in CATALOGUE or (":" in name and not name.endswith(FILES))
+    if not component and name not in scene_files() and name not in cases():
+        refuse_other(name, "scene", "line", "FMU", "SSP")
     scene = not component and (name in scene_files() or name.endswith(FILES))
     for option, given, possible in (("--preset", presets, component or scene), ("--time", timed, component)):
         if given and not possible:
             raise BadInput("show", f"{option} with {name!r}", "a component", "It would have no effect.")
-    if name.endswith(".toml") and is_line(Path(name)):
+    if name.endswith(".toml") and kind_of(Path(name)) == "line":
         if output is not None:
             raise BadInput("show", "-o with the table of a line", "no directory", "cosimo railway has its drawing.")
         show_line(*read_line(Path(name), parameters_of(values)))

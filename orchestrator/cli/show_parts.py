@@ -48,7 +48,7 @@ def everything() -> dict[str, list[dict[str, Any]]]:
         ],
         "fmus": [{"name": name, "title": cls.title, "system": cls.system} for name, cls in classes.items()],
         "scenes": [
-            {"name": name, "title": read_toml(path).get("title", ""), "system": path.parents[1].name}
+            {"name": name, "title": read_toml(path, "scene").get("title", ""), "system": path.parents[1].name}
             for name, path in scene_files().items()
         ],
         "cases": [{"name": name, "title": case.title, "system": case.system} for name, case in cases().items()],

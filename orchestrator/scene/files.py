@@ -12,6 +12,7 @@ from ...components.core.columns import decoded
 from ...components.core.errors import BadInput, nearest
 from ...components.core.files import read_bytes
 from ..loading import MOST_TOML, check_values, loading
+from .kinds import refuse_other
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
 ARCHIVE = (
@@ -37,6 +38,7 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
         return path if folder is None else folder / path
     files = scene_files()
     if str(name_or_path) not in files:
+        refuse_other(path if folder is None else folder / path, "scene")
         raise BadInput(
             where,
             repr(str(name_or_path)),
@@ -57,7 +59,7 @@ def read_file(path: Path, given: Collection[str] = ()) -> tuple[dict[str, Any], 
 
             system = read_system(path, given)
             return system.data, system.remarks
-        return read_toml(path), ()
+        return read_toml(path, "scene"), ()
 
 
 def read_text(path: Path, where: str = "scene") -> str:
@@ -71,9 +73,10 @@ def read_text(path: Path, where: str = "scene") -> str:
         raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8", "Save it in this encoding.") from None
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """The file's tables; a missing file or a syntax error is one `BadInput` with file and line."""
-    text = read_text(path)
+def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
+    """The file's tables; a missing file, a syntax error, or a file of another kind than wanted is one `BadInput` with file and line."""
+    refuse_other(path, *kinds)
+    text = read_text(path, kinds[0])
     try:
         data = tomllib.loads(text)
     except ValueError as error:  # of syntax, or of an integer of thousands of digits

@@ -15,6 +15,7 @@ from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.errors import BadInput, nearest
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
+from ..scene.kinds import refuse_other
 from ..units.description import default_experiment
 
 if TYPE_CHECKING:
@@ -180,6 +181,7 @@ def _case(name: str) -> Case:
 
         return read_case(Path(name), load_scene, summary)
     if name not in cases():
+        refuse_other(name, "case")
         raise BadInput("case", repr(name), "a validation case or the .toml file of one", nearest(name, cases()))
     return cases()[name]
 

@@ -59,6 +59,7 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
         ports=cls.ports,
         port_members=cls.port_members,
+        remarks=tuple(component.doubts(settings.parameters)),
     )
 
 

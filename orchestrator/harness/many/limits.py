@@ -101,7 +101,7 @@ def table_of(name: str, folder: Path = Path()) -> Table:
         return table
     if not (folder / name).is_file():
         raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
-    data = read_toml(folder / name)
+    data = read_toml(folder / name, "table", "case")
     for key, kind in (("sources", Mapping), ("rows", list | str)):
         if not isinstance(data.get(key, {} if key == "sources" else None), kind) or (key == "rows" and not data[key]):
             raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")

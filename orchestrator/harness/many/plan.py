@@ -16,6 +16,7 @@ import numpy as np
 from ....components.catalogue import component_class
 from ....components.core.columns import read_table
 from ....components.core.errors import BadInput, nearest
+from ....components.core.variables import Variable
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
@@ -53,11 +54,12 @@ class Column:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of a scene. columns: by name, each of `size` values."""
+    """Points of a scene. columns: by name, each of `size` values.  doubts: questions about values, see `Variable.doubt`."""
 
     settings: PlanSettings
     columns: Mapping[str, Column]
     size: int
+    doubts: tuple[str, ...] = ()
 
     def values(self, i: int) -> dict[str, Any]:
         """What varies, at point i."""
@@ -77,7 +79,7 @@ class Points:
             texts.append(f"{n} points of a Sobol sequence: it is balanced at powers of two only, such as {1 << n.bit_length()}")
         if self.settings.method == "latin-hypercube" and self.settings.correlation:
             texts.append("with correlations, a Latin hypercube keeps its even spacing in the first of the correlated names only")
-        return texts
+        return [*texts, *self.doubts]
 
     @cached_property
     def kernels(self) -> np.ndarray:
@@ -127,7 +129,7 @@ def read_settings(data: Any, name: str, scene: Scene | None, folder: Path = Path
     """
     if isinstance(data, str | Path):
         path = Path(data)
-        data, name, folder = read_toml(path), path.name, path.parent
+        data, name, folder = read_toml(path, name, "plan"), path.name, path.parent
     if scene is not None and isinstance(data, Mapping) and isinstance(data.get("vary"), Mapping):
         data = {**data, "vary": axes_with_numbers(data["vary"], scene.settings()["units"], f"{name}: vary")}
     return data, name, folder
@@ -142,9 +144,14 @@ def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None
         settings = settings.model_copy(update={"vary": read_points(Path(settings.table), scene)})
     columns = _columns(settings, cube)
     size = next(iter(columns.values())).numbers.size
-    for name in columns:
+    doubts = []
+    for name, column in columns.items():
         place(scene, name)
-    plan = Points(settings, columns, size)
+        if (known := variable_of(scene, name)) is not None:
+            numbers = column.labels if column.labels.dtype.kind == "f" else ()
+            texts = (f"{name} = {v:g}: {known.doubt(v)}" for v in numbers if known.doubt(v))
+            doubts += [text for text in [next(texts, "")] if text]
+    plan = Points(settings, columns, size, tuple(doubts))
     _check_values(scene, plan)
     return plan
 
@@ -397,16 +404,19 @@ def _elsewhere(scene: Scene, name: str, value: Any) -> bool:
 def unit_of(scene: Scene, name: str) -> str:
     """Unit of measure of what varies; "" for texts, truth values and parameters of an FMU."""
     kind, *where = place(scene, name)
-    if kind != "setting":
-        return ""
-    if where[0] in ("master.step", "start_time", "stop_time", "record.interval"):
+    if kind == "setting" and where[0] in ("master.step", "start_time", "stop_time", "record.interval"):
         return "s"
-    if not where[0].startswith("units."):
-        return ""
+    return known.unit if (known := variable_of(scene, name)) is not None else ""
+
+
+def variable_of(scene: Scene, name: str) -> Variable | None:
+    """The parameter of a component that varies; None for all else."""
+    kind, *where = place(scene, name)
+    if kind != "setting" or not where[0].startswith("units."):
+        return None
     unit, key = scene.split(where[0].removeprefix("units."))
     component, parameter = scene.units[unit].component, key.removeprefix("parameters.")
     if parameter == key or not component:
-        return ""
+        return None
     variables = component_class(component, unit).variables
-    known = variables.get(parameter) or variables.get(parameter.partition("[")[0])
-    return known.unit if known is not None else ""
+    return variables.get(parameter) or variables.get(parameter.partition("[")[0])

@@ -36,7 +36,7 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         raise BadInput("case", repr(str(path)), "the file of a case, or the name of one that cosimo list cases shows")
     name = path.stem
     try:
-        settings = CaseSettings.model_validate(read_toml(path))
+        settings = CaseSettings.model_validate(read_toml(path, "case"))
     except ValidationError as error:
         raise one_message(error, CaseSettings, name) from None
     given = rows_of(name, {"rows": settings.rows}, path.parent)

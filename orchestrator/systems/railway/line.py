@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import tomllib
 from collections.abc import Iterator, Mapping
 from html import escape
 from itertools import pairwise
@@ -23,6 +22,7 @@ from ....components.railway.line.table import read_line
 from ....components.railway.line.temperature import line_at
 from ...output import ensure_directory
 from ...scene.files import read_text
+from ...scene.kinds import refuse_other
 
 DROPPERS = column_names()
 DROPPER_COLUMNS = tuple(name for key, name in DROPPERS.items() if key != "axial_stiffness")
@@ -42,6 +42,7 @@ def read(
     values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table;
     temperature: K above that of the table, as of the effect `temperature`.
     """
+    refuse_other(path, "line")
     text = read_text(path, "line")
     line = read_line(text, str(path))
     tables = {"line_table.table": text}
@@ -51,6 +52,8 @@ def read(
     change = {} if temperature is None else {"temperature.change": temperature}
     catenary = Catenary(["line_table", *(["temperature"] if change else [])], {**values, **tables, **change})
     catenary.refuse_unused(values)
+    if doubts := catenary.doubts(values):
+        raise BadInput("--set", doubts[0], "numbers that are usual, or with their units")
     p, title = catenary._declared_arguments()[0], line.title or path.stem
     form = find_form(line, p) if temperature is None else line_at(line, p, temperature)[1]
     refuse_pushing(form, str(droppers or path))
@@ -69,15 +72,6 @@ def refuse_pushing(form: Form, where: str) -> None:
             "tension in every dropper",
             "Raise the wire there or lower it at the droppers beside, reduce the pre-sag, or move or remove these droppers.",
         )
-
-
-def is_line(path: Path) -> bool:
-    """Whether a TOML file is a line's table and no scene: it has sections, and no units."""
-    try:
-        data = tomllib.loads(read_text(path))
-    except (ValueError, BadInput):  # no TOML, or an integer of thousands of digits
-        return False
-    return "sections" in data and "units" not in data
 
 
 def _wire(form: Form, lane: int) -> str:

@@ -15,6 +15,7 @@ from ....components.railway.line.from_table import resolved_sections
 from ....components.railway.line.table import read_line
 from ....components.railway.pantograph import Pantograph
 from ...scene.files import read_text, read_toml
+from ...scene.kinds import refuse_other
 
 COLUMNS = {  # of the table of supports -> key of a support in a line's table, "" for what is none; unit
     "position": ("", "m"),
@@ -107,6 +108,7 @@ def scene_text(
     limits: str,
 ) -> str:
     """A scene of pantographs under a line; folder: where the scene goes, from which its files are named. Raises `BadInput`."""
+    refuse_other(line, "line")
     form = read_line(read_text(line, "line"), str(line))
     resolved = resolved_sections(form)
     supports = np.unique(np.concatenate([s.x for s in resolved]).round(9))
@@ -212,7 +214,7 @@ def _pantograph(name: str) -> dict[str, Any]:
                 nearest(name, Pantograph.presets),
             )
         return {"preset": name, "effects": ["contact_loss"], "parameters": {}}
-    data = read_toml(Path(name)).get("units", {})
+    data = read_toml(Path(name), "scene").get("units", {})
     unit = next(iter(data.values()), None) if isinstance(data, Mapping) else None
     if not isinstance(unit, Mapping) or unit.get("component") != "Pantograph":
         raise BadInput(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.options import ranges_of
 from cosimo.orchestrator.harness.many.plan import changes, from_columns, plan_of, plan_settings
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -189,3 +190,15 @@ def test_a_method_that_does_not_count_may_be_left_out():
     assert plan_settings({"vary": {"m.k": UNIFORM}}, sampled=False).vary["m.k"].high == UNIFORM["high"]
     with pytest.raises(BadInput, match="'grid'"):
         plan_settings({"vary": {"m.k": UNIFORM}})
+
+
+def test_a_number_that_is_probably_in_another_unit_is_asked_about_in_every_way(capsys):
+    question = "160 km/h or 160 m/s"
+    scene = load_scene("en50318-2002").with_changes({"units.pantograph.parameters.speed": 160.0})
+    assert any(question in text for text in scene.coupling.interfaces["pantograph"].remarks)
+    swept = plan_of(scene, plan_settings({"vary": {"pantograph.speed": [70.0, 160.0]}}))
+    assert any(question in text for text in swept.remarks)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", "en50318-2002", "--dry-run", "--set", "pantograph.speed=160"])
+    assert ended.value.code == 2
+    assert f"expected a number with its unit. {question}" in capsys.readouterr().err
