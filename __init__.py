@@ -63,16 +63,6 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "components.catalogue": ("component_class",),
-    "components.core.component": ("Component", "Effect", "Preset"),
-    "components.core.contract": ("KernelComponent", "Kernels", "Refusal"),
-    "components.core.stateless": ("StatelessComponent", "stateless_kernels"),
-    "components.core.errors": ("BadInput", "StepFailed"),
-    "components.core.kernels": ("DONE", "OWN", "bind", "hold_inputs", "kernel", "kernel_tuple"),
-    "components.core.events": ("EventComponent", "event_kernels"),
-    "components.core.integrators": ("OdeComponent", "ode_kernels"),
-    "components.core.sampled": ("SampledComponent", "sampled_kernels"),
-    "components.core.high_order": ("SmoothComponent", "smooth_kernels"),
-    "components.core.variables": ("choice", "count", "flag", "input_", "integer", "output", "parameter"),
     "fmus.build": ("build",),
     "fmus.check": ("check",),
     "orchestrator.delivery": ("delivered",),
@@ -161,9 +151,10 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _PLACE:
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module("." + _PLACE[name], __name__), name)
+    place = _PLACE.get(name) or import_module(".components.public_names", __name__).PLACE[name]
+    value = getattr(import_module("." + place, __name__), name)
     globals()[name] = value
     return value
 

@@ -12,9 +12,9 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from .. import _PLACE
 from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
+from ..components.public_names import PLACE
 
 PACKAGE = __name__.partition(".")[0]
 PUBLIC = "public.py"  # in `components`: the names that `from cosimo import ...` asks for
@@ -50,13 +50,7 @@ def own_sources(name: str, components: Path) -> tuple[str, dict[str, bytes]]:
     contents = {path: text for first in start for path, text in closure(first, lambda n: _file_of(n, root, components)).items()}
     own = {path: text for path, text in contents.items() if not path.is_relative_to(components)}
     wanted = sorted(
-        {
-            n
-            for text in own.values()
-            for level, m, names in imports(text)
-            if not level and m == PACKAGE
-            for n in names or _public()
-        }
+        {n for text in own.values() for level, m, names in imports(text) if not level and m == PACKAGE for n in names or PLACE}
     )
     library = {path: text for path, text in contents.items() if path.is_relative_to(components)}
     for public in wanted:
@@ -75,22 +69,16 @@ def own_sources(name: str, components: Path) -> tuple[str, dict[str, bytes]]:
     return ".".join(("own", *(inner[:-1] if inner[-1] == "__init__" else inner))), files
 
 
-def _public() -> list[str]:
-    """Names of cosimo that a component may use."""
-    return [n for n, place in _PLACE.items() if place.startswith("components.core")]
-
-
 def _place(public: str, file: Path) -> str:
     """The module below `components` of a public name."""
-    place = _PLACE.get(public, "")
-    if not place.startswith("components.core"):
+    if public not in PLACE:
         raise BadInput(
             f"build: {file}",
             f"an import of {PACKAGE}.{public}",
-            f"names that components use: {', '.join(_public())}",
+            f"names that components use: {', '.join(PLACE)}",
             "Scenes and runs belong into another file.",
         )
-    return place.removeprefix("components.")
+    return PLACE[public].removeprefix("components.")
 
 
 def _file_of(name: str, root: Path, components: Path) -> Path | None:
