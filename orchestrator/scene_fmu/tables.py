@@ -93,9 +93,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
     written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
-    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"))}
-    finish, push = master.rows("finish"), rows["push_rows"]
-    rows["follow_rows"] = finish[0], finish[1] - (push[1] - push[0])
+    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"), ("follow_rows", "follow"))}
     changed = [
         f"{{{steps}, {at + master.records.place('faults', fault, 'change')}, {change}}}"
         for steps, several in sorted(changes.items())

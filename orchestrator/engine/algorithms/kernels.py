@@ -2,8 +2,10 @@
 
 A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, or both for
 one after the other (`TURN`), `UPDATE` their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have changed,
-`PUSH` the samples of the new instant. `run_steps` executes the rows of a macro step one after the other, and many macro steps. An
-algorithm that decides inside a step has it execute the rows up to the decision.
+`PUSH` the samples of the new instant. Where outputs follow inputs that jump, they do so twice, to the `LEFT` of the jump, which
+`LOOK` notes, and to its `RIGHT`; older samples `SHIFT` by what came between, so that slopes behind a jump are those before it.
+`run_steps` executes the rows of a macro step one after the other, and many macro steps. An algorithm that decides inside a step has it
+execute the rows up to the decision.
 
 A unit is called by address: functions of a component, of an FMU of FMI 2.0, or callbacks into Python for whatever else it is.
 Inputs and outputs of a component are written and read where they lie in memory. A unit with a rate of its own has three records
@@ -37,9 +39,12 @@ from .records import (
     FORESEE,
     INTERPOLATED,
     JUMPS,
+    LEFT,
     LOOK,
     PUSH,
     READ,
+    RIGHT,
+    SHIFT,
     SHIFTED,
     START,
     TURN,
@@ -414,6 +419,16 @@ def _push(unit, links, pasts, signals, h, updated):
 
 
 @kernel
+def _shift(unit, links, signals):
+    """Shift the samples that there are by the jump since the last `LOOK`."""
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        jump = _given(link, signals) - link.looked
+        link.present += jump
+        link.before += jump
+
+
+@kernel
 def _look(unit, links, pasts, signals, h, foresee):
     """Note what the inputs are, or where extrapolation will have taken them after h."""
     for i in range(unit.first_link, unit.first_link + unit.links):
@@ -469,13 +484,16 @@ def run_steps(t, h, m):
                     status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
                 elif act == PUSH:
                     _push(unit, links, pasts, signals, h, request.updated)
+                elif act == SHIFT:
+                    _shift(unit, links, signals)
                 elif act in (LOOK, FORESEE):
                     _look(unit, links, pasts, signals, h, act == FORESEE)
-                elif act == UPDATE or (act == FOLLOW and (unit.ends != INTERPOLATED or request.updated != 0)):
-                    moved = not _stands(unit, links, signals, act == UPDATE and h > 0.0)  # which notes what is known
-                    if moved or act == UPDATE:
+                elif act == UPDATE or (act in (FOLLOW, LEFT, RIGHT) and (unit.ends != INTERPOLATED or request.updated != 0)):
+                    inside = act == LEFT or (act == UPDATE and h > 0.0)
+                    moved = not _stands(unit, links, signals, inside)  # which notes what is known
+                    if moved or act == UPDATE or (act == RIGHT and request.updated != 0):
                         status = _update_any(unit, units, links, m.buffer)
-                        request.updated, reads = 1, act == FOLLOW
+                        request.updated, reads = 1, act != UPDATE
                 if status <= WARNING and reads:
                     status = _read_any(unit, units, links, pasts, m.outputs_at, signals)
                 if status > WARNING:

@@ -25,7 +25,7 @@ from .layout import UNMOVED, Program, lay_out
 from .loops import LoopSolver
 from .machine import Machine, Space, Steps, singly
 from .node import Node, Samples, samples_of
-from .records import EXTRAPOLATED, FOLLOW, FORESEE, INTERPOLATED, LOOK, PUSH
+from .records import EXTRAPOLATED, FOLLOW, FORESEE, INTERPOLATED, LEFT, LOOK, PUSH, RIGHT, SHIFT
 from .texts import Texts
 
 Acts = Sequence[tuple[int, Sequence[Node]]]  # rows of the program: what is done with which units
@@ -92,12 +92,17 @@ class Master:
         self._fed = [node for node in self.nodes if node.sources]
         program, following = Program(self.nodes), [part for part in self._plan if isinstance(part, list)]
         acts, push = self.acts(), (PUSH, self._fed)
-        finish = [*((FOLLOW, part) for part in following), push]
+        follow = [(FOLLOW, part) for part in following]
+        finish: Acts = [*follow, push]
+        if any(k in node.held for part in following for node in part for k, _ in node.direct):
+            left, right = ([(act, part) for part in following] for act in (LEFT, RIGHT))
+            finish = [*left, (LOOK, self._fed), *right, (SHIFT, self._fed), push]
         self._rows = {
             "step": program.add(*acts, *finish),
             "advance": program.add(*acts),
             "finish": program.add(*finish),
             "push": program.add(push),
+            "follow": program.add(*follow),
             "foresee": program.add((FORESEE, self._fed)),
         }
         self._rows |= {name: program.add(*acts) for name, acts in self.own_acts().items()}

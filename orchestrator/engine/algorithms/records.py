@@ -19,7 +19,9 @@ CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump betwee
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 OVERRIDE, OFFSET, FROZEN, DROPPED, LOST = range(5)  # kinds of faults
 BEGINS, ENDS = 1, 2  # what becomes of a fault at an instant
-START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE = range(8)  # what a row of the program does, see `kernels`
+START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE, LEFT, RIGHT, SHIFT = range(
+    11
+)  # what a row of the program does, see `kernels`
 GIVEN = "value", "slope", "quadratic", "degree"  # of a link, over a step
 BEYOND = -2  # in the place of a unit: signals have left the limit
 NOT_CONVERGED = -3  # in the place of a unit: the initial values of a group

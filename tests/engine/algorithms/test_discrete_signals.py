@@ -114,6 +114,33 @@ def test_discrete_signals_are_held_whatever_the_degree(degree, algorithm, what, 
         assert moved == pytest.approx({"jacobi": 0.5 - STEP**2 / 2.0, "gauss-seidel": 0.5}[algorithm], rel=1e-12)
 
 
+@pytest.mark.parametrize("order", [("c", "passes", "sums"), ("sums", "passes", "c"), ("passes", "c", "sums")], ids="".join)
+@pytest.mark.parametrize("taken", [0, 2])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
+def test_what_jumps_at_the_end_of_a_step_acts_behind_it(algorithm, degree, taken, order, described, monkeypatch):
+    """A unit in a circle passes a clock's count of steps on at once; another integrates that: 0 + 1 + 2 + ....
+
+    taken: degree of the polynomials that the unit which passes it on says it takes.
+    """
+    described(("c", "ticks"), discrete=True)
+    before = resolve.describe
+    monkeypatch.setattr(
+        resolve, "describe", lambda n, s: replace(before(n, s), **({"input_degree": taken} if n == "passes" else {}))
+    )
+    units = {n: {"component": f"{HERE}:{of}"} for n, of in (("c", "Clocked"), ("passes", "Both"), ("sums", "Both"))}
+    links = [("c.ticks", "passes.jumps"), ("passes.now", "sums.moves"), ("sums.sums[2]", "passes.moves")]
+    data = {
+        "stop_time": 1.0,
+        "units": {n: units[n] for n in order},
+        "connections": [{"source": a, "target": b, "convert_units": False} for a, b in links],
+        "record": {"signals": ["sums.sums"]},
+        "master": {"algorithm": algorithm, "step": STEP, "extrapolation": degree},
+    }
+    k = np.arange(11)
+    np.testing.assert_allclose(run(read_scene(data))["sums.sums[2]"], STEP * k * (k - 1) / 2.0, atol=1e-13)
+
+
 def test_a_discrete_input_is_held_even_when_the_output_is_not(described):
     described(("b", "jumps"), discrete=True)
     result = run(read_scene({**scene("jacobi", 2), "record": {"signals": ["b.sums"]}}))

@@ -253,29 +253,6 @@ def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monk
     assert restores == [2, 1]  # in the first step: one response for the difference, one for the correction
 
 
-@pytest.mark.parametrize(("degree", "taken"), [(0, 2), (1, 2), (1, 0)])
-def test_what_jumps_at_the_end_of_a_step_acts_behind_it(degree, taken, interface_of):
-    """The steps that a clock has counted pass one unit of a circle at once, and the other integrates them: 0 + 1 + 2 + ...
-
-    The clock steps before the circle. taken: degree of the polynomials that the unit takes.
-    """
-    here = "cosimo.tests.engine.algorithms.test_discrete_signals"
-    interface_of("c", outputs=lambda i: {n: replace(s, discrete=n == "ticks") for n, s in i.outputs.items()})
-    interface_of("passes", input_degree=taken)
-    scene = {
-        "stop_time": 1.0,
-        "units": {n: {"component": f"{here}:{of}"} for n, of in (("c", "Clocked"), ("passes", "Both"), ("sums", "Both"))},
-        "connections": ["c.ticks -> passes.jumps", "passes.now -> sums.moves", "sums.sums[2] -> passes.moves"],
-        "record": {"signals": ["sums.sums"]},
-        "master": {"algorithm": "iterative", "step": 0.1, "extrapolation": degree},
-    }
-    scene["connections"] = [scene["connections"][0]] + [
-        {"source": a, "target": b, "convert_units": False} for a, b in (c.split(" -> ") for c in scene["connections"][1:])
-    ]
-    k = np.arange(11)
-    np.testing.assert_allclose(run(read_scene(scene))["sums.sums[2]"], 0.1 * k * (k - 1) / 2.0, atol=1e-13)
-
-
 def test_outputs_fit_where_a_fault_makes_a_signal_jump():
     """An algebraic loop with 1 added to what one unit hands over: at every instant, those of the jumps too, both outputs fit."""
     ring = {"component": "cosimo.tests.engine.algorithms.oscillators:Feedthrough"}
