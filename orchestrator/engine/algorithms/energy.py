@@ -42,7 +42,8 @@ class EnergyAccount:
     """A master whose steps are audited at the bonds.
 
     The outputs over a step are taken as polynomials one degree above those of the inputs, through the last samples: the
-    energy that a step creates, H^(degree + 2), is then right in its leading term, also for uneven steps.
+    energy that a step creates, H^(degree + 2), is then right in its leading term, also for uneven steps. Where outputs jump at the end
+    of a step, the older samples jump with them.
 
     `correction`: what the integral of an input over time has missed is returned with the next step (NEPCE), so that the
     impulse a force gives is right but for the last step. Both inputs of a bond are corrected; where the bonds take all that a
@@ -92,10 +93,11 @@ class EnergyAccount:
         return steps
 
     def enter(self, h: float, signals: np.ndarray, given: np.ndarray) -> None:
-        """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 4)."""
+        """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 5)."""
         n, kept, first = len(signals), len(self.samples), 0
         outputs = np.empty((kept + n, self._places.size))  # oldest first
-        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places]
+        jumps = np.concatenate((np.zeros((1, self._places.size)), np.cumsum(given[:, :, 4] / self._factors, axis=0)))
+        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places] - jumps[1:]
         self._course = course = np.empty((n + 1, 1 + 2 * len(self.bonds)))
         course[0] = np.concatenate(((self.elapsed,), self.created, self.exchanged))
         returned, self.integrals = self.integrals, self.integrals.copy()
@@ -107,6 +109,7 @@ class EnergyAccount:
                 h,
                 _basis(times.tobytes()),
                 outputs[kept + first + 1 - times.size :],
+                jumps[first:last],
                 given[first:last],
                 self._degrees,
                 self._factors,
@@ -117,7 +120,7 @@ class EnergyAccount:
                 course[first : last + 1],
             )
             self.times, first = times, last
-        self.samples = outputs[: -self.times.size - 1 : -1].copy()
+        self.samples = outputs[: -self.times.size - 1 : -1] + jumps[-1]
         self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
         self.last = self._alone[0].copy(), self._alone[1].copy()
         if self.correction:

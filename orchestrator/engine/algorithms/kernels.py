@@ -423,9 +423,9 @@ def _shift(unit, links, signals):
     """Shift the samples that there are by the jump since the last `LOOK`."""
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        jump = _given(link, signals) - link.looked
-        link.present += jump
-        link.before += jump
+        link.jump = _given(link, signals) - link.looked
+        link.present += link.jump
+        link.before += link.jump
 
 
 @kernel
@@ -448,11 +448,12 @@ def _keep(step, m):
         for k in range(n):
             store(request.rows + 8 * (step * n + k), m.signals[k])
         for k in range(m.bonded.size):
-            link, at = links[m.bonded[k]], request.given + 32 * (step * m.bonded.size + k)
+            link, at = links[m.bonded[k]], request.given + 40 * (step * m.bonded.size + k)
             store(at, link.value)
             store(at + 8, link.slope)
             store(at + 16, link.quadratic)
             store(at + 24, link.degree)
+            store(at + 32, link.jump)
         for k in range(request.watches):
             store(request.outputs + 8 * (step * request.watches + k), load(load_int64(request.watched + 8 * k)))
     if request.sampled_done < request.sampled_count and load_int64(request.sampled + 8 * request.sampled_done) == step:

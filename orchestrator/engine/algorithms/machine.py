@@ -24,7 +24,9 @@ class Steps(NamedTuple):
     """Macro steps that were taken together, and why there are fewer, if there are."""
 
     rows: np.ndarray  # (n, S), the signals behind each
-    given: np.ndarray = np.zeros((0, 0, 4))  # (n, B, 4), value, slope, half of the second derivative, degree of bonded inputs
+    given: np.ndarray = np.zeros(
+        (0, 0, len(GIVEN))
+    )  # (n, B, 5), of bonded inputs: value, slope, half of the second derivative, degree, jump behind
     inputs: np.ndarray = np.zeros((0, 2, 0))  # (m, 2, L), inputs behind the sampled steps, and the ends of their polynomials
     outputs: np.ndarray = np.zeros((0, 0))  # (n, W), what `watch` has asked for
     saved: Sequence[Any] = ()  # states of the master
@@ -147,7 +149,7 @@ class Machine:
             sampled,
             Steps(
                 np.empty((n, memory.inverse.size)),
-                np.empty((n, memory.bonded.size, 4)),
+                np.empty((n, memory.bonded.size, len(GIVEN))),
                 np.empty((sampled.size, 2, self.records.driven)),
                 np.empty((n, self._watched.size)),
             ),
@@ -221,7 +223,7 @@ class Machine:
         self._watched = self._watched[:0]
 
     def given(self) -> np.ndarray:
-        """What bonded inputs were given in the last step, (B, 4), as of `Steps`."""
+        """What bonded inputs were given in the last step, (B, 5), as of `Steps`."""
         links = self.records.memory.links[self.records.memory.bonded]
         return np.stack([links[name] for name in GIVEN], axis=1)
 

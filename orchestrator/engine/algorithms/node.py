@@ -146,7 +146,7 @@ class Node:
 
     @property
     def given(self) -> np.ndarray:
-        """What the inputs were given in the last step, (n, 4): value, slope, half of the second derivative, degree."""
+        """What the inputs were given in the last step, (n, 5): value, slope, half of the second derivative, degree, jump behind it."""
         return np.stack([self.link_records[name] for name in GIVEN], axis=1)
 
     @property

@@ -22,7 +22,7 @@ BEGINS, ENDS = 1, 2  # what becomes of a fault at an instant
 START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE, LEFT, RIGHT, SHIFT = range(
     11
 )  # what a row of the program does, see `kernels`
-GIVEN = "value", "slope", "quadratic", "degree"  # of a link, over a step
+GIVEN = "value", "slope", "quadratic", "degree", "jump"  # of a link, over a step and behind it
 BEYOND = -2  # in the place of a unit: signals have left the limit
 NOT_CONVERGED = -3  # in the place of a unit: the initial values of a group
 SECANTS = 30  # quasi-Newton steps of an initialization
@@ -99,6 +99,7 @@ LINK, LINK_STATE = _record("""
     slope            f* given
     quadratic        f* given, half of the second derivative
     degree           f* of what was given
+    jump             f  of the input, behind the last step
     reached          f* where that ends
     owed             f* its integral over time that is still to be given
 """)

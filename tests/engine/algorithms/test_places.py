@@ -127,7 +127,7 @@ def test_polynomials_are_exact_on_their_own_degree_with_uneven_steps(degree, alg
     node, t = master.node_of["i"], 0.0
     for k, h in enumerate((0.1, 0.03, 0.2, 0.07, 0.11)):
         master.step(t, h)
-        value, slope, half, given = node.given[0]
+        value, slope, half, given, _ = node.given[0]
         if k >= degree:  # as many samples as a polynomial of the degree needs, and the one it is led to
             assert given == degree
             s = np.linspace(0.0, h, 5)

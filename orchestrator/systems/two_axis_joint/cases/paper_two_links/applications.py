@@ -158,12 +158,19 @@ def _tracking(result: Result) -> dict[str, float]:
         measured[f"tracking.{axis}"] = float(np.sqrt(np.mean(errors**2)))
     # power of the motors against friction, dampers and the change of energy
     t = result.time
-    power = result["shoulder.torque"] * result["arm.first_rate"] + result["elbow.torque"] * result["arm.relative_rate"]
+    given = _work(result, "shoulder", "arm.first_rate") + _work(result, "elbow", "arm.relative_rate")
     first, second = result["arm.first_rate"], result["arm.relative_rate"]
     lost = 2.29 * first**2 + 7.2 * np.abs(first) + 0.175 * second**2 + 1.7 * np.abs(second)
     gained = result["arm.mechanical_energy"][-1] - result["arm.mechanical_energy"][0]
-    measured["balance"] = float((np.trapezoid(lost, t) + gained) / np.trapezoid(power, t))
+    measured["balance"] = float((np.trapezoid(lost, t) + gained) / given)
     return measured
+
+
+def _work(result: Result, motor: str, rate: str) -> float:
+    """Work of a motor, J: between the samples of its voltage, at which the torque jumps, that falls with the rate alone."""
+    torque, speed, p = result[f"{motor}.torque"], result[rate], result.scene.units[motor].parameters
+    ends = torque[:-1] - p["constant"] ** 2 / p["resistance"] * np.diff(speed)
+    return float(np.sum(np.diff(result.time) * (torque[:-1] * speed[:-1] + ends * speed[1:])) / 2.0)
 
 
 def jaw_pose(crank: float) -> tuple[float, float, float]:
