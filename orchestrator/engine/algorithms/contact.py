@@ -16,7 +16,7 @@ from ...settings import ContactSettings
 from ...settings.scene import SideSettings
 from ...units.interface import PlainSimulator, PortValues
 from ..coupling.contacts import PARTS, SIDES
-from .kernels import end_of, extrapolation
+from .polynomials import end_of, extrapolation
 
 AGAIN = 3  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
 

@@ -96,8 +96,8 @@ class EnergyAccount:
         """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 5)."""
         n, kept, first = len(signals), len(self.samples), 0
         outputs = np.empty((kept + n, self._places.size))  # oldest first
-        jumps = np.concatenate((np.zeros((1, self._places.size)), np.cumsum(given[:, :, 4] / self._factors, axis=0)))
-        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places] - jumps[1:]
+        shifts = np.concatenate((np.zeros((1, self._places.size)), np.cumsum(given[:, :, 4] / self._factors, axis=0)))
+        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places] - shifts[1:]
         self._course = course = np.empty((n + 1, 1 + 2 * len(self.bonds)))
         course[0] = np.concatenate(((self.elapsed,), self.created, self.exchanged))
         returned, self.integrals = self.integrals, self.integrals.copy()
@@ -109,7 +109,7 @@ class EnergyAccount:
                 h,
                 _basis(times.tobytes()),
                 outputs[kept + first + 1 - times.size :],
-                jumps[first:last],
+                shifts[first:last],
                 given[first:last],
                 self._degrees,
                 self._factors,
@@ -120,7 +120,7 @@ class EnergyAccount:
                 course[first : last + 1],
             )
             self.times, first = times, last
-        self.samples = outputs[: -self.times.size - 1 : -1] + jumps[-1]
+        self.samples = outputs[: -self.times.size - 1 : -1] + shifts[-1]
         self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
         self.last = self._alone[0].copy(), self._alone[1].copy()
         if self.correction:

@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, NOT_FINITE
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import step_control
-from cosimo.orchestrator.engine.algorithms.kernels import end_of, extrapolation
+from cosimo.orchestrator.engine.algorithms.polynomials import end_of, extrapolation
 from cosimo.orchestrator.engine.algorithms.step_control import Controller, shares
 from cosimo.orchestrator.engine.coupling.checks import check_stepping
 from cosimo.orchestrator.run import run
