@@ -179,4 +179,5 @@ def test_machine_code_of_the_orchestrator_depends_on_few_files():
             "orchestrator.units.calls",
             "orchestrator.engine.algorithms.records",
             "orchestrator.engine.algorithms.kernels",
+            "orchestrator.engine.algorithms.polynomials",
         }, dotted(path)  # the types that machine code is made for
