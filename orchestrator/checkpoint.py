@@ -193,9 +193,9 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
 def digest(scene: Scene) -> str:
     """What the results of a scene depend on, as one number: its settings, and the files of its FMUs instead of their paths."""
     data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep", "study", "explore", "interface", "limits"})
-    for unit in data["units"].values():
-        if unit.get("fmu"):
-            unit["fmu"] = store.digest_of(Path(unit["fmu"]).read_bytes())
+    for name, unit in scene.units.items():
+        if unit.fmu:
+            data["units"][name]["fmu"] = store.digest_of(Path(unit.fmu).read_bytes())
     return store.digest_of(json.dumps(data, sort_keys=True))
 
 

@@ -38,6 +38,7 @@ from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
 from .session.open_scene import Course, OpenScene
 from .settings.study import wanted
+from .settings.units import without_home
 from .shorter_steps import MadeRun, asked_for, late_samples, note_runs
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
@@ -284,7 +285,7 @@ class Run:
             if not (unit := self._raiser(error)):
                 raise
             self.message = f"{unit} failed at t = {self._now:.9g} s: its component has raised {type(error).__name__}: {error}"
-            self.log = traceback.format_exc()
+            self.log = without_home(traceback.format_exc())
             logging.getLogger("cosimo").error("%s", self.message, exc_info=True)
         except SystemExit as error:
             self.message = f"a unit has called sys.exit({error.code!r})"

@@ -1,5 +1,9 @@
 """The two ways things go wrong: the user's input, and a step that cannot be completed."""
 
+import re
+
+UNSEEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+
 
 class BadInput(ValueError):
     """Something the user gave cannot be used; the message says where, what came, what was expected, what to do."""
@@ -25,6 +29,14 @@ def visible(text: str) -> str:
 def visible_lines(text: str) -> str:
     """The same for a text of several lines, such as a failure and its log."""
     return "\n".join(map(visible, text.split("\n")))
+
+
+def visible_in_page(page: str) -> str:
+    """A page or drawing, in which characters that nobody sees, or that turn the direction of writing, stand as their numbers.
+
+    The numbers mean the same in markup and in the strings of a script.
+    """
+    return UNSEEN.sub(lambda match: f"\u27e8{ord(match[0]):04X}\u27e9", page)
 
 
 def nearest(name: str, names) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -62,6 +62,7 @@ def build(
     ] = False,
 ) -> None:
     """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
+    _refuse_one_file(names or [])
     if native:
         _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives, evidence)
         return
@@ -74,6 +75,20 @@ def build(
     for name in names or CATALOGUE:
         measured = _evidence_of(evidence, name, component_class(name, "build"))
         print(build_fmu(name, output, derivatives=derivatives, evidence=measured))
+
+
+def _refuse_one_file(names: Iterable[str]) -> None:
+    """Raise `BadInput` for two names whose FMUs would be one file, also where the file system does not tell capitals."""
+    files: dict[str, str] = {}
+    for name in names:
+        other = files.setdefault((Path(name).stem if is_scene(name) else name.rpartition(":")[2]).casefold(), name)
+        if other != name:
+            raise BadInput(
+                "build",
+                f"{other!r} and {name!r}, whose FMUs would be one file",
+                "names that differ in more than capitals",
+                "Name one at a time, each with a directory of its own.",
+            )
 
 
 def _build_native(
@@ -125,6 +140,7 @@ def _build_native(
                     "build --scene", f"unit {unit!r}", f"a component of the scene {loaded.name}", nearest(unit, components)
                 )
         units = makers(loaded, names)
+        _refuse_one_file(units)
     else:
         on = listed("--effects", [effects]) if effects else []
 

@@ -8,6 +8,8 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
+from ...components.core.errors import visible_in_page
+
 WIDTH, HEIGHT = 180, 64  # px, of a box
 GAP_X, GAP_Y, MARGIN = 230, 22, 16
 ROW = 24  # px between lines that meet one side of a box
@@ -70,7 +72,7 @@ def draw(boxes: Sequence[Box], arrows: Iterable[Arrow], title: str = "") -> Draw
     ]
     parts += _lines(arrows, pairs, place, tall)
     parts += [_box(box, *place[box.name], tall[box.name]) for box in boxes]
-    return Drawing("".join(parts) + "</svg>")
+    return Drawing(visible_in_page("".join(parts)) + "</svg>")
 
 
 def _height(name: str, pairs: Sequence[tuple[str, str]]) -> float:
@@ -206,4 +208,4 @@ def sketch(title: str, name: str, inputs: Sequence[str], outputs: Sequence[str])
                 f'<path d="M{x} {y:.0f}h40" stroke="currentColor"/><path d="M{x + 40} {y:.0f}l-8 -4v8z"/>'
                 f'<text x="{at}" y="{y + 4:.0f}" text-anchor="{anchor}">{escape(_short(signal, 34))}</text>'
             )
-    return Drawing("".join(parts) + "</svg>")
+    return Drawing(visible_in_page("".join(parts)) + "</svg>")

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_serializer, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive
+
+
+def without_home(text: str) -> str:
+    """A text for files that are sent on, in which paths below the user's home directory begin with "~"."""
+    home = os.path.expanduser("~").rstrip(os.sep)
+    return text.replace(home + os.sep, f"~{os.sep}") if home else text
 
 
 class UnitSettings(Model):
@@ -42,6 +49,15 @@ class UnitSettings(Model):
     def shapes(self) -> Mapping[str, tuple[int, ...] | None]:
         """Shapes of the lists among the parameters, by name; None: rows of different lengths."""
         return self._shapes
+
+    @field_validator("fmu")
+    @classmethod
+    def _from_home(cls, path: str) -> str:
+        return os.path.expanduser(path)
+
+    @field_serializer("fmu", when_used="json")
+    def _below_home(self, path: str) -> str:
+        return without_home(path)
 
     @model_validator(mode="wrap")
     @classmethod

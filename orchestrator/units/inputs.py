@@ -27,7 +27,7 @@ WARNING = 1  # the highest status with which a call has done its work
 class Reals:
     """Inputs of 64 bits that may change over a step. `given`: the polynomials of the last `drive`."""
 
-    given: Sequence[PortValues | None] = (None, None, None)
+    given: Sequence[Any] = (None, None, None)
 
     def __init__(
         self,

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, visible_in_page
 from . import Recorded
 
 WIDTH, HEIGHT = 150, 22  # px
@@ -69,7 +69,7 @@ def result_html(result: Recorded) -> str:
     parts += [f'<span style="color:{OTHER}">warning:</span> {escape(_short(w))}' for w in warnings[:WARNINGS]]
     if len(warnings) > WARNINGS:
         parts.append(f"{len(warnings) - WARNINGS} more warnings: <code>.info['warnings']</code>")
-    return f"<div>{'<br>'.join(parts)}{_signals(result)}{_numbers(result)}</div>"
+    return visible_in_page(f"<div>{'<br>'.join(parts)}{_signals(result)}{_numbers(result)}</div>")
 
 
 def _short(text: str) -> str:

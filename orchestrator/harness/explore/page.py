@@ -9,6 +9,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from ....components.core.errors import visible_in_page
 from ....components.core.store import replaced
 from ...output import ensure_directory
 from ...scene.scene import Scene
@@ -67,7 +68,7 @@ def explore_page(
     )
     ensure_directory(path.parent)
     with replaced(path) as file:
-        file.write(html)
+        file.write(visible_in_page(html))
     return path
 
 

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from signal import Signals
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DATA_SET = "sweep.zarr"
+LONGEST, SHORT = 200, 40  # bytes of a variable's name in it, and characters that a longer one keeps
 NOT_RUN = "not run"
 SIGNALS_AT_ONCE = 64  # points whose signals are in memory at a time
 CHUNK = 4096  # points of the data set's and the table's pieces
@@ -206,6 +208,7 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
     import xarray
 
     n, longest, keep = sweep.kinds.size, sweep.longest, sweep.plan.keep
+    stored = _stored([*sweep.measures, *sweep.varied, *keep.signals, *(f"{m}, signal" for m in keep.signals)])
 
     def described(name: str) -> dict[str, str]:
         return {"long_name": name, "units": sweep.units.get(name) or "1"}
@@ -213,14 +216,16 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
     def tables() -> Iterator[xarray.Dataset]:
         for first in range(0, n, stores.PIECE):
             some = slice(first, min(first + stores.PIECE, n))
-            variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in sweep.measures.items()}
+            variables: dict[str, Any] = {
+                stored[m]: ("point", np.asarray(c[some]), described(m)) for m, c in sweep.measures.items()
+            }
             variables |= {"outcome": ("point", sweep.kinds[some]), "reason": ("point", sweep.reasons[some])}
-            coordinates = {name: ("point", c[some], described(name)) for name, c in sweep.varied.items()}
+            coordinates = {stored[name]: ("point", c[some], described(name)) for name, c in sweep.varied.items()}
             yield xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
 
     def signals() -> Iterator[xarray.Dataset]:
         along = "time" if keep.interval is not None else "sample"
-        columns = {SIGNAL + m: f"{m}, signal" if m in sweep.measures else m for m in keep.signals}
+        columns = {SIGNAL + m: stored[f"{m}, signal" if m in sweep.measures else m] for m in keep.signals}
         for _, table in points.pieces([TIME, *columns], per):
             variables: dict[str, Any] = {
                 name: (("point", along), _padded(table, column, longest), described(column.removeprefix(SIGNAL)))
@@ -242,6 +247,22 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
     shutil.rmtree(target, ignore_errors=True)
     os.replace(part, target)
     return target
+
+
+def _stored(names: Iterable[str]) -> dict[str, str]:
+    """What variables of a data set are called, by their names: each has a folder, and so no name may be a path, unseen, or differ
+    from another one in capitals alone. Their long_name has the whole name."""
+    stored: dict[str, str] = {}
+    taken = {"outcome", "reason", "point", "time", "sample"}
+    for name in dict.fromkeys(names):
+        plain = "".join(c if c.isprintable() and c not in "/\\" else f"%{ord(c):02X}" for c in name)
+        plain = plain if len(plain.encode()) <= LONGEST else f"{plain[:SHORT]}~{sha256(name.encode()).hexdigest()[:16]}"
+        text, k = plain, 2
+        while text.casefold() in taken:
+            text, k = f"{plain}~{k}", k + 1
+        taken.add(text.casefold())
+        stored[name] = text
+    return stored
 
 
 def _padded(table: Any, column: str, longest: int) -> np.ndarray:

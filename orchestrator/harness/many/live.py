@@ -9,6 +9,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from time import perf_counter, time
 
+from ....components.core.errors import visible_in_page
 from ....components.core.store import replaced
 from ...progress import terminal_bar
 from .executors import BatchRows
@@ -94,7 +95,7 @@ class Live:
             foot='<a href="report.html">report</a>' if state == "done" else f"written at {int(time())} s since 1970",
         )
         with suppress(OSError), replaced(self._path) as file:  # a full disk: the points matter more
-            file.write(page)
+            file.write(visible_in_page(page))
 
 
 def duration(seconds: float) -> str:

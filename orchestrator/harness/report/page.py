@@ -15,6 +15,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
 
+from ....components.core.errors import visible_in_page
 from ....components.core.store import replaced
 from ...delivery import DELIVERY, print_pdf
 from ...output import PLOTLY, SAMPLES_ENDING
@@ -115,7 +116,7 @@ def write_page(page: Page, path: Path) -> Path:
     if figures and delivery.plotly == "beside":
         _put_plotly(path.with_name(PLOTLY))
     with replaced(path) as file:
-        file.write(html)
+        file.write(visible_in_page(html))
     if delivery.browser:
         print_pdf(path, delivery.browser)
     return path

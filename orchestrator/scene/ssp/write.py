@@ -94,11 +94,16 @@ class _System:
         self.enumerations: dict[str, Mapping[str, int]] = {}
 
     def _packed(self, unit: UnitSettings) -> str:
-        """The place of a unit's FMU in the package; units with the same FMU share it."""
+        """The place of a unit's FMU in the package; units with the same FMU share it.
+
+        Places of two FMUs differ in more than capitals, which not every file system tells where the package is unpacked.
+        """
         file = Path(unit.fmu) if unit.fmu else built(unit.component)
         stem = re.sub(r"\W", "_", file.stem, flags=re.ASCII)
+        there = {place.casefold(): place for place in self.files}
         for k in range(1, len(self.files) + 2):
             place = f"resources/{stem}{'' if k == 1 else f'_{k}'}.fmu"
+            place = there.get(place.casefold(), place)
             if self.files.setdefault(place, file) == file:
                 return place
         raise AssertionError  # one of the numbers is free
