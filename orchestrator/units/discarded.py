@@ -52,12 +52,12 @@ class ShorterSteps:
             self.length = progress
         if self._fixed:
             self.length = floor(self.length / self._fixed + NEAR) * self._fixed
-        self.count, self._tries = self.count + (self._tries == 0), self._tries + 1
+        self._tries += 1
         if self._fixed > self.length:
             return f"; its fixed internal step is {self._fixed:g} s"
         if self.length < SHORTEST * self._whole or self._tries > TRIES:
             return f"; so it did with {self._tries - 1} shorter steps, down to {min(self.shortest, h):.3g} s"
-        self.shortest = min(self.shortest, self.length)
+        self.count, self.shortest = self.count + (self._tries == 1), min(self.shortest, self.length)
         return ""
 
     def work(self) -> dict[str, float]:
