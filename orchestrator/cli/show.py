@@ -51,7 +51,7 @@ def show(
     from . import show_parts
 
     component = name in CATALOGUE or (":" in name and not name.endswith(FILES))
-    if not component and name not in scene_files() and name not in cases():
+    if not component and name not in scene_files() and (Path(name).suffix or (Path(name).is_dir() and name not in cases())):
         refuse_other(name, "scene", "line", "FMU", "SSP")
     scene = not component and (name in scene_files() or name.endswith(FILES))
     for option, given, possible in (("--preset", presets, component or scene), ("--time", timed, component)):

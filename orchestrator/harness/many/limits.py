@@ -8,9 +8,10 @@ from typing import TypeVar
 
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
+from ...scene.kinds import refuse_other
 from ...settings.answers import DesignSettings
 from ...settings.plan import KeepSettings, LimitSettings, PlanSettings, RowsSettings
-from ..validation.reference import MISSING, Table, TableRow, functions, load_table, rows_of, table_rows
+from ..validation.reference import MISSING, Table, TableRow, functions, load_table, rows_of, table_files, table_rows
 from .columns import as_column, column_name
 
 S = TypeVar("S", PlanSettings, DesignSettings)
@@ -90,6 +91,8 @@ def _limit(row: TableRow) -> LimitSettings:
 def table_of(name: str, folder: Path = Path()) -> Table:
     """A shipped table, or that of a user's TOML file with sources and rows. Raises `BadInput`."""
     if not name.endswith(".toml"):
+        if name not in table_files():
+            refuse_other(folder / name, "table")
         table = load_table(name)
         if not (table.measures or table.rules):
             raise BadInput(
