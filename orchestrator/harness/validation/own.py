@@ -86,7 +86,9 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     for what, value, known in (("condition", curve.condition, scenes), ("source", curve.source, settings.sources)):
         if value not in known:
             raise BadInput(where, f"{what} {value!r}", f"a {what} of the case", nearest(value, known))
-    for kind in curve.tolerances:
+    for kind, share in curve.tolerances.items():
+        if share >= 1.0 and kind != "difference":
+            raise BadInput(where, f"tolerance of {kind} = {share:g}", "a share below 1", "5 % is written 0.05.")
         if kind not in COMPARED:
             raise BadInput(where, f"tolerance of {kind!r}", "one of " + ", ".join(COMPARED), nearest(kind, COMPARED))
     read_curve(curve, folder, units_of(scenes[curve.condition]))

@@ -261,6 +261,9 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
     for key in row:
         if key not in FIELDS + OPTIONAL:
             raise BadInput(where, f"field {key!r}", "a field of a reference row", nearest(key, FIELDS + OPTIONAL))
+    for key in NUMBERS:
+        if isinstance(value := row.get(key, 0.0), bool) or not isinstance(value, int | float):
+            raise BadInput(where, f"{key} = {value!r}", "a number")
     missing = row.get("standing") == MISSING
     for key in FIELDS:
         if not isinstance(row.get(key, "" if missing and key == "source" else None), str):
@@ -270,6 +273,8 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
     if "value" in row:
         if "tolerance" not in row or "low" in row or "high" in row:
             raise BadInput(where, "a value", "a relative tolerance beside it, and neither low nor high")
+        if not 0.0 <= row["tolerance"] <= 1.0:
+            raise BadInput(where, f"tolerance = {row['tolerance']:g}", "a share of the value, at most 1", "5 % is written 0.05.")
         half = abs(row["value"]) * row["tolerance"]
         low, high = row["value"] - half, row["value"] + half
     else:

@@ -145,6 +145,8 @@ def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
         ("scale = 1e-3", "scale = 1.0", "scale = 1 beside the unit 'mm'; expected scale = 0.001"),
         ("mean = 0.01", "median = 0.01", "median"),
         ("mean = 0.01", "mean = -0.01", "greater than 0"),
+        ("mean = 0.01", "mean = 5.0", "tolerance of mean = 5; expected a share below 1. 5 % is written 0.05"),
+        ("high = 100.0", "value = 1.0\ntolerance = 10", "tolerance = 10; expected a share of the value"),
         ("scale = 1e-3", "shift = 1e6", "a stretch that both have"),
         ("[sources]", "[source]", "source"),
         ("[[rows]]", "[[row]]", "row"),
