@@ -106,7 +106,7 @@ class Pantograph(OdeComponent):
     base_excitation = BaseExcitation
     outer_contact = OuterContact
 
-    speed = parameter(69.444444444444443, "m/s", "speed of the train", low=0.0, high=200.0, usual=(0.0, 100.0))
+    speed = parameter(69.444444444444443, "m/s", "speed of the train", low=0.0, high=200.0, usual=(0.0, 118.0))
     start_position = parameter(30.0, "m", "position of the contact point at time 0")
     static_force = parameter(120.0, "N", "uplift force of the drive", low=0.0, tunable=True)
     head_mass = parameter(7.2, "kg", "mass of the head", low=1e-6)

@@ -75,8 +75,9 @@ def read_text(path: Path, where: str = "scene") -> str:
 
 def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
     """The file's tables; a missing file, a syntax error, or a file of another kind than wanted is one `BadInput` with file and line."""
-    refuse_other(path, *kinds)
-    text = read_text(path, kinds[0])
+    if kinds:
+        refuse_other(path, *kinds)
+    text = read_text(path, kinds[0] if kinds else "file")
     try:
         data = tomllib.loads(text)
     except ValueError as error:  # of syntax, or of an integer of thousands of digits
