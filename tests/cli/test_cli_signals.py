@@ -33,7 +33,7 @@ main(sys.argv[5:])
 MOMENTS = {
     "start": ("cosimo.orchestrator.judgement.verification", "run", 1, False),
     "FMUs": ("cosimo.orchestrator.run", "OpenScene", 1, False),
-    "units": ("cosimo.orchestrator.run", "stepping_of", 1, False),
+    "units": ("cosimo.orchestrator.session.open_scene", "stepping_of", 1, False),
     "stepping": ("cosimo.orchestrator.judgement.instability", "InstabilityMonitor._take", 3, True),
     "repetition": ("cosimo.orchestrator.run", "Run._start", 2, True),
     "report": ("cosimo.orchestrator.cli.run_parts", "write", 1, True),
