@@ -144,7 +144,9 @@ def conversion_of(
     except BadInput as error:
         wanted = f"a unit of the dimension of {unit}" if unit != "1" else "a number without unit"
         remedy = ""
-        if error.actual == f"unit {written!r}":
+        if error.expected.startswith("factors"):  # it is written in no way that units are
+            wanted = error.expected
+        elif error.actual == f"unit {written!r}":
             exponents = (defined or parse(unit, where)).exponents
             alike = [symbol for symbol, known in SYMBOLS.items() if known.exponents == exponents and unit != "1"]
             remedy = error.remedy if "did you mean" in error.remedy else f"Such as {', '.join(alike)}." if alike else ""

@@ -150,10 +150,10 @@ def test_faults_of_a_file_are_told_with_line_and_column(tmp_path, capsys):
     settings = {"vary": {"m.c": {"low": 0.5, "high": 8.0, "start": 2.0}}, "curves": [CURVE]}
     good = [f"{0.1 * k:.1f},0" for k in range(12)]
     for lines, named in (
-        ([*good[:9], "", "0.85,0", "0.8,0"], r"measured.csv:13.*does not rise: 0.8 behind 0.85 of line 12"),
-        ([*good, "1.1,0"], r"measured.csv:14.*1.1 behind 1.1"),
-        ([*good, "1.2,x"], r"measured.csv:14, column 'x'"),
-        ([*good, "nought,1"], r"measured.csv:14, column 't'"),
+        ([*good[:9], "", "0.85,0", "0.8,0"], r"measured.csv, line 13.*does not rise: 0.8 behind 0.85 of line 12"),
+        ([*good, "1.1,0"], r"measured.csv, line 14.*1.1 behind 1.1"),
+        ([*good, "1.2,x"], r"measured.csv, line 14, column 'x'"),
+        ([*good, "nought,1"], r"measured.csv, line 14, column 't'"),
         ([*good, "1.2,inf"], r"not finite"),
         ([f"{k}," for k in range(12)], "0 lines of numbers"),
     ):

@@ -68,7 +68,7 @@ ROWS = "quantity,measure,condition,unit,low,high,standing,source\nq,m,c,N,1,2,ve
         ("low", "value", "tolerance"),
         ("c,N", "c,", "unit = None"),
         ("high", "hihg", "did you mean 'high'"),
-        ("1,2", "1,two", "row 1, high: 'two'"),
+        ("1,2", "1,two", "line 2, column 'high': 'two'"),
         ("1,2", "1,2,3", "9 cells; expected 8"),
         ("q,m,c,N,1,2,verbatim,s\n", "", "no rows"),
         ('[sources]\ns = "somewhere public"', "", "no 'sources'"),
