@@ -67,6 +67,7 @@ def test_what_counts_as_missed():
     assert verdict(("figure x", 0.011, 0.006)) == "right"
 
 
+@pytest.mark.full
 def test_what_a_mesh_makes_is_judged_against_a_finer_one():
     hunt = Hunt(load_scene("gimbal-rotor"))
     found = hunt.judged(Choice("gimbal-rotor", "mesh"))

@@ -44,6 +44,7 @@ def whole(scene, how, chunks):
 SCENES = {"mass-on-spring": 1.0, "two-link-manipulator": 0.2, "rov-thruster-failed": 31.0, "jaw-crusher": 0.05, "wrist-tool": 0.5}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_steps_in_any_pieces_are_those_of_a_run(name):
     """Batches, a fault, sampled controllers, iterations, loops."""
