@@ -118,7 +118,7 @@ class Variable:
     def doubt(self, value) -> str:
         """The question which unit was meant, of a value beyond what is met in practice; "" of others."""
         low, high = self.usual or USUAL.get(self.unit, (-math.inf, math.inf))
-        if self.kind is not Kind.REAL or not isinstance(value, Real) or low <= value <= high:
+        if self.kind is not Kind.REAL or not isinstance(value, Real) or low <= float(value) <= high:
             return ""
         other = OTHERWISE[self.unit]
         return f"{value:g} {other} or {value:g} {self.unit}? {low:g} to {high:g} {self.unit} are usual"

@@ -189,6 +189,9 @@ class PlainSimulator:
 
     event: float | None = None
 
+    def put(self, name: str, value: float | str) -> None:
+        raise NotImplementedError  # all inputs are driven
+
     def wire_texts(self, inputs: Sequence[str]) -> None:
         raise NotImplementedError
 

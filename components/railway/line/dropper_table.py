@@ -87,7 +87,7 @@ def _rows(text: str, where: str) -> dict[int, Dropper]:
 
 
 def _dropper(given: dict[str, Any], where: str) -> Dropper:
-    values = {
+    values: dict[str, Any] = {
         f.name: given[f.name]
         if f.metadata["kind"] == "words"
         else checked_number(f.metadata, float(given[f.name]), f"{where}, {f.name.replace('_', ' ')}")

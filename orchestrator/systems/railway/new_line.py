@@ -52,7 +52,7 @@ def supports_of(path: Path) -> dict[str, list[dict[str, Any]]]:
     sections: dict[str, list[dict[str, Any]]] = {}
     for i, (line, _) in enumerate(table.rows):
         cells = {name: values[i] for name, values in columns.items()}
-        support = {name: v if isinstance(v, str) else float(v) for name, v in cells.items() if v != "" and v == v}
+        support: dict[str, Any] = {name: v if isinstance(v, str) else float(v) for name, v in cells.items() if v != "" and v == v}
         if "position" not in support:
             raise BadInput(f"{path}, line {line}", "no position", "the position of each support, m")
         if support.get("held", "yes").lower() not in TRUTHS:

@@ -169,7 +169,8 @@ def _tracking(result: Result) -> dict[str, float]:
 def _work(result: Result, motor: str, rate: str) -> float:
     """Work of a motor, J: between the samples of its voltage, at which the torque jumps, that falls with the rate alone."""
     torque, speed, p = result[f"{motor}.torque"], result[rate], result.scene.units[motor].parameters
-    ends = torque[:-1] - p["constant"] ** 2 / p["resistance"] * np.diff(speed)
+    constant, resistance = float(p["constant"]), float(p["resistance"])
+    ends = torque[:-1] - constant**2 / resistance * np.diff(speed)
     return float(np.sum(np.diff(result.time) * (torque[:-1] * speed[:-1] + ends * speed[1:])) / 2.0)
 
 
