@@ -462,7 +462,11 @@ class Run:
     def _warnings(self) -> list[str]:
         """What a user should know."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
-        of_units = [f"{name}: {r}" for name, unit in self.scene.coupling.interfaces.items() for r in unit.remarks]
+        remarks = {name: interface.remarks for name, interface in self.scene.coupling.interfaces.items()}
+        for name, unit in self.units.items():  # one that was begun anew has other numbers than its interface was made of
+            if isinstance(unit, ComponentSimulator):
+                remarks[name] = tuple(unit.component.doubts(self.scene.units[name].parameters))
+        of_units = [f"{name}: {r}" for name, those in remarks.items() for r in those]
         texts = [
             *self.scene.remarks,
             *late_samples(self.scene),

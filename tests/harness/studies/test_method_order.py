@@ -59,7 +59,7 @@ def test_railway_linear_gauss_seidel_against_held_jacobi():
 
 @pytest.mark.full
 def test_vehicle_held_commands_in_the_order_of_the_signals():
-    """Commands are stairs: what extrapolates them, or hands them on a step later, needs more steps for the same 1 %."""
+    """Commands are stairs, which no degree extrapolates: handed on a step later, they need more steps for the same 1 %."""
     vehicle = measured(
         "rov-station-keeping",
         20.0,
@@ -77,7 +77,7 @@ def test_vehicle_held_commands_in_the_order_of_the_signals():
     held = vehicle.fewest("gauss-seidel", 0, steps, 0.01)
     assert held < np.inf
     assert 2 * held <= vehicle.fewest("jacobi", 0, steps, 0.01)
-    assert 2 * held <= vehicle.fewest("gauss-seidel", 1, steps, 0.01)
+    assert held == vehicle.fewest("gauss-seidel", 1, steps, 0.01)
 
 
 @pytest.mark.full
