@@ -87,13 +87,7 @@ class Checkpoints(BatchObserver):
         self.path, self.every, self.written, self.last = path, every, 0, 0.0
         self._file = path.absolute()  # wherever a unit goes
         self._loop, self._parts = loop, parts
-        self._header = {
-            "format": FORMAT,
-            "version": version("cosimo"),
-            "name": scene.name,
-            "digest": digest(scene),
-            "kinds": _kinds(master),
-        }
+        self._header = header(scene, master)
         self._start, self._due, self._failed = scene.start_time, scene.start_time + every, False
 
     def resumed(self, t: float) -> None:
@@ -114,9 +108,7 @@ class Checkpoints(BatchObserver):
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
         t = self._loop.clock.time(self._loop.tick)
         try:
-            parts = {name: part.state() for name, part in self._parts.items()}
-            state = {"tick": self._loop.tick, "t": t, "master": self._loop.master.state(), "parts": parts}
-            write_verified(self._file, self._header | state)
+            write_verified(self._file, self._header | present(self._loop, self._parts))
         except OSError as error:
             if not self._failed:
                 warnings.warn(
@@ -131,12 +123,22 @@ class Checkpoints(BatchObserver):
         return {"every": self.every, "to": self.path.name, "written": self.written, "last": self.last}
 
 
+def header(scene: Scene, master: Master) -> dict[str, Any]:
+    """What a checkpoint says of where it comes from."""
+    return {"format": FORMAT, "version": version("cosimo"), "name": scene.name, "digest": digest(scene), "kinds": _kinds(master)}
+
+
+def present(loop: Stepping, parts: Mapping[str, Part]) -> dict[str, Any]:
+    """What stands now, between two steps: with a `header`, the content of a checkpoint."""
+    states = {name: part.state() for name, part in parts.items()}
+    return {"tick": loop.tick, "t": loop.clock.time(loop.tick), "master": loop.master.state(), "parts": states}
+
+
 def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     """The checkpoint in a file; raises `BadInput` where it is none, or one of another scene, version or damaged."""
     where, shown = "resume", repr(str(path))
     try:
         content = read_verified(path)
-        whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except PermissionError as error:
         if error.errno != errno.EPERM:
             raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror}.") from None
@@ -146,6 +148,15 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
     except DamagedFile:
         raise BadInput(where, shown, "a checkpoint that is not damaged", "Its digest does not fit its content.") from None
+    except ValueError:
+        content = None  # which `checkpoint_of` refuses: there is none with a digest
+    return checkpoint_of(content, scene, where, shown, path.resolve().parent)
+
+
+def checkpoint_of(content: Any, scene: Scene, where: str, shown: str, folder: Path) -> Checkpoint:
+    """The checkpoint that was read; raises `BadInput` where it is none, or one of another scene or version."""
+    try:
+        whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except Exception:  # written by something else, with a digest that fits
         whole = False
     if not whole:
@@ -158,27 +169,27 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
             f"{shown}, of another scene or other settings ({content['name']})",
             f"a checkpoint of {scene.name} as it is now",
         )
-    return Checkpoint(path.resolve().parent, *(content[key] for key in ("tick", "t", "kinds", "master", "parts")))
+    return Checkpoint(folder, *(content[key] for key in ("tick", "t", "kinds", "master", "parts")))
 
 
-def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
+def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part], where: str = "resume") -> None:
     """Put units, master and parts, just initialized, where they were; `BadInput` for units of another kind, or a damaged file."""
     try:
-        _restore(checkpoint, master, loop, parts)
+        _restore(checkpoint, master, loop, parts, where)
     except BadInput:
         raise
     except Exception as error:  # units and parts raise what they like for data that is not theirs
         raise BadInput(
-            "resume", f"content that does not fit the scene ({type(error).__name__}: {error})", "a checkpoint that is not damaged"
+            where, f"content that does not fit the scene ({type(error).__name__}: {error})", "a checkpoint that is not damaged"
         ) from None
 
 
-def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
+def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part], where: str) -> None:
     kinds = _kinds(master)
     for name, kind in checkpoint.kinds.items():
         if kinds[name] != kind:
             raise BadInput(
-                "resume",
+                where,
                 f"a checkpoint of a run with {name} as {kind!r}",
                 f"the same kind, here {kinds[name]!r}",
                 "Components run as FMUs or in process in both runs.",

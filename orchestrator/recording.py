@@ -12,19 +12,25 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..components.core.errors import BadInput
 from .engine.stepping.loop import BatchObserver
 from .output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
-from .recorders import Recorder, TextRecorder
+from .recorders import Recorder, TextRecorder, reading
 from .tables import INTERNAL, MemoryTable, StoredTable, Table, joined, prepare
 from .units.fmu_messages import log_lines
+
+if TYPE_CHECKING:
+    from .engine.algorithms.master import Master
+    from .engine.coupling import Coupling
+    from .units import Simulator
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
 LOG = "fmu.log"  # what foreign FMUs have said
@@ -69,6 +75,11 @@ class Spool:
         self.write: Callable[[], None] = self.flush  # with the messages of who writes the files
 
     @property
+    def recorders(self) -> list[Recorder]:
+        """All of them, that of the texts first: an interrupt leaves it no row behind."""
+        return [*([self.texts] if self.texts is not None else []), self.recorder]
+
+    @property
     def last(self) -> float:
         """Time of the last row, s; without one, minus infinity."""
         return self.recorder.last
@@ -92,13 +103,13 @@ class Spool:
         assert isinstance(self.table, MemoryTable)
         self.table.clear()
         self.table.append(time[:rows], values[:rows], texts[:rows])
-        for recorder in [r for r in (self.recorder, self.texts) if r is not None]:
+        for recorder in self.recorders:
             recorder.go_back()
 
     def state(self) -> dict[str, Any]:
         """Where the rows so far are stored, or where they are in memory the rows, for a checkpoint."""
         self.write()
-        recorders = [r.state() for r in (self.recorder, self.texts) if r is not None]
+        recorders = [r.state() for r in self.recorders]
         if isinstance(self.table, StoredTable):
             folder = self.table.folder.parents[self.table.folder.parts[::-1].index(UNFINISHED)]
             stored = {"directory": str(folder), "table": self.table.folder.relative_to(folder / UNFINISHED).as_posix()}
@@ -108,7 +119,7 @@ class Spool:
 
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`; raises `BadInput` where the rows are not stored where they were any more."""
-        for recorder, own in zip([r for r in (self.recorder, self.texts) if r is not None], state["recorders"], strict=True):
+        for recorder, own in zip(self.recorders, state["recorders"], strict=True):
             recorder.take(own)
         if "stored" in state:
             self._take_stored(state["stored"])
@@ -140,6 +151,24 @@ class Spool:
                 if rest:
                     self.table.append(time, values, texts)
                 rest -= min(rest, time.size)
+
+
+def signals_spool(
+    master: Master,
+    units: Mapping[str, Simulator],
+    coupling: Coupling,
+    table: Table,
+    every: Fraction,
+    end: int,
+    beside: Path | None = None,
+) -> Spool:
+    """The spool of all signals and texts that a scene records; every, end: ticks."""
+    # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
+    ends, texts = list(master.positions), coupling.recorded_texts
+    signals = Recorder(master.sample, len(ends), every, end, of_master=True)
+    of_texts = TextRecorder(reading(units, texts, texts=True), len(texts), every, end) if texts else None
+    places = {end: k for k, end in enumerate(ends)}
+    return Spool(signals, table, [places[signal] for signal in coupling.signals], of_texts, beside)
 
 
 class ResultFiles(BatchObserver):

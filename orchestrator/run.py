@@ -31,15 +31,15 @@ from .judgement.windows import Windows, WindowsWish, obstacle
 from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
-from .recorders import Recorder, TextRecorder, reading
-from .recording import OutputFailed, ResultFiles, Spool
+from .recorders import Recorder, reading
+from .recording import OutputFailed, ResultFiles, Spool, signals_spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
-from .session.open_scene import Course, OpenScene
+from .session.open_scene import Course, OpenScene, remarks_of
 from .settings.study import wanted
 from .settings.units import without_home
-from .shorter_steps import MadeRun, asked_for, late_samples, note_runs
+from .shorter_steps import MadeRun, asked_for, note_runs
 from .tables import MemoryTable, Table
 from .units.component import ComponentSimulator
 from .units.discarded import warnings_of as of_discarded
@@ -182,16 +182,9 @@ class Run:
         every, snapshot_every = (
             self.clock.multiple(i, step) if i else Fraction(1) for i in intervals
         )  # each macro step ends at a tick
-        # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         self._ends = tuple(master.positions)
-        signals = Recorder(master.sample, len(self._ends), every, end, of_master=True)
-        texts: TextRecorder | None = None
-        if ends := coupling.recorded_texts:
-            texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
-        places = {end: k for k, end in enumerate(self._ends)}
-        columns = [places[signal] for signal in coupling.signals]
         beside = past.folder if past else None
-        self.signals = Spool(signals, self._table(past), columns, texts, beside)
+        self.signals = signals_spool(master, self.units, coupling, self._table(past), every, end, beside)
         self.arrays = {}
         for (unit, array), names in coupling.snapshots.items():
             recorder = Recorder(
@@ -206,8 +199,7 @@ class Run:
             self.arrays[name] = Spool(recorder, table, beside=beside)
         if isinstance(self._interrupt, Interrupt):
             self._interrupt.halt = self.stepping.halt
-        recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
-        recorders[:0] = [texts] if texts else []  # first: an interrupt leaves them no row behind
+        recorders = [*self.signals.recorders, *(spool.recorder for spool in self.arrays.values())]
         self.observers: list[Observer] = [*recorders, self._interrupt]
         if self.files is not None:
             self.files.watch([self.signals, *self.arrays.values()])
@@ -462,19 +454,6 @@ class Run:
     def _warnings(self) -> list[str]:
         """What a user should know."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
-        remarks = {name: interface.remarks for name, interface in self.scene.coupling.interfaces.items()}
-        for name, unit in self.units.items():  # one that was begun anew has other numbers than its interface was made of
-            if isinstance(unit, ComponentSimulator):
-                remarks[name] = tuple(unit.component.doubts(self.scene.units[name].parameters))
-        of_units = [f"{name}: {r}" for name, those in remarks.items() for r in those]
-        texts = [
-            *self.scene.remarks,
-            *late_samples(self.scene),
-            *of_units,
-            *caught,
-            *self.master.warnings(),
-            *self.stepping.warnings(),
-        ]
-        texts += energy_warnings(self.account) if self.account else []
+        texts = [*remarks_of(self.scene, self.units), *caught, *self.course.warnings(), *energy_warnings(self.account)]
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

@@ -250,8 +250,10 @@ def unfollowed(missed: Mapping[str, Any] | None) -> list[str]:
     ]
 
 
-def energy_warnings(account: EnergyAccount) -> list[str]:
-    """What a user should know of the energy that the coupling has made."""
+def energy_warnings(account: EnergyAccount | None) -> list[str]:
+    """What a user should know of the energy that the coupling has made; account: None of a scene without bonds."""
+    if account is None:
+        return []
     return [
         f"the coupling made {created:.3g} J at the bond {bond.text}, {100.0 * abs(created) / exchanged:.0f} % of the "
         "energy that went through it. Reduce master.step, or switch on master.energy_correction"

@@ -17,6 +17,7 @@ from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
 from ..engine.stepping.faults import Faults
 from ..scene.scene import Scene
+from ..shorter_steps import late_samples
 from ..units import Simulator, open_unit
 from ..units.component import ComponentSimulator
 from ..units.exit_guard import ExitGuard
@@ -48,6 +49,19 @@ class Course:
         """Initialize the units, with the faults that act from the start; raises `StepFailed` where values do not converge."""
         self._faults.before_start()
         (self.account or self.master).initialize(self._start)
+
+    def warnings(self) -> list[str]:
+        """What a user should know of the steps made so far, but for energy."""
+        return [*self.master.warnings(), *self.stepping.warnings()]
+
+
+def remarks_of(scene: Scene, units: Mapping[str, Simulator]) -> list[str]:
+    """What a user should know of a scene before it is run; units: that were started for it."""
+    remarks = {name: interface.remarks for name, interface in scene.coupling.interfaces.items()}
+    for name, unit in units.items():  # one that was begun anew has other numbers than its interface was made of
+        if isinstance(unit, ComponentSimulator):
+            remarks[name] = tuple(unit.component.doubts(scene.units[name].parameters))
+    return [*scene.remarks, *late_samples(scene), *(f"{name}: {text}" for name, texts in remarks.items() for text in texts)]
 
 
 class OpenScene:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,22 @@ from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...components.core.measure import is_quantity, number_in
 from ...components.core.variables import SEED
+from ..checkpoint import Part, checkpoint_of, header, present, restore
 from ..engine.coupling import Endpoint
-from ..recorders import Recorder, TextRecorder, reading
-from ..recording import Spool
+from ..judgement.instability import energy_warnings
+from ..judgement.verification import verified_result
+from ..recorders import reading
+from ..recording import Spool, signals_spool
 from ..results import Result, result_of
 from ..run_info import describe_run
 from ..scene.scene import Scene
 from ..tables import MemoryTable
+from ..units.discarded import warnings_of as of_discarded
 from ..units.fmu import declared_signals
-from .open_scene import Course, OpenScene
-from .state import State, packed, unpacked
+from ..units.interface import SimulationEnded
+from ..verified_file import verified_bytes, verified_content
+from .open_scene import Course, OpenScene, remarks_of
+from .state import Inputs, State
 
 Value = float | int | bool | str | np.ndarray | Sequence[float]
 SHOWN = 40  # outputs in a notebook
@@ -45,12 +52,15 @@ class Session:
 
     def __init__(self, scene: Scene, *, in_process: bool = True, native: bool = False):
         """in_process: components run in this process, else as FMUs.  native: as native FMUs. Units are opened by `initialize`."""
-        self._given, self._scene, self._in_process, self._native = scene, scene, in_process, native
+        self._scene, self._in_process, self._native = scene, in_process, native
         self._stack = ExitStack()
         self._open_scene: OpenScene | None = None
+        self._begun = False  # whether the open scene has been started
         self._changes: dict[str, Any] = {}  # numbers that an open scene begins anew with
-        self._inputs: dict[Endpoint, Any] = {}  # set by hand
-        self._initialized, self._closed, self._failure = False, False, ""
+        self._inputs = Inputs()
+        self._initialized, self._closed = False, False
+        self._failure, self._ended = "", ""  # of a step; where a unit has ended the simulation
+        self._unseen = False  # whether a step may be taken that nothing has to be asked before
         self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
         self._observers: list[Any] = []
         self._spool: Spool | None = None
@@ -83,8 +93,6 @@ class Session:
         self._stepping.run(self._observers, 0)
         self._initialized = True
 
-    _begun = False  # whether the open scene has been started
-
     def _open(self) -> None:
         self._close_units()
         native = {}
@@ -92,30 +100,37 @@ class Session:
             from ..native import native_fmus  # which loads a compiler
 
             native = native_fmus(self._scene)
-        self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native, watched=None)
-        self._readers.clear()
+        self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native)
 
     def step(self, steps: int = 1) -> None:
-        """So many macro steps. Raises `StepFailed` where a unit fails, `BadInput` beyond the scene's stop_time."""
+        """So many macro steps, fewer where the scene ends. Raises `StepFailed` where a unit fails, `BadInput` behind the end."""
         try:
-            if steps == 1 and not self._observers and self._initialized and not self._failure and self._stepping.step_unseen():
+            if type(steps) is int and steps == 1 and self._unseen and self._stepping.step_unseen():
                 return
+            self._check_step(steps)
+            self._stepping.run(self._observers, steps)
+            self._stepping.look_ahead()
+            self._unseen = not self._observers
+        except SimulationEnded as end:
+            self._ended, self._unseen = str(end), False
         except StepFailed as error:
-            self._failure = str(error)
+            self._fail(error)
             raise
+
+    def _check_step(self, steps: int) -> None:
         self._started("step()")
         if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
             raise BadInput(f"{self._where}: step", repr(steps), "a whole number of macro steps, 1 at least")
-        stepping = self._stepping
-        if stepping.tick == stepping.end:
-            end = f"stop_time = {self._scene.stop_time:g} s"
-            raise BadInput(f"{self._where}: step", f"a step behind {end}", "a time within the scene", "Take a later stop_time.")
-        try:
-            stepping.run(self._observers, steps)
-            stepping.look_ahead()
-        except StepFailed as error:
-            self._failure = str(error)
-            raise
+        if self.done:
+            end, remedy = (
+                (self._ended, "") if self._ended else (f"stop_time = {self._scene.stop_time:g} s", "Take a later stop_time.")
+            )
+            raise BadInput(f"{self._where}: step", f"a step behind {end}", "a time within the scene", remedy)
+
+    def _fail(self, error: StepFailed) -> None:
+        """A unit has failed: until the session is taken back or begun anew, nothing holds."""
+        self._failure, self._unseen = str(error), False
+        self._readers.clear()
 
     def until(self, t: float) -> None:
         """Macro steps up to the first instant of all units that is not before t, s; none where t has been reached."""
@@ -123,10 +138,8 @@ class Session:
         if not self.time <= t <= self._scene.stop_time:
             stretch = f"a time from {self.time:.9g} s, which is reached, to stop_time = {self._scene.stop_time:g} s"
             raise BadInput(f"{self._where}: until", f"{t:.9g} s", stretch)
-        goal, clock = t, self._stepping.clock
-        while (tick := self._stepping.tick) < self._stepping.end and clock.time(tick) < goal:
-            whole = int((goal - clock.time(tick)) / self._scene.master.step)
-            self.step(max(whole - 1, 1))
+        while self.time < t and not self.done:
+            self.step(max(int((t - self.time) / self._scene.master.step) - 1, 1))
 
     @property
     def time(self) -> float:
@@ -135,8 +148,8 @@ class Session:
 
     @property
     def done(self) -> bool:
-        """Whether the scene's stop_time is reached."""
-        return self._initialized and self._stepping.tick == self._stepping.end
+        """Whether the scene's stop_time is reached, or a unit has ended the simulation."""
+        return self._initialized and (self._stepping.tick == self._stepping.end or bool(self._ended))
 
     def reset(self, seed: int | None = None) -> None:
         """Back to before `initialize`, with the parameters as they were set; what was recorded and set as an input is gone.
@@ -144,8 +157,9 @@ class Session:
         seed: for every parameter of the scene that is a seed.
         """
         self._alive()
-        self._initialized, self._failure = False, ""
+        self._initialized, self._unseen, self._failure, self._ended = False, False, "", ""
         self._inputs.clear()
+        self._readers.clear()
         self._observers, self._spool = [], None
         if self._open_scene is not None and not self._open_scene.takes({}):
             self._close_units()
@@ -168,7 +182,7 @@ class Session:
                 state.release()
         self._states.clear()
         self._stack.close()
-        self._open_scene, self._begun = None, False
+        self._open_scene, self._begun, self._unseen = None, False, False
         self._readers.clear()
 
     def __enter__(self) -> Session:
@@ -269,6 +283,8 @@ class Session:
         interfaces = self._scene.coupling.interfaces
         if unit not in interfaces:
             raise BadInput(f"{self._where}: {name}", f"unit {unit!r}", "a unit of the scene", nearest(unit, interfaces))
+        if variable in interfaces[unit].outputs or variable in interfaces[unit].inputs:
+            return unit, variable
         known = {**interfaces[unit].inputs, **interfaces[unit].outputs, **self._declared(unit)}
         if variable in known or self._elements(known, variable):
             return unit, variable
@@ -321,19 +337,23 @@ class Session:
         self._inputs[unit, variable] = value if signal.is_text else float(value)
         if not self._initialized:
             return
-        if self._failure:
-            self._started("an input")
+        self._started("an input")
         master, node = self._master, self._master.node_of[unit]
         before = master.signals.copy()
-        self._units[unit].put(variable, self._inputs[unit, variable])
-        node.read()
-        master.follow(self.time)
-        moved = np.flatnonzero(master.signals != before)
-        for other in master.nodes:
-            if not moved.size:
-                break
-            if np.isin(other.sources, moved).any():  # what jumps tells nothing of where inputs go
+        try:
+            self._units[unit].put(variable, self._inputs[unit, variable])
+            node.read()
+            master.follow(self.time)
+        except StepFailed as error:
+            self._fail(error)
+            raise
+        if not (moved := np.flatnonzero(master.signals != before)).size:
+            return
+        for other in master.nodes:  # what jumps tells nothing of where inputs go
+            if np.isin(other.sources, moved).any():
                 other.restart()
+        if self._course.account is not None:
+            self._course.account.restart()
 
     @property
     def _units(self) -> dict[str, Any]:
@@ -351,9 +371,8 @@ class Session:
         unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.saves_state]
         if unable:
             raise BadInput(f"{self._where}: save", ", ".join(unable), "units that can save their state")
-        course, nodes = self._course.stepping, self._master.nodes
-        units = [node.unit for node in nodes]
-        state = State(self._master.save(), course.tick, course.state(), dict(self._inputs), units, self._to_bytes)
+        stepping, units = self._stepping, [node.unit for node in self._master.nodes]
+        state = State(stepping.master.save(), stepping.tick, stepping.state(), self._inputs.state(), units, self._to_bytes)
         self._states = [one for one in self._states if one() is not None] + [weakref.ref(state)]
         return state
 
@@ -366,48 +385,52 @@ class Session:
         if not self._initialized:
             self.initialize()
         if isinstance(state, bytes):
-            self._from_bytes(state)
-        elif state.released or state.units != [node.unit for node in self._master.nodes]:
-            raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
+            self._take_bytes(state)
         else:
-            self._master.restore(state.master)
-            self._stepping.take(state.stepping)
-            self._stepping.tick = state.tick
-            self._inputs = dict(state.inputs)
-        self._failure = ""
+            self._go_to(state)
+        self._failure, self._ended = "", ""
         if self._spool is not None:
             self._spool.forget(self.time)
 
-    def _to_bytes(self, state: State) -> bytes:
-        now = self.save()
-        self.restore(state)
-        content = {"tick": state.tick, "master": self._master.state(), "stepping": state.stepping}
-        inputs = [[unit, name, value] for (unit, name), value in state.inputs.items()]
-        self.restore(now)
-        return packed(self._scene, content | {"inputs": inputs})
+    def _go_to(self, state: State) -> None:
+        if state.released or state.units != [node.unit for node in self._master.nodes]:
+            raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
+        self._stepping.master.restore(state.master)
+        self._stepping.take(state.stepping)
+        self._stepping.tick = state.tick
+        self._inputs.take(state.inputs)
 
-    def _from_bytes(self, content: bytes) -> None:
-        state = unpacked(content, self._scene, f"{self._where}: restore")
-        self._master.take(state["master"])
-        self._stepping.take(state["stepping"])
-        self._stepping.tick = state["tick"]
-        self._inputs = {(unit, name): value for unit, name, value in state["inputs"]}
+    @property
+    def _parts(self) -> dict[str, Part]:
+        """What has a state beside the master."""
+        return {"stepping": self._stepping, "inputs": self._inputs}
+
+    def _to_bytes(self, state: State) -> bytes:
+        unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.packs_state]
+        if unable:
+            raise BadInput(f"{self._where}: bytes", ", ".join(unable), "units whose state can go to a file")
+        now = self.save()
+        self._go_to(state)
+        content = header(self._scene, self._master) | present(self._stepping, self._parts)
+        self._go_to(now)
+        return verified_bytes(content)
+
+    def _take_bytes(self, content: bytes) -> None:
+        where, shown = f"{self._where}: restore", f"{len(content)} bytes"
+        try:
+            read = verified_content(content)
+        except ValueError:
+            raise BadInput(where, shown, "bytes of a state that a session has saved, undamaged") from None
+        restore(checkpoint_of(read, self._scene, where, shown, Path()), self._master, self._stepping, self._parts, where)
 
     # -- what was seen -----------------------------------------------------------------------------------------------
     def record(self) -> None:
         """From now on a row of all that the scene records, at every macro step; see `result`."""
         self._started("record()")
         coupling = self._scene.coupling
-        ends = list(self._master.positions)
-        every, end = Fraction(1), self._stepping.end
-        signals = Recorder(self._master.sample, len(ends), every, end, of_master=True)
-        texts = None
-        if wanted := coupling.recorded_texts:
-            texts = TextRecorder(reading(self._units, wanted, texts=True), len(wanted), every, end)
-        places = {end: k for k, end in enumerate(ends)}
         table = MemoryTable(*([f"{u}.{n}" for u, n in some] for some in (coupling.signals, coupling.recorded_texts)))
-        self._spool = Spool(signals, table, [places[signal] for signal in coupling.signals], texts)
-        self._observers = [*([texts] if texts else []), signals]
+        self._spool = signals_spool(self._master, self._units, coupling, table, Fraction(1), self._stepping.end)
+        self._observers, self._unseen = self._spool.recorders, False
         for observe in self._observers:
             observe(self._stepping.tick, self.time)
 
@@ -419,11 +442,13 @@ class Session:
         coupling = self._scene.coupling
         measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
         info = describe_run(self._scene, coupling, self._units, self._master)
-        outcome, message = ("done", "") if self.done else ("stopped", f"held at t = {self.time:.9g} s")
+        outcome, message = ("done", self._ended) if self.done else ("stopped", f"held at t = {self.time:.9g} s")
         if self._failure:
             outcome, message = "failed", self._failure
-        info |= {"outcome": outcome, "message": message, "warnings": self._master.warnings(), "timing": {}}
-        return result_of(self._scene, self._spool.table, {}, measures, info, None)
+        warnings = [*remarks_of(self._scene, self._units), *self._course.warnings(), *energy_warnings(self._course.account)]
+        warnings += of_discarded(info["counters"]["units"])
+        info |= {"outcome": outcome, "message": message, "warnings": warnings, "timing": {}}
+        return verified_result(result_of(self._scene, self._spool.table, {}, measures, info, None), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------
     @property

@@ -1,19 +1,27 @@
-"""Saved states of a session: held by it, or as bytes for another one of the same scene."""
+"""What a session saves: states that it holds, and the inputs that were set by hand."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ...components.core.errors import BadInput
-from ...fmus.versions import version
-from ..checkpoint import digest
+from ..engine.algorithms.energy import SavedAccount
 from ..engine.algorithms.master import Saved
-from ..scene.scene import Scene
+from ..engine.coupling import Endpoint
 from ..units import Simulator
-from ..verified_file import DamagedFile, verified_bytes, verified_content
 
-FORMAT = "cosimo session 1"
+
+class Inputs(dict[Endpoint, Any]):
+    """Inputs that were set by hand, by their ends."""
+
+    def state(self) -> list[Any]:
+        """For a saved state."""
+        return [[*end, value] for end, value in self.items()]
+
+    def take(self, state: Sequence[Any]) -> None:
+        """Go on from a `state`."""
+        self.clear()
+        self.update({(unit, name): value for unit, name, value in state})
 
 
 class State:
@@ -21,14 +29,14 @@ class State:
 
     def __init__(
         self,
-        master: Saved,
+        master: Saved | SavedAccount,
         tick: int,
         stepping: Mapping[str, Any],
-        inputs: Mapping[tuple[str, str], Any],
+        inputs: Sequence[Any],
         units: Sequence[Simulator],
         to_bytes: Callable[[State], bytes],
     ):
-        """units: which hold parts of it, in the order of the master's.  inputs: set by hand."""
+        """units: which hold parts of it, in the order of the master's.  inputs: of `Inputs`."""
         self.master, self.tick, self.stepping, self.inputs, self.units = master, tick, stepping, inputs, units
         self.released, self._to_bytes = False, to_bytes
 
@@ -36,7 +44,8 @@ class State:
         """Give back what FMUs hold for it; it cannot be restored any more."""
         if not self.released:
             self.released = True
-            for unit, state in zip(self.units, self.master.units, strict=True):
+            saved = self.master.master if isinstance(self.master, SavedAccount) else self.master
+            for unit, state in zip(self.units, saved.units, strict=True):
                 unit.release(state)
 
     def __del__(self) -> None:
@@ -44,21 +53,3 @@ class State:
 
     def __bytes__(self) -> bytes:
         return self._to_bytes(self)
-
-
-def packed(scene: Scene, state: Mapping[str, Any]) -> bytes:
-    """A state as bytes that say which scene it belongs to, with a digest that shows damage."""
-    return verified_bytes({"format": FORMAT, "version": version("cosimo"), "scene": digest(scene), **state})
-
-
-def unpacked(content: bytes, scene: Scene, where: str) -> Mapping[str, Any]:
-    """What `packed` was given; raises `BadInput` for bytes that are damaged, or of another scene or version."""
-    try:
-        state = verified_content(content)
-    except (DamagedFile, ValueError):
-        raise BadInput(where, f"{len(content)} bytes", "bytes of a state that a session has saved, undamaged") from None
-    if not isinstance(state, Mapping) or state.get("format") != FORMAT or state["version"] != version("cosimo"):
-        raise BadInput(where, f"{len(content)} bytes", f"a state that a session of cosimo {version('cosimo')} has saved")
-    if state["scene"] != digest(scene):
-        raise BadInput(where, "a state of another scene, or of other parameters", f"one of {scene.name} as it is now")
-    return state

@@ -375,3 +375,102 @@ def test_fmus_hold_no_states_that_nobody_has(foreign):
         with pytest.raises(BadInput, match="a state of units that were closed"):
             sim.restore(state)
         assert unit is sim._units["a"]
+
+
+def corrected():
+    """A scene whose energy the master corrects: the next steps depend on the account."""
+    return load_scene("pipe-robots-in-tow").with_changes({"stop_time": 0.5, "master.energy_correction": True})
+
+
+def test_the_account_of_energy_is_part_of_a_state():
+    scene = corrected()
+    name = "front.velocity"
+    with cosimo.open(scene) as sim, cosimo.open(scene) as other:
+        sim.initialize()
+        sim.step(10)
+        state = sim.save()
+        content = bytes(state)
+        sim.step(20)
+        reached = sim[name]
+        sim.restore(state)
+        sim.step(20)
+        assert sim[name] == reached
+        other.restore(content)
+        other.step(20)
+        assert other[name] == reached
+
+
+def test_bytes_of_an_older_state_drop_no_rows():
+    with cosimo.open("mass-on-spring") as sim:
+        sim.initialize()
+        sim.record()
+        sim.step(5)
+        state = sim.save()
+        sim.step(10)
+        bytes(state)
+        assert sim.result().rows == 16
+
+
+def test_values_are_refused_where_there_are_none():
+    """Also by a session that has given them before."""
+    table = one_mass().settings() | {
+        "units": {"probe": {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.055}}}
+    }
+    with cosimo.open(read_scene(table)) as sim:
+        sim.initialize()
+        sim.values(["probe.time"])
+        sim.reset()
+        with pytest.raises(BadInput, match="before the start"):
+            sim.values(["probe.time"])
+        sim.initialize()
+        sim.values(["probe.time"])
+        with pytest.raises(StepFailed):
+            sim.step(10)
+        with pytest.raises(BadInput, match="after a step that failed"):
+            sim.values(["probe.time"])
+
+
+def test_values_of_kernels_are_not_those_of_before_a_reset():
+    with cosimo.open("mass-on-spring") as sim:
+        sim.initialize()
+        sim.values(["mass.base_x"])
+        sim.reset()
+        with pytest.raises(BadInput, match="before the start"):
+            sim.values(["mass.base_x"])
+
+
+def test_a_result_says_what_a_run_would_and_that_it_is_not_verified():
+    result = whole(load_scene("mass-on-spring").with_changes({"stop_time": 0.1}), {}, (5,))
+    assert result.info["verification"]["done"] is False
+    assert any("errors of the numbers are not known" in text for text in result.info["warnings"])
+    fast = load_scene("en50318-2002").with_changes({"units.pantograph.parameters.speed": 160.0, "stop_time": 0.1})
+    assert any("160 km/h or 160 m/s" in text for text in whole(fast, {}, (5,)).info["warnings"])
+
+
+@pytest.mark.full
+def test_a_state_of_another_packaging_is_refused():
+    scene = load_scene("mass-on-spring").with_changes({"stop_time": 0.1})
+    with cosimo.open(scene) as sim, cosimo.open(scene, in_process=False) as other:
+        sim.initialize()
+        with pytest.raises(BadInput, match="the same kind"):
+            other.restore(bytes(sim.save()))
+
+
+def test_an_fmu_that_ends_the_simulation_ends_the_scene():
+    scene = read_scene(
+        {"stop_time": 2.0, "units": {"a": {"fmu": exchange_fmu(), "parameters": {"end": 0.5}}}, "master": {"step": 0.125}}
+    )
+    with cosimo.open(scene) as sim:
+        sim.initialize()
+        sim.record()
+        sim.until(2.0)
+        assert sim.done
+        assert sim.time == pytest.approx(0.5, abs=1e-3)
+        assert math.isfinite(sim["a.x"])
+        assert (sim.result().outcome, "ended the simulation" in sim.result().message) == ("done", True)
+        with pytest.raises(BadInput, match="ended the simulation"):
+            sim.step()
+        sim.reset()
+        sim.initialize()
+        sim.step()
+        assert not sim.done
