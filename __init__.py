@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from .orchestrator.harness.studies.accuracy import accuracy
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
-    from .orchestrator.results import Result
+    from .orchestrator.run.results import Result
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene, write_scene
     from .orchestrator.systems import (
@@ -70,7 +70,7 @@ _PLACES = {
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
     "orchestrator.systems.many": ("design", "fit", "run_many", "sensitivity", "sweep", "uncertainty"),
-    "orchestrator.results": ("Result",),
+    "orchestrator.run.results": ("Result",),
     "orchestrator.scene.build": ("unit",),
     "orchestrator.scene.scene": ("Scene", "write_scene"),
     "orchestrator.systems": (

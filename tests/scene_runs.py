@@ -1,8 +1,8 @@
 """Runs of scenes as tests want them: to the end, and the same as FMUs as in process."""
 
 import numpy as np
-from cosimo.orchestrator.results import Result
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.results import Result
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import Scene
 
 

@@ -22,7 +22,7 @@ def measure(speed: float, element: float, substep: float) -> float:
     """Strings: 20 Hz-filtered force over spans 5 and 6 against a sine series of 6000 modes, rms over sigma, %."""
     import numpy as np
     from cosimo.orchestrator.harness.analysis.signals import Filter
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import load_scene
     from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
     from cosimo.orchestrator.systems.railway.runs import at_speed

@@ -9,9 +9,9 @@ from dataclasses import fields, is_dataclass
 from typing import Any, get_args
 
 import cosimo
-from cosimo.orchestrator import run
 from cosimo.orchestrator.harness.many import design, fitting, sensitivity, uncertainty
 from cosimo.orchestrator.judgement import verification
+from cosimo.orchestrator.run import run
 from cosimo.orchestrator.settings import Model
 from prose import code, docstring, joined, plain, table
 

@@ -12,7 +12,7 @@ from ..harness.studies.accuracy import accuracy
 from ..harness.studies.quantities import percent
 from ..judgement.record import STEPS
 from ..judgement.warnings import inner_name
-from ..results import Result
+from ..run.results import Result
 from ..scene.scene import Scene
 from .common import print_table, status_spinner
 

@@ -128,7 +128,7 @@ def _build_native(
     if scenes and not (names := [name for name in names if name not in scenes]):
         return
     if scene:
-        from ..native import makers
+        from ..session.native import makers
 
         if effects or values:
             raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
@@ -257,9 +257,9 @@ def ssp(
     Other masters exchange values once per step with held inputs. A run shows the values that they will compute; where that is
     farther from the scene than the tolerance, nothing is written (exit code 1) unless --force is given.
     """
-    from ..native import initial_inputs, with_native_fmus
     from ..scene.ssp.write import check as check_package
     from ..scene.ssp.write import write
+    from ..session.native import initial_inputs, with_native_fmus
 
     loaded = scene_of(scene, values, presets)
     packed = loaded if step is None else loaded.with_changes({"master.step": step})

@@ -16,7 +16,7 @@ from ..harness.validation.limits_of_run import judge
 from ..judgement import advise
 from ..judgement.dry_run import NOTHING_PROBED, first_part, lines, not_executed, tables, why_not_executed
 from ..output import ensure_directory, write_json, write_table
-from ..results import HELD, Result
+from ..run.results import HELD, Result
 from ..scene.scene import Scene
 from ..systems import SYSTEMS, summary
 from .common import fail, print_rows, print_table, print_written, warn

@@ -13,8 +13,8 @@ import numpy as np
 from ...components.core.errors import BadInput
 from ..judgement.comparison import differences
 from ..judgement.warnings import doubts_of
-from ..results import Result
-from ..run_info import flattened
+from ..run.results import Result
+from ..run.run_info import flattened
 from .charts.blocks import Answer, Block, Cells, Text
 from .charts.chart import Chart, Panel, Series
 from .charts.charts import draw_chart

@@ -18,10 +18,10 @@ from typing import Any, TypeVar
 from ...components.catalogue import component_name
 from ...components.core import store
 from ...fmus.versions import version
-from ..checkpoint import digest
 from ..code_digests import component_digest, components_digest
 from ..interrupts import Interrupted, handled, interrupt
 from ..output import UNFINISHED, locked
+from ..run.checkpoint import digest
 from ..scene.scene import Scene
 from ..verified_file import read_verified, write_verified
 

@@ -13,7 +13,7 @@ from math import inf
 import numpy as np
 
 from ...components.core.errors import BadInput
-from ..run import run
+from ..run.run import run
 from ..scene.scene import Scene
 from .studies.quantities import Quantity, TimeHistory, quantities_of, recording
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..settings import AnalysisKeys
 
 if TYPE_CHECKING:
-    from ..results import Result
+    from ..run.results import Result
     from .charts.blocks import Block
     from .charts.motion import Kinematics
     from .summary import Summary

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.coupling.graph import is_discrete
-from ..results import Result
+from ..run.results import Result
 from ..units.interface import Signal
 from .instants import at_instants
 from .thresholds import (

@@ -25,10 +25,10 @@ from ...components.core import store
 from ...components.core.errors import BadInput
 from ...components.core.folders import cache_root
 from ...fmus.versions import version
-from ..checkpoint import digest
 from ..code_digests import components_digest
-from ..meshes import coarsened, coarser, meshes_of
-from ..results import Result
+from ..run.checkpoint import digest
+from ..run.results import Result
+from ..scene.meshes import coarsened, coarser, meshes_of
 from ..scene.scene import Scene
 from .comparison import Difference, differences
 from .thresholds import MESH_ORDERS

@@ -29,7 +29,7 @@ from ...components.core.errors import BadInput, StepFailed
 from ...components.core.measure import parse
 from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
-from ..run_info import CompileTime
+from ..run.run_info import CompileTime
 from ..scene.scene import Scene
 from ..session.open_scene import OpenScene
 from ..units import Interface, Simulator

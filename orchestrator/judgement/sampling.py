@@ -17,7 +17,7 @@ from scipy.interpolate import Akima1DInterpolator
 
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
-from ..results import Result
+from ..run.results import Result
 from .thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
 
 Values = Callable[[Result], Mapping[str, float]]  # the figures of a result by name

@@ -23,10 +23,10 @@ import numpy as np
 from ...components.core.errors import BadInput
 from .. import working_directory
 from ..interrupts import Interrupted
-from ..results import Result
-from ..run import run as run_once
+from ..run.results import Result
+from ..run.run import run as run_once
 from ..scene.scene import Scene
-from ..shorter_steps import numbers_in_use, shorter, substeps
+from ..scene.shorter_steps import numbers_in_use, shorter, substeps
 from ..units.fmu_messages import DEFAULT
 from . import work
 from .comparison import (

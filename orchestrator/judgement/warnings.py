@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import floor, isfinite, isnan, log10
 from typing import Any
 
-from ..meshes import meshes_of
+from ..scene.meshes import meshes_of
 from ..scene.scene import Scene
 from .comparison import SURE, SignalError, worst_of
 from .record import NOT_ASKED, Verification

@@ -17,7 +17,7 @@ from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
 from ..engine.stepping.faults import Faults
 from ..scene.scene import Scene
-from ..shorter_steps import late_samples
+from ..scene.shorter_steps import late_samples
 from ..units import Simulator, open_unit
 from ..units.component import ComponentSimulator
 from ..units.exit_guard import ExitGuard

@@ -16,16 +16,16 @@ from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...components.core.measure import is_quantity, number_in
 from ...components.core.variables import SEED
-from ..checkpoint import Part, checkpoint_of, header, present, restore
 from ..engine.coupling import Endpoint
 from ..judgement.instability import energy_warnings
 from ..judgement.verification import verified_result
-from ..recorders import reading
-from ..recording import Spool, signals_spool
-from ..results import Result, result_of
-from ..run_info import describe_run
+from ..run.checkpoint import Part, checkpoint_of, header, present, restore
+from ..run.recorders import reading
+from ..run.recording import Spool, signals_spool
+from ..run.results import Result, result_of
+from ..run.run_info import describe_run
+from ..run.tables import MemoryTable
 from ..scene.scene import Scene
-from ..tables import MemoryTable
 from ..units.discarded import warnings_of as of_discarded
 from ..units.fmu import declared_signals
 from ..units.interface import SimulationEnded
@@ -97,7 +97,7 @@ class Session:
         self._close_units()
         native = {}
         if self._native:
-            from ..native import native_fmus  # which loads a compiler
+            from .native import native_fmus  # which loads a compiler
 
             native = native_fmus(self._scene)
         self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native)

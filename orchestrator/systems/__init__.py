@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..harness.system import System, Systems
     from ..harness.validation.case import Case, CaseResult
     from ..judgement.verification import Wish
-    from ..results import Result
+    from ..run.results import Result
     from ..scene.scene import Scene
     from ..session.session import Session
 
@@ -116,7 +116,7 @@ def build_scene(
 
 def read_result(directory: str | Path) -> Result:
     """The result that a run has written into a directory; of one that was killed, its rows up to the last chunk."""
-    from ..results import Result
+    from ..run.results import Result
 
     return Result.read(directory, ANALYSIS)
 
@@ -155,7 +155,7 @@ def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress:
     `comparison.report("out")` writes a page. Raises `BadInput` for what cannot be read, or has nothing in common.
     """
     from ..harness.compare import compared
-    from ..results import Result
+    from ..run.results import Result
 
     results, names = [], []
     for one in runs:

@@ -137,6 +137,6 @@ def test_documentation_refers_to_what_exists(page):
 
 def test_what_does_not_exist_is_noticed():
     absent = ["zyx" + "wvu", "core/zyx.py", "kernel.zyx" + "wvu"]
-    present = ["kernel", "orchestrator/run.py", "numpy.ndarray", "a b"]
+    present = ["kernel", "orchestrator/run/run.py", "numpy.ndarray", "a b"]
     assert missing(" ".join(f"`{name}`" for name in absent + present)) == absent
     assert missing("```text\n`zyx`\n```\n") == []

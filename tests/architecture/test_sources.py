@@ -59,7 +59,8 @@ def undocumented(path: Path) -> list[str]:
 
 # What reads a clock: to show or to keep a time, to pace, or for a limit that a user gives; what is repeated of a run does not depend on it.
 READS_CLOCKS = {
-    "orchestrator": {"cache", "output", "pacing", "progress", "recording", "run", "run_info"},
+    "orchestrator": {"cache", "output"},
+    "orchestrator/run": {"pacing", "progress", "recording", "run", "run_info"},
     "orchestrator/cli": {"show_parts"},
     "orchestrator/engine/stepping": {"loop"},
     "orchestrator/harness/many": {"execute", "executors", "live", "store"},

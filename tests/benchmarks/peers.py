@@ -15,7 +15,7 @@ STEP = 1e-3  # s
 
 
 def cosimo(msd, ctrl, steps, record=None):
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.scene.scene import read_scene
 
     scene = read_scene(

@@ -7,7 +7,7 @@ energy account, as for a long run; the first, short runs compile.
 import time
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

@@ -6,7 +6,7 @@ Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about anothe
 import numpy as np
 import pytest
 from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import passages
 

@@ -10,7 +10,7 @@ import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, integer, output
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.benchmark

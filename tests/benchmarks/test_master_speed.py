@@ -14,7 +14,7 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.stateless import StatelessComponent, stateless_kernels
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.interop.masters import surroundings
 

@@ -56,7 +56,7 @@ def scene_of(pair):
 
 def cosimo(pair, how, package):
     """(seconds of stepping, output at the end)."""
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
 
     result = run(scene_of(pair), in_process=how == HOWS[0], native=how == HOWS[1])
     assert result.outcome == "done", result.message
@@ -97,8 +97,8 @@ def timed(call):
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory):
     """SSP files by pair and packaging."""
-    from cosimo.orchestrator.native import with_native_fmus
     from cosimo.orchestrator.scene.ssp.write import write
+    from cosimo.orchestrator.session.native import with_native_fmus
 
     folder, made = tmp_path_factory.mktemp("packages"), {}
     for pair in PAIRS:

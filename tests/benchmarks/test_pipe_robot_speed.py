@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

@@ -12,7 +12,7 @@ import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
 from cosimo.orchestrator.systems.railway.records import passages
@@ -156,7 +156,7 @@ def test_price_of_a_second_wire_and_of_stagger():
 def test_memory_of_sixty_spans():
     # ru_maxrss would not do: a process inherits it from the one that started it
     program = (
-        "from cosimo.orchestrator.run import run; from cosimo.orchestrator.systems import load_scene\n"
+        "from cosimo.orchestrator.run.run import run; from cosimo.orchestrator.systems import load_scene\n"
         "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
         "assert run(s).outcome == 'done'\n"
         "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))"
@@ -172,7 +172,7 @@ def test_second_process_start_compiles_nothing():
     program = """
 import time
 start = time.perf_counter()
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 run(load_scene("en50318-2002").with_changes({"stop_time": 0.05}), in_process=True)
 ready = time.perf_counter() - start

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

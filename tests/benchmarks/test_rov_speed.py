@@ -6,7 +6,7 @@ Run with `pytest -m benchmark -n 0 -s`. Recording is once a second, as for an ho
 import time
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

@@ -6,7 +6,7 @@ units again, comparing, and reading the figures from other rows.
 
 import cosimo
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

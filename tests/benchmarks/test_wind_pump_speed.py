@@ -4,7 +4,7 @@ Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about anothe
 """
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark

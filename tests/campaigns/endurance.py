@@ -72,8 +72,8 @@ def mass() -> Any:
 
 def rows(count: int, folder: Path) -> dict[str, Any]:
     """One run of `count` steps in this process."""
-    from cosimo.orchestrator.run import run
-    from cosimo.orchestrator.tables import StoredTable
+    from cosimo.orchestrator.run.run import run
+    from cosimo.orchestrator.run.tables import StoredTable
 
     run(mass().with_changes({"stop_time": 1.0}), in_process=True, output=folder)
     before = peak()
@@ -122,8 +122,8 @@ def cycles(count: int, folder: Path) -> dict[str, Any]:
 def kills(count: int, folder: Path, seed: int) -> dict[str, Any]:
     """One run that is killed `count` times, at random moments, also before it has gone on."""
     from cosimo.orchestrator.output import UNFINISHED
-    from cosimo.orchestrator.results import Result
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.results import Result
+    from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import load_scene
 
     rng, checkpoint, findings, ends, fresh = random.Random(seed), folder / "checkpoint", [], [0.0], 0  # ends: s, behind each kill
@@ -176,7 +176,7 @@ def kills(count: int, folder: Path, seed: int) -> dict[str, Any]:
 
 
 BUILD = (
-    "import hashlib; from cosimo.fmus.build import built; from cosimo.orchestrator.run import run; "
+    "import hashlib; from cosimo.fmus.build import built; from cosimo.orchestrator.run.run import run; "
     "from cosimo.orchestrator.systems import load_scene; "
     "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); "
     "print(hashlib.sha256(built('PlanarLink').read_bytes() + r['mass.base_x'].tobytes()).hexdigest(), r.outcome)"
@@ -248,7 +248,7 @@ def foreign(count: int, folder: Path, troubles: tuple[int, ...] = tuple(TROUBLES
 
 def _unruly_run(trouble: int, scene: Path, out: Path, isolated: bool) -> tuple[str, str]:
     """What a run did, and what was wrong with that."""
-    from cosimo.orchestrator.results import Result
+    from cosimo.orchestrator.run.results import Result
 
     def limit() -> None:
         import resource

@@ -155,7 +155,7 @@ def ssds(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
 
 
 def checkpoints(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import read_scene
 
     scene, path = read_scene(small_scene()), folder / "original"
@@ -177,7 +177,7 @@ def tables(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
 
 
 def results(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import read_result, read_scene
 
     run(read_scene(small_scene()), output=folder)

@@ -31,11 +31,11 @@ import numpy as np
 from ...components.core.errors import BadInput
 from ...orchestrator.harness.studies.settings_axes import coupling_changes
 from ...orchestrator.judgement.verification import run as verified_run
-from ...orchestrator.meshes import meshes_of
-from ...orchestrator.results import Result
-from ...orchestrator.run import run as run_once
+from ...orchestrator.run.results import Result
+from ...orchestrator.run.run import run as run_once
+from ...orchestrator.scene.meshes import meshes_of
 from ...orchestrator.scene.scene import Scene, scene_files
-from ...orchestrator.shorter_steps import refined
+from ...orchestrator.scene.shorter_steps import refined
 from ...orchestrator.systems import load_scene
 from ...orchestrator.units.component import make
 

@@ -7,7 +7,7 @@ import os
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.tests.campaigns import endurance
 from cosimo.tests.support import two_masses

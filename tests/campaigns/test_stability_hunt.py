@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.campaigns.stability_hunt import Choice, Hunt, Run, choices, compared, main, table, true_errors, verdict_of
 

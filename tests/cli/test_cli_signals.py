@@ -32,10 +32,10 @@ main(sys.argv[5:])
 # moment: module, function, before which of its calls, whether rows are kept
 MOMENTS = {
     "start": ("cosimo.orchestrator.judgement.verification", "run", 1, False),
-    "FMUs": ("cosimo.orchestrator.run", "OpenScene", 1, False),
+    "FMUs": ("cosimo.orchestrator.run.run", "OpenScene", 1, False),
     "units": ("cosimo.orchestrator.session.open_scene", "stepping_of", 1, False),
     "stepping": ("cosimo.orchestrator.judgement.instability", "InstabilityMonitor._take", 3, True),
-    "repetition": ("cosimo.orchestrator.run", "Run._start", 2, True),
+    "repetition": ("cosimo.orchestrator.run.run", "Run._start", 2, True),
     "report": ("cosimo.orchestrator.cli.run_parts", "write", 1, True),
 }
 # each moment with one signal, and in the complete run with the others

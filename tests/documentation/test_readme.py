@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.short_run import full_but

@@ -10,7 +10,7 @@ import pytest
 from cosimo.components.catalogue import component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import build
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import build_scene, load_scene
 
@@ -105,7 +105,7 @@ def test_an_own_class_goes_wherever_a_name_goes(module, tmp_path):
     [
         ("import pandas", "an import of 'pandas'"),
         ("from cosimo import run", "names that components use"),
-        ("from cosimo.orchestrator.run import run", "public names or of its components"),
+        ("from cosimo.orchestrator.run.run import run", "public names or of its components"),
         ("import numpy, cosimo", "an import statement of its own"),
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.judgement.verification import run as verified_run
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.full

@@ -13,7 +13,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many import point_runs
 from cosimo.orchestrator.harness.sweep import points, sweep
 from cosimo.orchestrator.interrupts import STOPPING
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 MASS = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.fmus.native.build import own_target
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
 from cosimo.orchestrator.systems import load_scene, read_scene

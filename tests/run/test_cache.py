@@ -278,7 +278,7 @@ def test_temporary_folders_with_any_letters(letters, tmp_path):
     place = tmp_path / letters
     place.mkdir()
     program = (
-        "from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+        "from cosimo.orchestrator.run.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
         "r = run(load_scene('en50318-2002').with_changes({'stop_time': 0.1})); print(r.outcome, r.rows, r.message)"
     )
     done = subprocess.run(
@@ -306,7 +306,7 @@ def test_where_no_folder_has_plain_letters_it_is_said(tmp_path, monkeypatch):
 def test_damaged_byte_code_of_a_bundle_is_noticed(own_cache):
     """Cut, emptied, of another kind: the sources are whole, and the byte code is made anew."""
     program = (
-        "from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+        "from cosimo.orchestrator.run.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
         "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); print(r.outcome, r['mass.base_x'][-1])"
     )
 

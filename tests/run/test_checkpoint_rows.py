@@ -10,11 +10,11 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator import recording
 from cosimo.orchestrator.output import UNFINISHED
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run import recording
+from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.run.tables import StoredTable
 from cosimo.orchestrator.systems import load_scene, read_result, read_scene
-from cosimo.orchestrator.tables import StoredTable
 from cosimo.tests.run.test_checkpoint import SCENES, oscillator, same
 from cosimo.tests.run.test_result_files import PATIENCE, posix, started
 from cosimo.tests.support import two_masses

@@ -12,7 +12,7 @@ from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.judgement import advise
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit

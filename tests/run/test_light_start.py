@@ -26,7 +26,7 @@ HEAVY = (
 PROGRAM = """
 import json, sys
 from cosimo.components.core.closure import imports
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 scene = load_scene("mass-on-spring").with_changes({{"stop_time": 0.02}})
 result = run(scene, in_process=True, output={output!r})

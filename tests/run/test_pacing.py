@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.orchestrator import pacing
 from cosimo.orchestrator.harness.summary import pacing_rows
-from cosimo.orchestrator.pacing import Pacing
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run import pacing
+from cosimo.orchestrator.run.pacing import Pacing
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 

@@ -16,11 +16,12 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator import output, recording, results
+from cosimo.orchestrator import output
 from cosimo.orchestrator.output import UNFINISHED, locked
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run import recording, results
+from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.run.tables import StoredTable
 from cosimo.orchestrator.systems import load_scene, read_result, read_scene
-from cosimo.orchestrator.tables import StoredTable
 from cosimo.tests.support import Oscillator, two_masses
 
 PATIENCE = 120.0  # s until a busy machine must have written a chunk
@@ -242,7 +243,7 @@ class Hungry(Oscillator):
 def test_a_run_without_memory_left_keeps_what_it_has(tmp_path):
     program = f"""
 import resource
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 scene = two_masses("jacobi", 5e-3, 1)

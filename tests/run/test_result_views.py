@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.orchestrator.views.html import HEIGHT, sparkline
 from cosimo.tests.support import two_masses

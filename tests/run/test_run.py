@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
-from cosimo.orchestrator import progress
 from cosimo.orchestrator.interrupts import STOPPING
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run import progress
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.tests.contract.configurations import in_plain_python

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.columns import read_table
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.common import changes_of
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
 from cosimo.orchestrator.settings.names import connection, readings, split_name

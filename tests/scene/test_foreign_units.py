@@ -3,7 +3,7 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.common import changes_of
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.units.native import native_fmu

@@ -14,7 +14,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import loading
 from cosimo.orchestrator.engine.coupling.connections import _transformation
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.units_of_measure import Measure, named
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.fmu import _measures

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import Scene
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import load_scene, read_scene

@@ -10,7 +10,7 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.rest import at_rest
 from cosimo.tests.support import two_masses

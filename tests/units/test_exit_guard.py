@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.units.exit_guard import ExitGuard
 from cosimo.tests.units.native import native_fmu

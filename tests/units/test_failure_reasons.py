@@ -1,7 +1,7 @@
 """The reason of a unit's failure arrives whole, whatever packaging the unit has; a component never ends a simulation."""
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.wrist.cases.four_bar import scenes
 
 REASON = "the toggle, where coupler and rocker are in one line. Keep the crank within its range, or change the lengths"

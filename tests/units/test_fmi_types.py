@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.orchestrator.units.process import WorkerSimulator
@@ -352,7 +352,7 @@ def test_a_unit_that_has_died_fails_again_when_it_is_asked_again():
 
 RUN = """
 import sys
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 scene = read_scene({scene!r})
 print("ready", flush=True)

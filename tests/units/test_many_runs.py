@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.fmus.build import built
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.folders import process_folder
 from cosimo.tests.rest import at_rest
@@ -123,7 +123,7 @@ def test_units_of_one_fmu_that_run_at_the_same_time_have_folders_of_their_own(tm
 def test_the_folders_are_gone_with_the_process(tmp_path):
     data = {"stop_time": 0.1, "units": {"f": {"fmu": exchange_fmu()}}, "master": {"step": 0.1}}
     code = (
-        "from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import read_scene\n"
+        "from cosimo.orchestrator.run.run import run; from cosimo.orchestrator.scene.scene import read_scene\n"
         "import tempfile, os\n"
         f"scene = read_scene({data!r})\n"
         "print(run(scene).outcome, len(os.listdir(tempfile.gettempdir())))"

@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
 from cosimo.orchestrator.units.interface import SimulationEnded

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
 from cosimo.tests.units.exchange_fmu import exchange_fmu

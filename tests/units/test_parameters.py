@@ -2,7 +2,7 @@
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.engine.coupling.resolve import LONGEST_RECORDED
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.tests.units.native import STATE, native_fmu
 

@@ -18,7 +18,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.rest import at_rest
 from cosimo.tests.units import escapes

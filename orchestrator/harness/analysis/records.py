@@ -13,7 +13,7 @@ from ...units.component import make
 
 if TYPE_CHECKING:
     from ....components.core.component import Component
-    from ...results import Result
+    from ...run.results import Result
 
 KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
     "minimum": np.min,

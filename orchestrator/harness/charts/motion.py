@@ -16,7 +16,7 @@ from .formulas import Program, symbol
 from .style import number
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 FEWEST, MOST = 120, 600  # instants of a motion
 A_SECOND = 30.0  # instants, of a motion that is neither short nor long

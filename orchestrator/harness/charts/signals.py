@@ -15,7 +15,7 @@ from .style import CYCLE, SAMPLES
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from ...results import Result
+    from ...run.results import Result
 
 MOST = 40  # signals of a figure that names none
 

@@ -14,7 +14,7 @@ from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
-from ...run import run
+from ...run.run import run
 from ...scene.scene import Scene
 from ...scene_fmu import refuse_what_needs_python
 from ...settings.explore import ENDS
@@ -24,7 +24,7 @@ from .modules import Variant, switches, variants
 from .screening import screened
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ..charts.motion import Kinematics
 
 FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # macro steps that a page offers, over the scene's

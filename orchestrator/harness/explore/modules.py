@@ -11,7 +11,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, nearest
 from ....fmus.native.build import Library
-from ...run import run
+from ...run.run import run
 from ...scene.scene import Scene
 from ...scene_fmu import scene_block, scene_library
 

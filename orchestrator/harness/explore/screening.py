@@ -12,7 +12,7 @@ from ..many.plan import from_columns
 from ..sweep import sweep
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ..summary import Summary
 
 SHARE = 0.1  # of its value, by which a parameter moves

@@ -14,7 +14,7 @@ from typing import TypedDict
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...progress import Interrupt
+from ...run.progress import Interrupt
 from .executors import BatchRows, Cluster, Executor, Here, Pool, Threads, cores
 from .measures import Row, Summarize
 from .point_runs import in_threads

@@ -19,7 +19,7 @@ from time import perf_counter
 from typing import Any
 
 from ....components.core.errors import BadInput
-from ...progress import Interrupt, Stop
+from ...run.progress import Interrupt, Stop
 from .measures import Row, Task
 from .point_runs import runs_of
 from .store import table_of

@@ -11,7 +11,7 @@ from time import perf_counter, time
 
 from ....components.core.errors import visible_in_page
 from ....components.core.store import replaced
-from ...progress import terminal_bar
+from ...run.progress import terminal_bar
 from .executors import BatchRows
 
 PAGE_EVERY = 2.0  # s

@@ -18,10 +18,10 @@ import numpy as np
 from ....components.core.errors import BadInput, nearest
 from ....components.core.store import digest_of
 from ....fmus.versions import version
-from ...checkpoint import digest as scene_digest
 from ...code_digests import components_digest
 from ...judgement.instability import unfollowed
-from ...results import Result
+from ...run.checkpoint import digest as scene_digest
+from ...run.results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
 from ..analysis.records import KINDS, after_transient

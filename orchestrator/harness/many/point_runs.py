@@ -12,11 +12,11 @@ from typing import Any
 
 from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
-from ...progress import Stop
-from ...results import Result
-from ...run import Run, run
+from ...run.progress import Stop
+from ...run.results import Result
+from ...run.run import Run, run
+from ...scene.shorter_steps import asked, asked_for
 from ...session.open_scene import OpenScene
-from ...shorter_steps import asked, asked_for
 from .measures import Row, Task, row_of_result
 from .plan import changes
 

@@ -15,7 +15,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...judgement import work
 from ...judgement.thresholds import WARN
-from ...shorter_steps import shorter_steps
+from ...scene.shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error
 from .execute import Schedule, compute

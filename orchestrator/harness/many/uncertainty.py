@@ -16,7 +16,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
-from ...run import run
+from ...run.run import run
 from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..studies.effects import select

@@ -22,7 +22,7 @@ from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ..sweep import Sweep
     from ..system import Systems
     from ..validation.case import CaseResult, ClaimResult

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...run_info import flattened
+from ...run.run_info import flattened
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.signals import axis_of
@@ -17,7 +17,7 @@ from ..charts.style import CYCLE, axis, dense_line, layout, number
 from ..summary import with_error
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ..validation.case import Row
 
 KINDS = {"in process": "components in process", "FMU": "FMUs"}

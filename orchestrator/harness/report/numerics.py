@@ -22,7 +22,7 @@ from .generic import grid_table
 from .windows import fault_name
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 WIDE = 5.0  # longest over shortest step, from which the axis of the steps is logarithmic
 

@@ -14,7 +14,7 @@ from ..charts.charts import draw_chart
 from ..summary import verification_text
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 SHOWN = 12  # signals, the worst first
 

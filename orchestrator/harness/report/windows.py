@@ -10,7 +10,7 @@ from ..charts.blocks import Figure
 from ..charts.style import GREEN, PURPLE, VERMILION, label, rectangle, tint, vertical
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ...settings import FaultSettings
 
 COLOURS = (VERMILION, PURPLE, GREEN)  # that can be read as text

@@ -24,7 +24,7 @@ from ....components.core import store
 from ....components.core.errors import BadInput
 from ....components.core.folders import cache_root
 from ...code_digests import short_digest
-from ...run import run
+from ...run.run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
 from .accuracy import Accuracy, Point

@@ -20,7 +20,7 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
 from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Refused, seen
 from ...output import write_table
-from ...progress import tracked
+from ...run.progress import tracked
 from ..journal import once
 
 

@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
 from ...judgement.disturbance import GrowthRate, IntrinsicGrowth, growth_of, longest_stable, sizes
 from ...output import write_table
-from ...progress import tracked
+from ...run.progress import tracked
 from ..journal import once
 from .full_model import with_required
 

@@ -21,8 +21,8 @@ from scipy.integrate import solve_ivp
 
 from ....components.core.errors import BadInput
 from ...scene.scene import Scene
+from ...scene.shorter_steps import refined, with_mesh
 from ...settings.algorithms import ALGORITHMS
-from ...shorter_steps import refined, with_mesh
 from ..journal import once
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...scene.scene import Scene
+from ...scene.shorter_steps import meshes, refined, with_mesh
 from ...settings.algorithms import ALGORITHMS
-from ...shorter_steps import meshes, refined, with_mesh
 from .full_model import effect_changes, effects_on
 
 DEGREES = ("held", "linear", "quadratic")

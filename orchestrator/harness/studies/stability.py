@@ -22,7 +22,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ...judgement.disturbance import FEWEST, Disturbed, GrowthRate, IntrinsicGrowth, longest_stable
 from ...judgement.probing import pair_limits
 from ...output import write_table
-from ...progress import tracked
+from ...run.progress import tracked
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
 from ..journal import once

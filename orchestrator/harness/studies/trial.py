@@ -18,8 +18,8 @@ import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
 from ...judgement.work import hand_overs, macro_steps
-from ...results import Result
-from ...run import run
+from ...run.results import Result
+from ...run.run import run
 from ...scene.scene import Scene
 from ..journal import once
 from .quantities import TimeHistory

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ....components.core.errors import StepFailed
 from ...judgement.warnings import not_verified
-from ...progress import tracked
-from ...shorter_steps import made_runs
+from ...run.progress import tracked
+from ...scene.shorter_steps import made_runs
 from ..charts.chart import Chart, Grid
 from ..summary import with_error
 from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
@@ -19,7 +19,7 @@ from .questions import Evidence, Options, Question, RunFailed
 from .reference import MISSING, Row, check_measured, compare, load_table
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 FIRM = ("verbatim", "measured", "computed")  # provenance of ranges that decide

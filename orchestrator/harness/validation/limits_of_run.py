@@ -21,7 +21,7 @@ from .case import Case, CaseResult, Findings
 from .reference import Row, TableRow
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ...scene.scene import Scene
     from ..summary import Summary
 

@@ -22,7 +22,7 @@ from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ...scene.scene import Scene
     from ..summary import Summary
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ...judgement.instability import unfollowed
-from ...run import run
-from ...shorter_steps import shorter_steps
+from ...run.run import run
+from ...scene.shorter_steps import shorter_steps
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ...scene.scene import Scene
     from ..charts.chart import Chart, Grid
     from .reference import Row

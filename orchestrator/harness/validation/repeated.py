@@ -16,16 +16,16 @@ from ....components.core import store
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.folders import cache_root
 from ....fmus.versions import version
-from ...checkpoint import digest
 from ...code_digests import components_digest
 from ...judgement import work
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
 from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE
 from ...judgement.verification import NOT_ASKED, Wish, work_of
-from ...meshes import meshes_of
+from ...run.checkpoint import digest
+from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
-from ...shorter_steps import MadeRun, coarser_meshes, made_runs, shorter_steps
+from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, shorter_steps
 from .case import Case, Findings, Row
 from .questions import Evidence, Options
 from .reference import UNCHANGED

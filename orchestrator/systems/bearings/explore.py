@@ -10,7 +10,7 @@ from ...harness.explore.figures import LiveFigure
 from .records import BearingRecord, bearings
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TURN = 2.0 * np.pi
 SECTION = ("displacement_y", "displacement_x", "velocity_y", "velocity_x")  # the first one is drawn over parameters

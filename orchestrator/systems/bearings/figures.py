@@ -27,7 +27,7 @@ from .records import BearingRecord, bearings, since
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 HISTORY = ("displacement", "acceleration")  # drawn over the whole run
 DRAWN_PASSINGS = 30  # of balls, in orbits: more only blacken the picture

@@ -21,7 +21,7 @@ from ...harness.analysis.spectra import TURN, turns_steadily
 from . import BearingKeys
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")

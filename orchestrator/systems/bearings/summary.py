@@ -10,7 +10,7 @@ from ...harness.summary import Summary, SummaryRow
 from .records import BearingRecord, bearings, since
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 LINES = {"cage": "cage (FTF)", "outer": "outer race (BPFO)", "inner": "inner race (BPFI)", "ball": "spin of a ball (BSF)"}
 HEADLINE = ("*_rms", "*_kurtosis", "ball_load_max")  # what a run is judged by

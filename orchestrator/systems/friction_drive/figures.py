@@ -20,7 +20,7 @@ from .records import AXES, Drive, at_rest, drives, energies, moves, starts
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 DEGREES = 180.0 / np.pi
 SCALES = {"feed": (1e3, "mm"), "rotation": (DEGREES, "degrees")}

@@ -19,7 +19,7 @@ from ...harness.analysis.signals import accumulated
 
 if TYPE_CHECKING:
     from ....components.core.component import Component
-    from ...results import Result
+    from ...run.results import Result
 
 AXES = ("feed", "rotation")
 WHEELS = ("first", "second")

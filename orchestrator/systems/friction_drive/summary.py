@@ -11,7 +11,7 @@ from . import FrictionDriveKeys
 from .records import AXES, Drive, drives, energies, moves
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 UNITS = {"feed": "m", "rotation": "rad"}
 ENERGIES = {"motors": "energy into the motors", "wheels": "energy from the wheels into the contacts",

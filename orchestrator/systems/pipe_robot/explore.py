@@ -11,7 +11,7 @@ from .records import STEADY, RobotRecord, robots
 from .summary import TEXTS
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:

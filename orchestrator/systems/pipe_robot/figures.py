@@ -19,7 +19,7 @@ from .records import RobotRecord, amplitude, detail, energies, mean_speed, robot
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 LEAST = 1e-13  # m, of a way that is drawn on a logarithmic axis
 TURNED = 0.02  # relative change of a frequency that is worth a panel

@@ -20,7 +20,7 @@ from ...harness.analysis.signals import accumulated
 from . import PipeRobotKeys
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TURN = 2.0 * np.pi
 FREQUENCIES = ("unbalance.rate", "harmonic_force.frequency", "prescribed_motion.frequency")

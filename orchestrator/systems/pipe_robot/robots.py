@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...results import Result
+from ...run.results import Result
 from ...scene.build import unit
 from ...scene.scene import Scene
 from .. import build_scene

@@ -9,7 +9,7 @@ from ...harness.summary import Summary, rows
 from .records import RobotRecord, energies, robots, shares, steady_speed, switches
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TEXTS = {
     "way": ("m", "way after the transient"),

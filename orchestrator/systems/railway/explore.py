@@ -12,7 +12,7 @@ from .records import analysis_window, passages
 from .summary import TEXTS
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 FIXED = ("*.span_length", "*.start_position")  # the window of analysis follows from them
 KINDS = {

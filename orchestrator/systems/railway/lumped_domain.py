@@ -22,8 +22,8 @@ from ...harness.charts.style import number
 from ...harness.report.generic import grid_table
 from ...harness.report.page import Page, Section, write_page
 from ...output import ensure_directory, write_table
-from ...results import Result
-from ...run import run
+from ...run.results import Result
+from ...run.run import run
 from ...scene.scene import Scene, write_scene
 from ...settings.names import connection
 from ...units.component import make

@@ -14,7 +14,7 @@ from ...harness.charts.motion import Kinematics, Picture, Values, polyline
 from .records import passages
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 FEWEST = 10  # snapshots
 STRIP = 0.8  # m, half of the head's length in the picture

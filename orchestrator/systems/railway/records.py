@@ -17,7 +17,7 @@ from . import RailwayKeys
 from .contact import ContactRecord, ContactStatistics
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from ...scene.scene import Scene
 
 

@@ -9,10 +9,10 @@ from typing import Any
 from ....components.core.errors import BadInput
 from ...harness.analysis.signals import Filter
 from ...harness.validation import Options, done
-from ...results import Result
-from ...run import run
+from ...run.results import Result
+from ...run.run import run
 from ...scene.scene import Scene
-from ...shorter_steps import kept_runs
+from ...scene.shorter_steps import kept_runs
 from ...units.component import make
 from .. import load_scene
 from .records import measured, statistics

@@ -9,7 +9,7 @@ from ...harness.summary import Summary, SummaryRow, rows
 from .records import measured, passages, statistics
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
     from .contact import ContactStatistics
     from .records import Passage
 

@@ -9,7 +9,7 @@ from ...harness.explore.figures import LiveFigure
 from .records import ROTOR, RotorRecord, rotors
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:

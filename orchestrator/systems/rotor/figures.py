@@ -25,7 +25,7 @@ from .whirl import Whirl, whirl
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 TURNS = 8  # in the record, below which nothing is followed; of an orbit
 FOLLOWED = 4  # turns of a window in which the synchronous part is followed

@@ -13,7 +13,7 @@ from ...harness.charts.motion import MOST, Kinematics, Picture, Values, polyline
 from .records import ROTOR, rotors
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TURNS = 10  # that a picture shows
 MICROMETRES = 1e6

@@ -11,7 +11,7 @@ import numpy as np
 from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
 CARRIED = ("force_x", "force_y", "max_ball_load")  # by a bearing

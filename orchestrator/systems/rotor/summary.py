@@ -11,7 +11,7 @@ from ...harness.summary import Summary, SummaryRow
 from .records import RotorRecord, rotors
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 HEADLINE = ("displacement_max", "speed_at_max", "force_max", "ball_load_max")  # what a run is judged by
 

@@ -18,7 +18,7 @@ from .records import RotorRecord
 
 if TYPE_CHECKING:
     from ....components.rotor.model import Matrices
-    from ...results import Result
+    from ...run.results import Result
 
 MODES = 8  # in the diagram
 SPEEDS = 61

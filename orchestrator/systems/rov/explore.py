@@ -10,7 +10,7 @@ from .records import ERRORS, THRUSTS, Vehicle, vehicles
 from .summary import TEXTS
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:

@@ -20,7 +20,7 @@ from .records import ACCELERATIONS, ANGLES, ERRORS, RATES, SPEEDS, Vehicle, vehi
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 MARKS = 20  # of the heading on a track, where the scene does not say
 DEGREES = 180.0 / np.pi

@@ -14,7 +14,7 @@ from ...harness.charts.motion import Kinematics, Picture, Values, polyline, trac
 from .records import POSITION, QUATERNION, THRUSTS, Vehicle, axes_of, vehicles
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 DEPTH = 0.4  # share of a length to the north that a picture shows, to the right and up
 SHARE = 0.2  # of the track, that a hull has at least

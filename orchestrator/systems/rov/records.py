@@ -15,7 +15,7 @@ import numpy as np
 from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 POSITION = ("position_north", "position_east", "depth")
 ANGLES = ("roll", "pitch", "yaw")

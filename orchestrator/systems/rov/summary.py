@@ -11,7 +11,7 @@ from ...harness.summary import Summary, SummaryRow, rows
 from .records import ERRORS, Vehicle, vehicles
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TEXTS = {
     "way": ("m", "way through the water or over ground, as recorded"),

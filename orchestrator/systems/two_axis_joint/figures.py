@@ -18,7 +18,7 @@ from .records import Axis, JointRecord, drawn, joints, poincare
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 UNITS = {"energy": "J", "momentum": "kg·m²/s"}
 NARROW = 0.01  # of the largest value: what changes by less is shown as its change

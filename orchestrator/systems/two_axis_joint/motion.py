@@ -12,7 +12,7 @@ from ...harness.charts.motion import Kinematics, Picture, Values, polyline, trac
 from .records import axis_direction
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 LONGEST = 20.0  # s
 CORNERS = 33  # of a circle

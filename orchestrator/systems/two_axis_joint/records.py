@@ -18,7 +18,7 @@ from ...harness.analysis.spectra import TURN
 
 if TYPE_CHECKING:
     from ....components.core.component import Component
-    from ...results import Result
+    from ...run.results import Result
 
 PAIRS = (("outer", "inner"), ("first", "second"))
 LOSSES = {"viscous", "smoothed_friction", "lugre_friction", "stick_friction", "stops"}

@@ -10,7 +10,7 @@ from ...harness.summary import Summary, SummaryRow
 from .records import JointRecord, joints
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 HEADLINE = ("*_angle_max", "*_change")  # what a run is judged by
 

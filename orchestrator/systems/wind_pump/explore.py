@@ -13,7 +13,7 @@ from .records import Chain, chains
 from .summary import TEXTS
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:

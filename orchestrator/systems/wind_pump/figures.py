@@ -21,7 +21,7 @@ from .records import Chain, Running, branches, chains, efficiencies, moving_mean
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 HOUR = 3600.0  # s
 LONG = 2.0 * HOUR  # from here on the time is in hours

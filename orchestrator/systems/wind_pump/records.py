@@ -20,7 +20,7 @@ from ...harness.analysis.records import RecordedUnit, recorded_units
 from ...harness.analysis.signals import accumulated
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TURN = 2.0 * np.pi
 STANDSTILL, PAUSE = 0.1, 10.0  # rad/s; s

@@ -11,7 +11,7 @@ from . import WindPumpKeys
 from .records import Chain, chains, efficiencies, runnings, wind_energy
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 TEXTS = {
     "water": ("m3", "water that the pump moved, integral of its flow"),

@@ -8,7 +8,7 @@ from ...harness.explore.figures import LiveFigure
 from .records import HAND, bundles, linkages, wrists
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 
 def figures(result: Result) -> tuple[LiveFigure, ...]:

@@ -19,7 +19,7 @@ from .records import HAND, ROWS, Bundle, LinkageRecord, Muscles, WristRecord, bu
 
 if TYPE_CHECKING:
     from ...harness.validation.case import Row
-    from ...results import Result
+    from ...run.results import Result
 
 DEGREES = 180.0 / np.pi
 NAMES = {"flexion": "flexion", "deviation": "radial deviation", "roll": "roll",

@@ -11,7 +11,7 @@ from ...harness.charts.motion import Kinematics, Picture, Values, polyline
 from .records import HAND, wrists
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 FOREARM, ROW, PALM = 0.12, 0.02, 0.1  # m, of the picture
 APART = 0.3  # m, between the two views

@@ -21,7 +21,7 @@ from ....components.wrist.tendons import MUSCLES
 from ...harness.analysis.records import RecordedUnit, recorded_units
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 HAND = ("flexion", "deviation", "roll")
 ROWS = ("proximal_flexion", "distal_flexion")

@@ -12,7 +12,7 @@ from . import WristKeys
 from .records import HAND, bundles, linkages, postures, wrists
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...run.results import Result
 
 HEADLINE = ("flexion_max", "flexion_min", "row_rule_share", "tension_max", "strain_max", "swing")  # what a run is judged by
 

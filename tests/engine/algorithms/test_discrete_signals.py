@@ -9,7 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.session import open_scene
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentSimulator

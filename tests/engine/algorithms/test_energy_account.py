@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
 from cosimo.tests.support import Linear

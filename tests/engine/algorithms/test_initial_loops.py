@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import Linear
 

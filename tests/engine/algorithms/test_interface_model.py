@@ -8,7 +8,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import master_of
 from cosimo.orchestrator.engine.algorithms.contact import ContactSimulator, line
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.scene_runs import finished

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentSimulator

@@ -9,7 +9,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms.loops import LoopSolver
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.coupling.graph import Link, Loop
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import Interface, Signal
 from cosimo.tests.engine.algorithms.oscillators import Feedthrough

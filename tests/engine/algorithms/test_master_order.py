@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 MASS, OSCILLATOR, SPRING = (f"cosimo.tests.support:{name}" for name in ("Mass", "Oscillator", "SpringDamper"))

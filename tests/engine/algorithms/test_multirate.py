@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.test_rows import N
 from cosimo.tests.short_run import full_but

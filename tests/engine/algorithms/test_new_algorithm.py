@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[3]
 SCENE = """
 import json, sys
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 

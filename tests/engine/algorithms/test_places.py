@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms.polynomials import end_of, extrapolation
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import open_master
 from cosimo.tests.support import Integrals, OfTime, two_masses

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.blocks import BLOCKS, System, system

@@ -6,7 +6,7 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import open_master
 from cosimo.tests.support import OfTime, exact_two_masses, two_masses

@@ -11,7 +11,7 @@ from cosimo.orchestrator.engine.algorithms import step_control
 from cosimo.orchestrator.engine.algorithms.polynomials import end_of, extrapolation
 from cosimo.orchestrator.engine.algorithms.step_control import Controller, shares
 from cosimo.orchestrator.engine.coupling.checks import check_stepping
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import MasterSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import Interface

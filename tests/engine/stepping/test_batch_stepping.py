@@ -10,7 +10,7 @@ from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.engine.algorithms.machine import Machine
 from cosimo.orchestrator.engine.stepping.loop import Stepping
 from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.native import native_fmu

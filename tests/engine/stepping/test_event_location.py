@@ -9,7 +9,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms.step_control import Controller
 from cosimo.orchestrator.engine.stepping.adaptive import AdaptiveStepping
 from cosimo.orchestrator.engine.stepping.clock import Clock
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import open_master
 

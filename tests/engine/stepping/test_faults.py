@@ -6,7 +6,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.engine.stepping.faults import Faults
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 V0 = 2.0  # m/s

@@ -11,7 +11,7 @@ from cosimo.components.core.variables import Causality, Kind
 from cosimo.fmus.build import build
 from cosimo.fmus.interface import interface
 from cosimo.fmus.native.build import own_target, pack
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.fmus.native.support import compiled, maker

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cosimo.fmus.native.build import library, own_target
 from cosimo.fmus.native.machine_code import ALLOWED, TARGETS
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import scene_library
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.machines import HERE, OTHERS, environment, program

@@ -14,7 +14,7 @@ from cosimo.fmus.native.build import compiler, own_target
 from cosimo.fmus.native.machine_code import TARGETS, object_code
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.reference import compare, load_table
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
 from cosimo.orchestrator.scene_fmu.variables import open_ports
 from cosimo.orchestrator.systems import load_scene, read_scene

@@ -14,7 +14,7 @@ import pytest
 from cosimo.components.bearings.loads import TOLERANCE
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.fmus.native.build import library, own_target
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import scene_library
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.contract.configurations import Configuration, compatible, small

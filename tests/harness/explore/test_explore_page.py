@@ -16,7 +16,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, quantities_of
 from cosimo.orchestrator.harness.summary import with_error
 from cosimo.orchestrator.judgement import verification
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import explore_page, load_scene, read_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401

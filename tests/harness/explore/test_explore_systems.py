@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, explore_page, load_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
 from cosimo.tests.harness.explore.test_explore_page import at, opened, with_errors_of_steps  # noqa: F401

@@ -11,7 +11,7 @@ from cosimo.orchestrator.harness.many.executors import Here, Threads
 from cosimo.orchestrator.harness.many.measures import Task
 from cosimo.orchestrator.harness.many.plan import changes
 from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import load_scene, read_scene, summary

@@ -7,7 +7,7 @@ from cosimo.orchestrator.harness.charts.chart import Chart, Panel, Series
 from cosimo.orchestrator.harness.charts.charts import draw_chart
 from cosimo.orchestrator.harness.report.generic import time_series
 from cosimo.orchestrator.harness.report.windows import Window, fault_windows, shaded
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import FaultSettings
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.railway import figures as railway_figures

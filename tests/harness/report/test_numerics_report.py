@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 import pytest
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.report import numerics
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, bonded
 from cosimo.tests.support import two_masses

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import FINER, uniform
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene, summary
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
 from cosimo.tests.support import two_masses

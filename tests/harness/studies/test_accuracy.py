@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, a
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun, component_accuracy
 from cosimo.orchestrator.harness.studies.settings_axes import couplings, macro_steps, pinned, settings, without_effects
-from cosimo.orchestrator.shorter_steps import meshes
+from cosimo.orchestrator.scene.shorter_steps import meshes
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})

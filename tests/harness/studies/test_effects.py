@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.full_model import effects_on, full_model, with_effects
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 pytestmark = pytest.mark.uncompiled

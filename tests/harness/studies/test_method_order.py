@@ -5,7 +5,7 @@ import pytest
 from cosimo.orchestrator.harness.studies.quantities import errors, quantities_of
 from cosimo.orchestrator.harness.studies.settings_axes import coupling_changes
 from cosimo.orchestrator.harness.studies.trial import trial
-from cosimo.orchestrator.shorter_steps import refined
+from cosimo.orchestrator.scene.shorter_steps import refined
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 

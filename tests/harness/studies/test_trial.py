@@ -4,7 +4,7 @@ import math
 
 import pytest
 from cosimo.orchestrator.harness.studies.trial import WORK, trial
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 1.0})

@@ -12,8 +12,8 @@ from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Row, c
 from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
-from cosimo.orchestrator.run import run
-from cosimo.orchestrator.shorter_steps import kept_runs, made_runs, shorter_steps
+from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.scene.shorter_steps import kept_runs, made_runs, shorter_steps
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import exact_two_masses, two_masses
 

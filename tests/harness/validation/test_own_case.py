@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.curves import compare_curve, read_curve
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import load_scene, read_scene, validate

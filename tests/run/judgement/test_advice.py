@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.judgement import advise, probing
 from cosimo.orchestrator.judgement.dry_run import lines
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Linear, Mass, two_masses
 

@@ -7,7 +7,7 @@ import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.judgement.instability import InstabilityMonitor
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.orchestrator.judgement.sampling import between, of_parts
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 from scipy.integrate import solve_ivp

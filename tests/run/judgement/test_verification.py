@@ -18,7 +18,7 @@ from cosimo.orchestrator.judgement.comparison import (
     scale_of,
     signal_errors,
 )
-from cosimo.orchestrator.run import run as run_once
+from cosimo.orchestrator.run.run import run as run_once
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import OfTime, exact_two_masses, two_masses
 

@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.judgement import verification, work
 from cosimo.orchestrator.judgement.dry_run import first_part, lines
 from cosimo.orchestrator.judgement.probing import advise
-from cosimo.orchestrator.run import run as run_once
+from cosimo.orchestrator.run.run import run as run_once
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.support import two_masses

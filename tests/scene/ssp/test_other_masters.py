@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.other_masters import OtherMasters, as_other_masters
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import read_scene, write_scene
 from cosimo.orchestrator.systems import load_scene
 

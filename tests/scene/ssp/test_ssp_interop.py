@@ -1,7 +1,7 @@
 """A system written here, run by libcosim: conversions, types and held inputs in numbers that follow by hand."""
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.interop.masters import run_in

@@ -9,7 +9,7 @@ import zipfile
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
 from cosimo.tests.units.native import native_fmu

@@ -6,7 +6,7 @@ from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.two_dof import Constants
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.bearings.cases import defect_frequencies, lyapunov_sum, varying_compliance
 
 pytestmark = pytest.mark.full

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.temperatures import BearingTemperatures
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.full

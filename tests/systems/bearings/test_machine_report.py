@@ -10,7 +10,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.records import RecordedUnit
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, load_scene
 from cosimo.orchestrator.systems.bearings.records import bearings
 from cosimo.orchestrator.systems.rotor.records import rotors

@@ -1,7 +1,7 @@
 """Made-up runs of friction-wheel drives, as the report sees them: exponential answers to steps, a shaft that stands."""
 
 import numpy as np
-from cosimo.orchestrator.results import Result
+from cosimo.orchestrator.run.results import Result
 from cosimo.orchestrator.systems import read_scene
 
 STEP, AT, RATE, TURN = 0.02, 0.1, 25.0, 0.4  # m and s of the step, 1/s of the answer, rad of the ramp

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.friction_drive.records import drives, energies, moves, starts
 from cosimo.tests.scene_runs import finished

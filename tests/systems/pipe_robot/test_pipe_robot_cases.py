@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.case import Options, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.pipe_robot.cases import balance as balance
 from cosimo.orchestrator.systems.pipe_robot.cases import mean_speed as mean_speed
 from cosimo.orchestrator.systems.pipe_robot.cases import resonance as resonance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.orchestrator.harness.analysis.signals import Filter
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
 from numpy.polynomial import Polynomial

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cosimo.orchestrator.judgement.verification import run as verified_run
-from cosimo.orchestrator.results import Result
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.results import Result
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 FORCE = "pantograph.contact_force"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.fmus.build import build
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units import describe

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.moving_window import AHEAD, ENOUGH, echo, width
 from cosimo.orchestrator.harness.analysis.signals import Filter
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.short_run import covering, shipped_scenes

@@ -115,7 +115,7 @@ def test_a_line_with_one_wire_has_the_second_out_of_reach():
 @pytest.mark.full
 def test_a_pantograph_passes_an_overlap_from_wire_to_wire():
     """It starts on the first, leaves on the second, and touches both over a span or more; it never loses contact."""
-    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.run.run import run
 
     result = run(load_scene("overlap").with_changes({"record.snapshots": [], "record.snapshot_interval": None}), in_process=True)
     assert result.outcome == "done"

@@ -10,7 +10,7 @@ from cosimo.components.core.errors import StepFailed
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.rotor.modal import critical_speeds, eigenvalues, modes
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.systems.rotor.linear_bearing import MOTION
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from cosimo.orchestrator.harness.validation.questions import Options, Question
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.rov.cases import added_mass as rov_added_mass
 from cosimo.orchestrator.systems.rov.cases import allocation as rov_allocation
 from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_forms

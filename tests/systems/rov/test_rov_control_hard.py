@@ -12,7 +12,7 @@ from cosimo.components.rov.controller import RovController
 from cosimo.components.rov.tether import Tether
 from cosimo.components.rov.thrust_curve import ROWS, T200_COMMAND, T200_THRUST, curve_command, curve_thrust
 from cosimo.components.rov.thruster import Thruster
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.full

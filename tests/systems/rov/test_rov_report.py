@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.rov.records import vehicles
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers

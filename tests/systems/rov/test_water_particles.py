@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.rov.current import WaterCurrent
 from cosimo.components.rov.hull import RovHull
 from cosimo.components.rov.waves import GRAVITY
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from scipy.integrate import solve_ivp
 

@@ -1,7 +1,7 @@
 """Made-up runs of joints with two axes, as the report sees them: angles put together from known frequencies."""
 
 import numpy as np
-from cosimo.orchestrator.results import Result
+from cosimo.orchestrator.run.results import Result
 from cosimo.orchestrator.systems import read_scene
 
 

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.drives.torque_motor import TorqueMotor
 from cosimo.components.two_axis_joint.controller import GimbalController
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.interpreted

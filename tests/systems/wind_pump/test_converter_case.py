@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import inertial_converter as case
 

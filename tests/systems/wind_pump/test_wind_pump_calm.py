@@ -1,7 +1,7 @@
 """Everything at rest, and nothing to overcome: drive and load are equal to the last bit, and the wind rises from there."""
 
 import pytest
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.full

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.harness.validation.reference import compare, load_table
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems.wind_pump.cases import closed_forms as wind_pump_closed_forms
 from cosimo.orchestrator.systems.wind_pump.cases import equilibrium as wind_pump_equilibrium
 from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start

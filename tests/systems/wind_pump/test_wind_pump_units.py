@@ -15,7 +15,7 @@ from cosimo.components.wind_pump.piston_pump import PistonPump
 from cosimo.components.wind_pump.planetary import PlanetaryTransmission
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wind_pump.wind import Wind
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 STANDSTILL_TORQUE = 0.5 * 1.225 * math.pi * 1.5**3 * 0.5  # N.m per (m/s)² of wind, default windmill

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wrist.tendons import COUNT, ForearmTendons
-from cosimo.orchestrator.run import run
+from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.interpreted

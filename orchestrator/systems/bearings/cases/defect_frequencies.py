@@ -13,7 +13,7 @@ from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.charts.chart import Chart, Lines, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.scene import Scene
 from ....units.component import make
 from ... import load_scene

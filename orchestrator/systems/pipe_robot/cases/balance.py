@@ -9,7 +9,7 @@ import numpy as np
 from ....harness.analysis.signals import accumulated
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.scene import Scene
 from ..robots import BACKWARD, DAMPING, FORWARD, INNER, STUCK, TURN, last_speed, shaken, side_by_side
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.scene import Scene
 from ..robots import BACKWARD, BODY, FORWARD, GRAVITY, INNER, TURN, last_speed, shaken, side_by_side
 

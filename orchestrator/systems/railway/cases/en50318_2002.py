@@ -9,7 +9,7 @@ from ....harness.analysis.signals import Filter
 from ....harness.charts.chart import Band, Chart, Grid, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
 from ....harness.validation.reference import Row, Table, compare, load_table
-from ....run import run
+from ....run.run import run
 from ....scene.scene import Scene
 from ....units.component import make
 from ... import load_scene

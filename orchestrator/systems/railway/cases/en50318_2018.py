@@ -13,7 +13,7 @@ from .....components.railway.contact import contact_compliance, wire_height
 from .....components.railway.statics import Statics, elasticity
 from ....harness.validation import Case, Evidence, Question, Runs
 from ....harness.validation.reference import compare, load_table
-from ....results import Result
+from ....run.results import Result
 from ....units.component import make
 from ... import load_scene
 from ..records import statistics

@@ -15,7 +15,7 @@ from ..records import measured, passages, statistics
 from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
 
 if TYPE_CHECKING:
-    from ....results import Result
+    from ....run.results import Result
 
 SLOW, FAST = 200.0, 250.0  # km/h, where other rules begin
 ABOUT = {  # what a figure of the summary is judged by

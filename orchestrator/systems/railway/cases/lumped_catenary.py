@@ -11,8 +11,8 @@ from ....harness.analysis.signals import Filter, uniform, window
 from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs, done
 from ....harness.validation.reference import Row, TableRow
-from ....results import Result
-from ....run import run
+from ....run.results import Result
+from ....run.run import run
 from ... import load_scene
 from ..records import Passage, analysis_window, passages
 from ..runs import WITHOUT_PICTURES, at_speed, numbers, reference_run

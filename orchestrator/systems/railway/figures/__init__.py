@@ -21,7 +21,7 @@ from .wire import uplift_figure, waves_figure, wire_figure
 
 if TYPE_CHECKING:
     from ....harness.validation.case import Row
-    from ....results import Result
+    from ....run.results import Result
 
 
 SKETCH_WIDTH, MOST_DRAWN = 960.0, 500.0  # px, m

@@ -36,7 +36,7 @@ from .passage import track_marks
 
 if TYPE_CHECKING:
     from ....harness.validation.case import Row
-    from ....results import Result
+    from ....run.results import Result
 
 LADDER = (("mean", ("mean",)), ("actual", ("max", "min")), ("mean ± 3σ", ("statistical_max", "statistical_min")))
 SAMPLES = 16  # below which a spectrum shows nothing

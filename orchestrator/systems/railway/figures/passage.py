@@ -15,7 +15,7 @@ from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axi
 from ..records import Passage, Track, analysis_window, track_of
 
 if TYPE_CHECKING:
-    from ....results import Result
+    from ....run.results import Result
 
 FRAMES = 60
 SYSTEM_HEIGHT = 1.2  # m, of the messenger's supports over a uniform line, which has none in the plane model (recalled)

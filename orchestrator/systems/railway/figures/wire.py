@@ -33,7 +33,7 @@ from .passage import track_marks
 
 if TYPE_CHECKING:
     from ....harness.validation.case import Row
-    from ....results import Result
+    from ....run.results import Result
 
 SHAPES = 40  # of the slider
 STRIPES = 300  # times of the picture of the waves

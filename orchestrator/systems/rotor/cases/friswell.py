@@ -13,7 +13,7 @@ from .....components.rotor.modal import campbell, critical_speeds, modes
 from ....harness.analysis.spectra import peak
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
 from ... import build_scene

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
 from ... import build_scene

@@ -8,7 +8,7 @@ from .....components.rov.added_mass import AddedMassForce
 from .....components.rov.hull import RovHull
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.scene import Scene
 from ... import load_scene
 

@@ -13,7 +13,7 @@ from .....components.two_axis_joint.closed_forms import damped_motion, friction_
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Case, Evidence, Question, Runs
-from ....results import Result
+from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
 from ... import build_scene

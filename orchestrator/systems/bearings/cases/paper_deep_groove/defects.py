@@ -9,7 +9,7 @@ import numpy as np
 from .....harness.analysis.spectra import envelope_spectrum, peak
 from .....harness.charts.chart import Chart, Lines, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from .shaft import acceleration, bearing, scene
 

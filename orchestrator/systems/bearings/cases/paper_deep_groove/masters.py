@@ -19,10 +19,10 @@ from ......components.bearings.ball_bearing import BallBearing
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.other_masters import as_other_masters
 from .....harness.validation import Evidence, Question, Runs, done
-from .....run import run
+from .....run.run import run
 from .....scene.scene import Scene
+from .....scene.shorter_steps import coarser_meshes, shorter_steps
 from .....scene.ssp.write import write
-from .....shorter_steps import coarser_meshes, shorter_steps
 from .shaft import BEARING, DAMPING, MASS, MOTION, STIFFNESS, WEIGHT, scene
 
 TURNS, END = 30.0, 0.03  # per second; s: the shaft falls into the bearing, and three balls pass

@@ -16,7 +16,7 @@ import numpy as np
 from ......components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 from ......components.bearings.geometry import BallGeometry
 from ......components.bearings.hertz import effective_modulus
-from .....results import Result
+from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene

@@ -10,7 +10,7 @@ from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from .shaft import BALL_PASS, BALLS, LENGTH, scene
 

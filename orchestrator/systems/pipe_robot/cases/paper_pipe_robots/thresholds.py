@@ -10,7 +10,7 @@ import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from ...robots import TURN, last_speed, side_by_side
 from .balance import Design, breakaway

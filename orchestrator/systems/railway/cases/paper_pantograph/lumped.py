@@ -18,9 +18,9 @@ import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs, done
-from .....results import Result
-from .....run import run
-from .....shorter_steps import kept_runs
+from .....run.results import Result
+from .....run.run import run
+from .....scene.shorter_steps import kept_runs
 from .... import load_scene
 from ...runs import KMH, at_speed
 

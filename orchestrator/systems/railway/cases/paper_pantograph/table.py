@@ -8,7 +8,7 @@ from .....harness.analysis.signals import Filter, uniform, window
 from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
 from .....harness.validation.reference import compare, load_table
-from .....results import Result
+from .....run.results import Result
 from ...records import analysis_window, passages
 from ...runs import numbers, reference_run
 from .lumped import FRAME_SPRING, MASSLESS, SPAN, lumped_run

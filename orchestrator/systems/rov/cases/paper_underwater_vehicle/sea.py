@@ -11,7 +11,7 @@ from ......components.rov.hull import WATER, RovHull
 from ......components.rov.waves import wave_number
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene

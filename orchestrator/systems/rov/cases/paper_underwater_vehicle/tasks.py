@@ -8,7 +8,7 @@ import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
 from ...records import vehicles

@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from ..start import FREE
 from .plant import K1, RADIUS

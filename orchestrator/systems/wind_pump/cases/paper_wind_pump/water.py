@@ -17,7 +17,7 @@ from scipy.special import gamma
 
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene

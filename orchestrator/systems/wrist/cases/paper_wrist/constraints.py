@@ -12,7 +12,7 @@ from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachment
 from ......components.wrist.ligaments import LigamentBundle
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
 from .postures import CALM, DEGREES, DEVIATIONS, FLEXIONS, STANDARD, axes, held_scene, wrist

@@ -12,7 +12,7 @@ from ......components.wrist.kinematics import small_angle_matrix
 from ......components.wrist.ligament_springs import COUNT
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene

@@ -11,7 +11,7 @@ import numpy as np
 from ......components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, inverse, jacobian, pose, row_rotation
 from .....harness.charts.chart import Chart, Grid, Panel, Picture, Series
 from .....harness.validation import Evidence, Question, Runs
-from .....results import Result
+from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..components.core.errors import BadInput, nearest
-from .output import UNFINISHED, is_locked, locked, not_written, write_json
+from ...components.core.errors import BadInput, nearest
+from ..output import UNFINISHED, is_locked, locked, not_written, write_json
+from ..scene.scene import Models, recorded_scene
 from .recording import INFO, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
-from .scene.scene import Models, recorded_scene
 from .tables import TIME, StoredColumns, StoredTable, Table, joined
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
     import xarray as xr
 
-    from .scene.scene import Scene
+    from ..scene.scene import Scene
 
 HELD = 20_000_000  # numbers that a result holds in memory; of one with more, columns are read when they are asked for
 
@@ -78,7 +78,7 @@ class Result:
         )
 
     def _repr_html_(self) -> str:
-        from .views.html import result_html
+        from ..views.html import result_html
 
         return result_html(self)
 
@@ -124,13 +124,13 @@ class Result:
 
     def to_pandas(self, signals: Iterable[str] | None = None) -> pd.DataFrame:
         """Signals as columns over the index "time", s; units of measure by column in attrs["units"]."""
-        from .views.data import to_pandas
+        from ..views.data import to_pandas
 
         return to_pandas(self, signals)
 
     def to_xarray(self, signals: Iterable[str] | None = None) -> xr.Dataset:
         """Signals and snapshots as a labelled data set; units of measure, and where it comes from, as attributes."""
-        from .views.data import to_xarray
+        from ..views.data import to_xarray
 
         return to_xarray(self, signals)
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from .engine.coupling import Endpoint
-from .engine.stepping.loop import FOREVER, BatchObserver
-from .units import Simulator
+from ..engine.coupling import Endpoint
+from ..engine.stepping.loop import FOREVER, BatchObserver
+from ..units import Simulator
 
 Sample = Callable[[], list[float]]
 

@@ -10,12 +10,12 @@ from functools import cache, partial
 from time import perf_counter, process_time
 from typing import Any
 
-from ..fmus.versions import distribution
-from .engine.algorithms import Master
-from .engine.coupling import Coupling
-from .scene.scene import Scene
-from .settings.names import connection
-from .units import Simulator
+from ...fmus.versions import distribution
+from ..engine.algorithms import Master
+from ..engine.coupling import Coupling
+from ..scene.scene import Scene
+from ..settings.names import connection
+from ..units import Simulator
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk

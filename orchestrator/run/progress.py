@@ -10,8 +10,8 @@ from functools import partial
 from time import perf_counter
 from typing import Any, TypeVar
 
-from .engine.stepping.loop import BatchObserver
-from .interrupts import Interrupted, at_once, handled
+from ..engine.stepping.loop import BatchObserver
+from ..interrupts import Interrupted, at_once, handled
 
 T = TypeVar("T")
 

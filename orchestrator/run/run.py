@@ -16,38 +16,38 @@ from signal import SIGINT, Signals
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-from ..components.core.errors import BadInput, StepFailed
-from . import working_directory
+from ...components.core.errors import BadInput, StepFailed
+from .. import working_directory
+from ..engine.algorithms.master import Runaway, Unstable
+from ..engine.coupling import Coupling
+from ..engine.stepping.adaptive import AdaptiveStepping
+from ..engine.stepping.loop import Observer
+from ..interrupts import Interrupted
+from ..judgement import work
+from ..judgement.instability import InstabilityMonitor, energy_warnings
+from ..judgement.probing import remedy
+from ..judgement.windows import Windows, WindowsWish, obstacle
+from ..output import UNFINISHED, locked, not_written
+from ..scene.scene import Scene
+from ..scene.shorter_steps import MadeRun, asked_for, note_runs
+from ..session.open_scene import Course, OpenScene, remarks_of
+from ..settings.study import wanted
+from ..settings.units import without_home
+from ..units.component import ComponentSimulator
+from ..units.discarded import warnings_of as of_discarded
+from ..units.fmu_messages import DEFAULT, described, level_of, warnings_of
+from ..units.interface import SimulationEnded
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
-from .engine.algorithms.master import Runaway, Unstable
-from .engine.coupling import Coupling
-from .engine.stepping.adaptive import AdaptiveStepping
-from .engine.stepping.loop import Observer
-from .interrupts import Interrupted
-from .judgement import work
-from .judgement.instability import InstabilityMonitor, energy_warnings
-from .judgement.probing import remedy
-from .judgement.windows import Windows, WindowsWish, obstacle
-from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
 from .recorders import Recorder, reading
 from .recording import OutputFailed, ResultFiles, Spool, signals_spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
-from .scene.scene import Scene
-from .session.open_scene import Course, OpenScene, remarks_of
-from .settings.study import wanted
-from .settings.units import without_home
-from .shorter_steps import MadeRun, asked_for, note_runs
 from .tables import MemoryTable, Table
-from .units.component import ComponentSimulator
-from .units.discarded import warnings_of as of_discarded
-from .units.fmu_messages import DEFAULT, described, level_of, warnings_of
-from .units.interface import SimulationEnded
 
 if TYPE_CHECKING:
-    from .units.native import NativeFmu
+    from ..units.native import NativeFmu
 
 END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
 
@@ -169,7 +169,7 @@ class Run:
     def _native_fmus(self) -> Mapping[str, NativeFmu]:
         if not self.native:
             return {}
-        from .native import native_fmus  # which loads a compiler
+        from ..session.native import native_fmus  # which loads a compiler
 
         return native_fmus(self.scene)
 

@@ -8,12 +8,12 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from ..components.catalogue import component_class
-from ..components.core.errors import BadInput
-from ..components.core.variables import Causality
+from ...components.catalogue import component_class
+from ...components.core.errors import BadInput
+from ...components.core.variables import Causality
+from ..units.component import make
 from .meshes import coarser
-from .scene.scene import Scene
-from .units.component import make
+from .scene import Scene
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -7,15 +7,15 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-from ..components.core.component import Component
-from ..components.core.errors import BadInput
-from ..fmus.native.build import built, own_target
-from .engine.stepping.faults import Faults
-from .run_info import scene_info
-from .scene.scene import Scene
-from .session.open_scene import OpenScene
-from .units.component import ComponentSimulator, make
-from .units.native import NativeFmu
+from ...components.core.component import Component
+from ...components.core.errors import BadInput
+from ...fmus.native.build import built, own_target
+from ..engine.stepping.faults import Faults
+from ..run.run_info import scene_info
+from ..scene.scene import Scene
+from ..units.component import ComponentSimulator, make
+from ..units.native import NativeFmu
+from .open_scene import OpenScene
 
 
 def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ..components.catalogue import component_class
-from ..components.core.errors import BadInput
-from ..components.core.variables import SEED, Kind
-from .scene.scene import Scene
-from .units.component import make
+from ...components.catalogue import component_class
+from ...components.core.errors import BadInput
+from ...components.core.variables import SEED, Kind
+from ..units.component import make
+from .scene import Scene
 
 
 class Mesh(NamedTuple):

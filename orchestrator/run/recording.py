@@ -20,17 +20,17 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..components.core.errors import BadInput
-from .engine.stepping.loop import BatchObserver
-from .output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
+from ...components.core.errors import BadInput
+from ..engine.stepping.loop import BatchObserver
+from ..output import HOLDER, PLOTLY, SAMPLES_ENDING, UNFINISHED, write_json
+from ..units.fmu_messages import log_lines
 from .recorders import Recorder, TextRecorder, reading
 from .tables import INTERNAL, MemoryTable, StoredTable, Table, joined, prepare
-from .units.fmu_messages import log_lines
 
 if TYPE_CHECKING:
-    from .engine.algorithms.master import Master
-    from .engine.coupling import Coupling
-    from .units import Simulator
+    from ..engine.algorithms.master import Master
+    from ..engine.coupling import Coupling
+    from ..units import Simulator
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
 LOG = "fmu.log"  # what foreign FMUs have said

@@ -19,14 +19,14 @@ from math import floor
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..components.core import store
-from ..components.core.errors import BadInput
-from ..fmus.versions import version
-from .engine.algorithms.master import Master
-from .engine.stepping.loop import BatchObserver, Stepping
-from .scene.scene import Scene
-from .units import Interface
-from .verified_file import DamagedFile, read_verified, write_verified
+from ...components.core import store
+from ...components.core.errors import BadInput
+from ...fmus.versions import version
+from ..engine.algorithms.master import Master
+from ..engine.stepping.loop import BatchObserver, Stepping
+from ..scene.scene import Scene
+from ..units import Interface
+from ..verified_file import DamagedFile, read_verified, write_verified
 
 FORMAT = "cosimo checkpoint 6"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "parts"}

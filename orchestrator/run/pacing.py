@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .engine.stepping.loop import BatchObserver
+from ..engine.stepping.loop import BatchObserver
 
 PERCENTILES = (50.0, 90.0, 99.0, 99.9, 100.0)
 BINS = np.geomspace(1e-6, 1.0, 61)  # s, ten in a decade
