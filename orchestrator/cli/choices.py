@@ -17,25 +17,27 @@ from ..scene.scene import Scene
 from .common import print_table, status_spinner
 
 AddReasons = Callable[[Result], Result]
+BUDGET = 20.0  # s of measuring for a run that asks for an accuracy: fewer fine settings than in a study of it
 
 
 def with_setting_within(scene: Scene, tolerance: float) -> tuple[Scene, AddReasons]:
-    """The scene at the quickest setting known to keep the tolerance; measured first where nothing valid is known."""
-    with status_spinner() as on_message:
-        front = fronts.known(scene)
-        if front is None or front.stale:
-            reason = front.stale if front else f"nothing is known of the accuracy of {scene.name} with these settings"
-            print(f"{reason}: measuring first", file=sys.stderr)
-            fronts.keep(scene, accuracy(scene, on_message=on_message))
-            front = fronts.known(scene)
-            assert front is not None
-        point = fronts.choose(scene, front.measured, tolerance)
-    reasons = fronts.why(point, front, tolerance)
+    """The scene at the quickest setting known to keep the tolerance; measured first where nothing is kept."""
+    if (measured := fronts.kept(scene)) is None:
+        print(
+            f"nothing is known of the accuracy of {scene.name} on this machine: measuring first, for {BUDGET:g} s beside a reference",
+            file=sys.stderr,
+        )
+        with status_spinner() as on_message:
+            measured = accuracy(scene, budget=BUDGET, on_message=on_message)
+        fronts.keep(scene, measured)
+    origin = f"measured on this machine, {fronts.place_of(scene).file}"
+    point = fronts.choose(measured, tolerance)
+    reasons = fronts.why(point, measured, tolerance, origin)
     print(
         f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)} "
         f"(rms where the signals move; {percent(point.largest)} at its largest); {reasons['reason']}"
     )
-    print(f"  from: {front.origin}")
+    print(f"  from: {origin}")
     return (
         scene.with_changes(point.changes) if point.changes else scene,
         lambda result: replace(result, info={**result.info, "accuracy": reasons}),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
+from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
 from .completion import anything, scenes
 from .options import (
     COMPONENT,
@@ -75,7 +75,6 @@ def accuracy(
     from ..harness.studies import fronts
     from ..harness.studies.accuracy import BUDGET
     from ..harness.studies.accuracy import accuracy as measure
-    from ..harness.studies.accuracy_table import write_points
 
     if budget is not None and not budget > 0.0:
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
@@ -94,9 +93,9 @@ def accuracy(
         else:
             refuse({"--effects": effects}, "none for a scene, which names its own")
             scene = scene_of(what, values, presets, {"stop_time": stop})
-            measured = fronts.marked(scene, measure(scene, budget=budget or BUDGET, on_message=on_message))
+            measured = measure(scene, budget=budget or BUDGET, on_message=on_message)
             kept.append(fronts.keep(scene, measured))
-        written = [write_points(measured, output), for_accuracy(measured, output), *kept]
+        written = [measured.save(output), for_accuracy(measured, output), *kept]
     if as_json:
         print(json.dumps(measured.to_json(), indent=2))
         return
@@ -169,7 +168,6 @@ def effects(
         print(json.dumps(result.to_json(), indent=2))
         return
     _print_effects(result)
-    warn(result.remarks)
     print_written(written)
 
 

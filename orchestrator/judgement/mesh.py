@@ -13,19 +13,15 @@ the waves of a sea, is another history: it has no error of this kind, and is nam
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
-from ...components.core import store
 from ...components.core.errors import BadInput
-from ...components.core.folders import cache_root
-from ...fmus.versions import version
 from ..code_digests import components_digest
+from ..kept import Kept
 from ..run.checkpoint import digest
 from ..run.results import Result
 from ..scene.meshes import coarsened, coarser, meshes_of
@@ -80,8 +76,8 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     left_out = _never_covered(scene)
     if not meshes_of(scene):
         return MeshError(left_out=left_out)
-    file = _file(scene)
-    if distances is None and (kept := _read(file)) is not None and {*result.columns, *result.texts} <= {*kept.signals}:
+    place = Kept(FOLDER, "mesh 1", digest(scene), components_digest(scene))
+    if distances is None and (kept := _read(place)) is not None and {*result.columns, *result.texts} <= {*kept.signals}:
         return replace(kept, left_out=left_out, kept=True)
     places = tuple(m.name for m in meshes_of(scene).values())
     if not affordable():
@@ -108,7 +104,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
         dict(distances(coarse, result)) if distances is not None else {},
         left_out=left_out,
     )
-    _write(file, of_meshes)
+    place.write({"places": places, "signals": dict(of_meshes.signals), "figures": dict(of_meshes.figures)})
     return of_meshes
 
 
@@ -156,21 +152,8 @@ def _figures(result: Result) -> dict[str, float]:
     return {}
 
 
-# -- what was measured of a scene, on this machine -------------------------------------------------------------------------------
-def _file(scene: Scene) -> Path:
-    key = store.digest_of("mesh 1", version("cosimo"), digest(scene), components_digest(scene))
-    return Path(cache_root()) / FOLDER / key
-
-
-def _read(file: Path) -> MeshError | None:
-    if (content := store.read_kept(file)) is None:
+def _read(place: Kept) -> MeshError | None:
+    """What was measured of a scene, on this machine."""
+    if (kept := place.read()) is None:
         return None
-    kept = json.loads(content)
     return MeshError(tuple(kept["places"]), {n: (rms, most) for n, (rms, most) in kept["signals"].items()}, kept["figures"])
-
-
-def _write(file: Path, error: MeshError) -> None:
-    content = {"places": error.places, "signals": dict(error.signals), "figures": dict(error.figures)}
-    with suppress(OSError):  # a second run of the scene measures again
-        file.parent.mkdir(parents=True, exist_ok=True)
-        store.write_kept(file, json.dumps(content).encode())

@@ -23,6 +23,7 @@ FLOORS = (
         "orchestrator.interrupts",
         "orchestrator.verified_file",
         "orchestrator.cache",
+        "orchestrator.kept",
         "orchestrator.loading",
         "orchestrator.working_directory",
         "orchestrator.settings",

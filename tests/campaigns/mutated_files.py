@@ -2,7 +2,7 @@
 
     python -m cosimo.tests.campaigns.mutated_files scenes --count 100000 --seed 1
 
-Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, tables (accuracy.csv), results (run.json), cases and plans
+Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, results (run.json), cases and plans
 (.toml), curves and responses (measured, .csv), lines (.toml). FMUs are read as a scene reads them; their binaries are not
 executed. Points of a plan are laid out and checked, the form of a line is found. What counts as a finding: an exception other
 than `BadInput`, a message of several lines, a crash, more than 10 s for one file, more than 1 GB of resident memory, a file
@@ -169,13 +169,6 @@ def checkpoints(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     return [path.read_bytes()], "case.checkpoint", use
 
 
-def tables(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
-    from cosimo.orchestrator.harness.studies.accuracy_table import read_points
-    from cosimo.orchestrator.scene.files import shipped
-
-    return [p.read_bytes() for p in shipped("fronts", ".csv").values()], "case.csv", read_points
-
-
 def results(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     from cosimo.orchestrator.run.run import run
     from cosimo.orchestrator.systems import read_result, read_scene
@@ -263,10 +256,7 @@ def faults(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     return [b"x"], "case", use
 
 
-KINDS = {
-    f.__name__: f
-    for f in (scenes, fmus, ssps, ssds, checkpoints, tables, results, cases, curves, plans, responses, lines, faults)
-}
+KINDS = {f.__name__: f for f in (scenes, fmus, ssps, ssds, checkpoints, results, cases, curves, plans, responses, lines, faults)}
 ARCHIVES = {"fmus", "ssps", "checkpoints"}
 
 

@@ -295,7 +295,7 @@ def holds(independent, make, shares, budget):
     scene, quantities = compared(make(), independent)
     measured = accuracy(scene, budget=budget, repeats=1)
     for share in shares:
-        point = choose(scene, measured, share)
+        point = choose(measured, share)
         result = run(scene.with_changes(point.changes), in_process=True)
         time = np.union1d(result.time, np.linspace(0.0, scene.stop_time, FINE + 1))  # a coarse run misses peaks, which count
         exact = TimeHistory(time, independent(time))

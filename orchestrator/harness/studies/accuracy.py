@@ -7,6 +7,7 @@ measurement confirms is refused. The error of a run is its distance from the ref
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -16,11 +17,12 @@ from pathlib import Path
 from typing import Any
 
 from ....fmus.versions import version
+from ...output import write_table
 from ...scene.scene import Scene
 from .quantities import Quantity, TimeHistory, errors, percent, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
-from .trial import REPEATS, SCATTER, Timing, Trial, trial
+from .trial import REPEATS, SCATTER, WORK, Timing, Trial, trial
 
 USELESS = 1.0  # error from which a run is of no use
 OWN = "the scene's own settings"
@@ -33,6 +35,26 @@ REFINED = 4  # settings on the front whose internal steps are varied
 COSTS = ("seconds", "calls")
 ON_FRONTS = ("series", "size", "changes", "error", "error_with_finer", "largest", "seconds", "work")  # keys of a point in JSON
 PACKAGES = ("cosimo", "numpy", "scipy", "numba")
+COLUMNS = {  # of accuracy.csv: field of a point -> column
+    "series": "series",
+    "axis": "axis",
+    "size": "size, s or tolerance",
+    "outcome": "outcome",
+    "reason": "reason",
+    "error": "error",
+    "error_with_finer": "error with finer settings",
+    "largest": "largest distance",
+    "seconds": "CPU time, s",
+    "median": "median CPU time, s",
+    "scatter": "scatter of the CPU time",
+}
+ABOUT = {  # field of the measurement -> column
+    "reference": "reference",
+    "second_solution": "second solution",
+    "shares": "shared with the reference",
+    "machine": "machine",
+    "versions": "versions",
+}
 
 
 @dataclass(frozen=True)
@@ -82,7 +104,7 @@ class Accuracy:
 
     reference, second_solution: how they were computed.  agreement: by quantity, how far the two are apart.  shares: what the
     reference has in common with the runs.  mesh_error: by quantity, of the reference's mesh.  machine, versions: where it was
-    measured.  marks: whose it is, as further columns.
+    measured.
     """
 
     name: str
@@ -95,12 +117,11 @@ class Accuracy:
     versions: str
     shares: str = ""
     mesh_error: Mapping[str, float] = field(default_factory=dict)
-    marks: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """The scene's own settings and the front, a line each."""
         lines = [f"<Accuracy of {self.name}: {len(self.points)} settings>"]
-        for point in dict.fromkeys((self.own, *self.front())):
+        for point in (self.own, *(p for p in self.front() if p is not self.own)):
             text = f"error {percent(point.error)}, {point.seconds:.3g} s"
             lines.append(f"{point.series}: {text if point.outcome == 'done' else f'{point.outcome}, {point.reason}'}")
         return "\n".join(lines)
@@ -125,6 +146,30 @@ class Accuracy:
         """Runs that came to their end, but whose time no second measurement confirms."""
         return sum(p.outcome == "done" and isnan(p.seconds) for p in self.points)
 
+    def save(self, directory: str | Path) -> Path:
+        """Write accuracy.csv: one row for each point, and in each what is known of the measurement.
+
+        The last two rows, "agreement of the reference" and "mesh error of the reference", have these of each quantity in the place
+        of its error.
+        """
+        names, about = list(self.agreement), [getattr(self, key) for key in ABOUT]
+        header = [*COLUMNS.values(), "changes", *WORK, *(f"error of {n}" for n in names), *ABOUT.values()]
+        rows = [
+            [
+                *(_rounded(getattr(p, key)) for key in COLUMNS),
+                json.dumps(p.changes),
+                *(p.work.get(n, "") for n in WORK),
+                *(_rounded(p.errors.get(n, nan)) for n in names),
+                *about,
+            ]
+            for p in self.points
+        ]
+        blank = [""] * (len(COLUMNS) - 1)
+        for series, values in (("agreement of the reference", self.agreement), ("mesh error of the reference", self.mesh_error)):
+            numbers = (_rounded(values.get(n, 0.0)) for n in names)
+            rows.append([series, *blank, "{}", *([""] * len(WORK)), *numbers, *about])
+        return write_table(directory, "accuracy.csv", header, rows)
+
     def front(self, cost: str = "seconds") -> list[Point]:
         """The settings of which none is both cheaper and more accurate, the cheapest first."""
         return front_of(self.points, cost)
@@ -145,6 +190,10 @@ class Accuracy:
             "outcomes": {outcome: outcomes.count(outcome) for outcome in dict.fromkeys(outcomes)},
             "refused_times": self.refused_times,
         }
+
+
+def _rounded(value: Any) -> Any:
+    return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ....components.core import store
-from ....components.core.folders import cache_root
 from ...code_digests import components_digest
+from ...kept import Kept
 from ...scene.scene import Scene
 from .effects import Effects, Finding, effects
 from .full_model import effects_on, with_effects
 
-NUMBERS = ("predicted", "actual", "breaking")
+NUMBERS = ("actual", "breaking")
 
 
 @dataclass(frozen=True)
@@ -52,27 +50,22 @@ class Choice:
 
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
-    path = _place(scene, tolerance)
-    content = store.read_kept(path)
-    if content is not None:
-        data = json.loads(content)
-        return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
-    return keep(effects(scene, tolerance, on_message=on_message))
+    place = _place(scene, tolerance)
+    if (data := place.read()) is None:
+        return keep(effects(scene, tolerance, on_message=on_message))
+    return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), place.file, False)
 
 
 def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
     on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
-    path = _place(study.scene, study.tolerance)
-    with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-    store.write_kept(path, json.dumps({"on": on, "why": why, "error": study.least.error}).encode())
-    return Choice(on, why, study.least.error, path, True)
+    place = _place(study.scene, study.tolerance)
+    place.write({"on": on, "why": why, "error": study.least.error})
+    return Choice(on, why, study.least.error, place.file, True)
 
 
-def _place(scene: Scene, tolerance: float) -> Path:
-    data = json.dumps([scene.model_dump(mode="json"), tolerance], sort_keys=True)
-    return Path(cache_root()) / "effects" / f"{store.digest_of(data)[:16]}-{components_digest(scene)}"
+def _place(scene: Scene, tolerance: float) -> Kept:
+    return Kept("effects", json.dumps([scene.model_dump(mode="json"), tolerance], sort_keys=True), components_digest(scene))
 
 
 def _why(finding: Finding, tolerance: float) -> dict[str, Any]:

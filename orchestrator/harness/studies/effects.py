@@ -1,7 +1,7 @@
-"""Which effects a scene calls for: of each the predicted and the actual size, and the smallest set that keeps a tolerance.
+"""Which effects a scene calls for: the size of each, and the smallest set that keeps a tolerance.
 
 Errors are against the scene with all effects that go together, with the scene's own numbers and steps: what differs then is the
-physics alone. The actual size of an effect is the error without it and what cannot be without it.
+physics alone. The size of an effect is the error without it and what cannot be without it.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from math import inf, isfinite, nan
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from ....components.core.errors import BadInput, StepFailed
+from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
+from ...units.component import make
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
-from .indicator import EffectIndicator
 from .quantities import Quantity, errors, percent, quantities_to_judge, recording
 from .trial import Trial, trial
 
@@ -27,7 +27,6 @@ COLUMNS = {  # of effects.csv: field of a finding -> column
     "chosen": "chosen",
     "status": "status",
     "reason": "reason",
-    "predicted": "predicted",
     "actual": "actual",
     "worst": "largest in",
     "breaking": "error of the set without it",
@@ -44,9 +43,8 @@ class Finding:
 
     given: whether the scene has it.  status: "measured", "required" (by the scene, or without it nothing runs),
     "left out" (of the full model) or "unable" (cannot be run with the scene's numbers), with the reason.
-    predicted, actual: error of the full model without it; NaN where there is none; an actual one is infinite where the run
-    fails.  worst: quantity of the actual one.  states, calls, seconds: what it adds.  chosen: whether it is in the set.
-    breaking: error of the set without it, if it is in it.
+    actual: error of the full model without it; NaN where there is none, infinite where the run fails.  worst: quantity of it.
+    states, calls, seconds: what it adds.  chosen: whether it is in the set.  breaking: error of the set without it, if it is in it.
     """
 
     unit: str
@@ -54,7 +52,6 @@ class Finding:
     given: bool
     status: str
     reason: str = ""
-    predicted: float = nan
     actual: float = nan
     worst: str = ""
     states: int = 0
@@ -97,7 +94,7 @@ class Effects:
     """What a study found. scene: as it was given; chosen: with the smallest set.
 
     full, given, least: costs and errors of the model with all effects, of the scene as it was given, and of the chosen one.
-    quantities: by name.  runs: that the study has made.  remarks: what a reader should know.
+    quantities: by name.  runs: that the study has made.
     """
 
     scene: Scene
@@ -109,13 +106,12 @@ class Effects:
     least: Cost
     quantities: tuple[str, ...]
     runs: int
-    remarks: tuple[str, ...]
 
     def __repr__(self) -> str:
         """A line an effect: whether it is in the smallest set, and why."""
         lines = [f"<Effects of {self.scene.name}: the smallest set within {percent(self.tolerance)}>"]
         lines += [f"{'with' if f.chosen else 'without'} {f.name}: {f.why(self.tolerance)}" for f in self.findings]
-        return "\n".join([*lines, *self.remarks])
+        return "\n".join(lines)
 
     def save(self, directory: str | Path) -> Path:
         """Write effects.csv: one row an effect, the first line the column names."""
@@ -192,7 +188,6 @@ def effects(
         bench.cost(chosen.dropped),
         tuple(q.name for q in bench.quantities),
         bench.runs,
-        bench.remarks,
     )
 
 
@@ -220,13 +215,6 @@ class _Bench:
         if not full.done:
             full = self._build_up(full)
         self._trials: dict[frozenset[Place], Trial] = {frozenset(): full}
-        self.remarks: tuple[str, ...] = ()
-        self._indicator: EffectIndicator | None = None
-        on_message("states along the solution")
-        try:
-            self._indicator = EffectIndicator(self.model.scene, self.quantities)
-        except (BadInput, StepFailed) as error:
-            self.remarks = (f"no predictions: {error}",)
 
     def _trial(self, scene: Scene) -> Trial:
         self.runs += 1
@@ -259,10 +247,8 @@ class _Bench:
         if without.outcome == "refused":
             return replace(finding, status="required", reason=without.reason, chosen=True)
         error, worst = self._error(without)
-        finding = replace(finding, actual=error, worst=worst, reason=without.reason)
-        if self._indicator is not None:
-            predicted, states = self._indicator.predict(self.model.without(dropped))
-            finding = replace(finding, predicted=predicted, states=states)
+        states = _states(self.model.scene) - _states(self.model.without(dropped))
+        finding = replace(finding, actual=error, worst=worst, reason=without.reason, states=states)
         if not without.done:
             return finding
         return replace(finding, calls=full.work["calls"] - without.work["calls"], seconds=_difference(full, without))
@@ -294,6 +280,10 @@ class _Bench:
             return inf, lost[0]
         worst = max(each, key=lambda name: each[name])
         return each[worst], worst if each[worst] else ""
+
+
+def _states(scene: Scene) -> int:
+    return sum(make(name, unit).x.size for name, unit in scene.units.items() if unit.component)
 
 
 def _difference(full: Trial, without: Trial) -> float:

@@ -8,20 +8,16 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
-from ....components.core import store
 from ....components.core.errors import BadInput, StepFailed
-from ....components.core.folders import cache_root
-from ....fmus.versions import version
 from ...code_digests import components_digest
 from ...judgement import work
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
 from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE
 from ...judgement.verification import NOT_ASKED, Wish, work_of
+from ...kept import Kept
 from ...run.checkpoint import digest
 from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
@@ -106,10 +102,9 @@ def _mesh_gaps(
         return None, ""
     of_scenes = sorted({digest(scene) + components_digest(scene) for scene in scenes})
     measured = [row.measured for row in findings.rows]
-    key = store.digest_of("mesh of a case 1", version("cosimo"), case.name, json.dumps([of_scenes, measured]))
-    file = Path(cache_root()) / FOLDER / key
-    if (content := store.read_kept(file)) is not None:
-        return json.loads(content), ""
+    place = Kept(FOLDER, "mesh of a case 1", case.name, json.dumps([of_scenes, measured]))
+    if (kept_gaps := place.read()) is not None:
+        return kept_gaps, ""
     try:
         with coarser_meshes(2):
             coarse = case.findings(options, kept)
@@ -119,9 +114,7 @@ def _mesh_gaps(
         return None, "a run with a coarser one did not reach its end"
     gaps = [abs(row.measured - other.measured) for row, other in zip(findings.rows, coarse.rows, strict=True)]
     gaps = [gap if math.isfinite(gap) else 0.0 for gap in gaps]
-    with suppress(OSError):  # the next time it is measured again
-        file.parent.mkdir(parents=True, exist_ok=True)
-        store.write_kept(file, json.dumps(gaps).encode())
+    place.write(gaps)
     return gaps, ""
 
 

@@ -1,15 +1,14 @@
 """The accuracy study: orders and orderings on counted work, failures that stay in the picture, its table, components alone."""
 
 import csv
+import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.report.studies.accuracy import for_accuracy
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, with_finer_errors
-from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun, component_accuracy
 from cosimo.orchestrator.harness.studies.settings_axes import couplings, macro_steps, pinned, settings, without_effects
 from cosimo.orchestrator.scene.shorter_steps import meshes
@@ -96,35 +95,20 @@ def test_what_the_budget_does_not_reach_is_named():
     assert "budget of 0.001 s" in short.points[-1].reason
 
 
-def test_the_table_has_names_with_units_and_gives_everything_back(measured, tmp_path):
-    path = write_points(measured, tmp_path)
+def test_the_table_has_names_with_units(measured, tmp_path):
+    path = measured.save(tmp_path)
     with open(path, encoding="utf-8") as file:
         header, *rows = list(csv.reader(file))
     assert header[:4] == ["series", "axis", "size, s or tolerance", "outcome"]
     assert "error of mass.base_x, time history" in header
     assert len(rows) == len(measured.points) + 2
     assert {len(row) for row in rows} == {len(header)}
-    again = read_points(write_points(replace(measured, marks={"scene digest": "abc"}), tmp_path, "again.csv"))
-    assert again.marks == {"scene digest": "abc"}
-    assert again.reference == measured.reference
-    for ours, theirs in zip(measured.points, again.points, strict=True):
-        assert (ours.series, ours.size, ours.outcome) == (theirs.series, theirs.size, theirs.outcome)
-        assert theirs.changes == dict(ours.changes)
-        assert theirs.error_with_finer == pytest.approx(ours.error_with_finer, rel=1e-5)
-        assert theirs.work == dict(ours.work)
-    assert again.agreement == pytest.approx(measured.agreement, rel=1e-5)
-    assert again.uncertainty == pytest.approx(measured.uncertainty, rel=1e-5)
-    assert again.shares == measured.shares == "the components' equations"
-    bare = read_points(write_points(measured, tmp_path, "bare.csv", times=False))
-    assert all(math.isnan(p.seconds) for p in bare.points)
-    assert bare.machine == ""
-    assert [p.work for p in bare.points] == [dict(p.work) for p in measured.points]
-
-
-def test_a_file_that_is_no_table_is_named(tmp_path):
-    (tmp_path / "x.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    with pytest.raises(BadInput, match="no table of accuracy"):
-        read_points(tmp_path / "x.csv")
+    shared = header.index("shared with the reference")
+    assert {row[shared] for row in rows} == {"the components' equations"}
+    assert [row[0] for row in rows[-2:]] == ["agreement of the reference", "mesh error of the reference"]
+    for point, row in zip(measured.points, rows, strict=False):
+        assert json.loads(row[header.index("changes")]) == dict(point.changes)
+        assert float(row[header.index("error with finer settings")]) == pytest.approx(point.error_with_finer, rel=1e-5)
 
 
 def test_settings_make_sense_for_the_connections():

@@ -75,7 +75,6 @@ def test_a_run_with_what_the_scene_calls_for(scene, tmp_path, capsys):
     why = info["selection"]["effects"]["part.medium"]
     assert why["on"]
     assert why["actual"] == pytest.approx(0.02 / 1.535)
-    assert 0.3 < why["predicted"] / why["actual"] < 3.0
     assert info["scene"]["units"]["part"]["effects"] == ["big", "medium"]
 
     assert code_of("run", scene, "--in-process", "--effects", "auto", "--tolerance", "1%") == 0  # known by now

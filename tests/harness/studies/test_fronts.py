@@ -1,9 +1,8 @@
-"""Fronts: whose they are, where they are kept, what they advise, and that shipped ones belong to the shipped scenes."""
+"""Fronts: whose they are, where they are kept, and what they advise."""
 
 import json
 import math
 from dataclasses import replace
-from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -13,12 +12,11 @@ from cosimo.orchestrator.cli import choices, main
 from cosimo.orchestrator.cli.choices import is_verified
 from cosimo.orchestrator.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
-from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy
-from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
-from cosimo.orchestrator.harness.studies.fronts import choose, keep, known, scene_digest
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
+from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, place_of
 from cosimo.orchestrator.harness.studies.quantities import distances, recording
 from cosimo.orchestrator.judgement.verification import run as run_verified
-from cosimo.orchestrator.scene.files import scene_files, shipped
+from cosimo.orchestrator.scene.files import scene_files
 from cosimo.orchestrator.systems import load_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 0.5})
@@ -44,7 +42,7 @@ def cache(tmp_path, monkeypatch):
     "changes", [{"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"units.mass.parameters.substep": 1e-4}]
 )
 def test_a_front_is_that_of_the_physics(changes):
-    assert scene_digest(SCENE.with_changes(changes)) == scene_digest(SCENE)
+    assert place_of(SCENE.with_changes(changes)).file == place_of(SCENE).file
 
 
 @pytest.mark.parametrize(
@@ -58,31 +56,31 @@ def test_a_front_is_that_of_the_physics(changes):
     ],
 )
 def test_another_scene_has_another_front(changes):
-    assert scene_digest(SCENE.with_changes(changes)) != scene_digest(SCENE)
+    assert place_of(SCENE.with_changes(changes)).file != place_of(SCENE).file
 
 
 def test_meshes_are_no_physics_where_they_are_named():
     named = SCENE.with_changes({"study.mesh": ["mass.length"]})
-    assert scene_digest(named.with_changes({"units.mass.parameters.length": 2.0})) == scene_digest(named)
+    assert place_of(named.with_changes({"units.mass.parameters.length": 2.0})).file == place_of(named).file
 
 
 def test_a_kept_front_is_found_again(cache):
-    assert known(SCENE) is None
-    path = keep(SCENE, front())
-    found = known(SCENE)
-    assert str(path) in found.origin
-    assert found.measured.own.error_with_finer == 0.01
-    assert known(SCENE.with_changes({"stop_time": 0.6})) is None
+    assert kept(SCENE) is None
+    measured = front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 1e-4, SLOW, math.inf, math.nan))
+    path = keep(SCENE, measured)
+    assert repr(kept(SCENE).points) == repr(measured.points)  # NaN is no NaN's equal
+    assert repr(kept(SCENE)) == repr(measured)
+    assert kept(SCENE).agreement == measured.agreement
+    assert path == place_of(SCENE).file
+    assert kept(SCENE.with_changes({"stop_time": 0.6})) is None
+    path.write_text("[]", encoding="utf-8")
+    assert kept(SCENE) is None
 
 
-def test_other_numbers_make_a_kept_front_stale(cache, monkeypatch):
-    """What has changed them does not matter, and what changes none makes no front stale."""
+def test_other_code_of_a_component_needs_another_front(cache, monkeypatch):
     keep(SCENE, front())
-    numbers = fronts.numbers_of(SCENE, {})
-    monkeypatch.setattr(fronts, "numbers_of", lambda *_: {name: (1.0 + 3e-5) * x for name, x in numbers.items()})
-    assert not known(SCENE).stale
-    monkeypatch.setattr(fronts, "numbers_of", lambda *_: {name: (1.0 + 3e-4) * x for name, x in numbers.items()})
-    assert "mass.base_x has an rms of" in known(SCENE).stale
+    monkeypatch.setattr(fronts, "components_digest", lambda scene: "another")
+    assert kept(SCENE) is None
 
 
 def test_comments_and_docstrings_of_components_are_no_physics(monkeypatch):
@@ -95,67 +93,33 @@ def test_comments_and_docstrings_of_components_are_no_physics(monkeypatch):
     assert digest("def f(x):\n    return 2.5 * x\n") != plain
 
 
-@pytest.fixture
-def shipped_front(cache, tmp_path, monkeypatch):
-    """Ships a front of the scene, with other marks where they are given."""
-
-    def ship(scene, **marks):
-        measured = fronts.marked(scene, front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 1e-4, SLOW, 0.001, 0.05)))
-        points = [replace(p, work={"calls": 100}) for p in measured.points]
-        measured = replace(measured, points=tuple(points), marks={**measured.marks, **marks})
-        write_points(measured, tmp_path / "shipped", "mass-on-spring.csv", times=False)
-        tables = {"mass-on-spring": tmp_path / "shipped" / "mass-on-spring.csv"}
-        monkeypatch.setattr(fronts, "shipped", lambda kind, ending: tables)
-
-    return ship
-
-
-def test_a_shipped_front_gets_its_times_here(shipped_front):
-    """The setting with ten times the steps takes longer: of settings with the same counted work it is not chosen."""
-    scene = SCENE.with_changes({"stop_time": 20.0})
-    shipped_front(scene)
-    measured = known(scene).measured
-    assert all(math.isnan(p.seconds) for p in measured.points)
-    chosen = choose(scene, measured, 0.05)
-    assert chosen.series in (OWN, "a")
-    assert 0.0 < chosen.seconds < 5.0
-    assert "times measured here" in known(scene).origin
-    assert choose(scene, measured, 0.002).series == "b"
-    with pytest.raises(BadInput, match="the best setting measured has"):
-        choose(scene, measured, 1e-5)
-
-
-@pytest.mark.full
-def test_a_shipped_front_with_other_numbers_is_stale_and_measured_anew(shipped_front, tmp_path, capsys):
-    scene = tmp_path / "mass-on-spring.toml"
-    text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
-    scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
-    loaded = load_scene(scene)
-    shipped_front(loaded, **{fronts.NUMBERS: '{"mass.base_x": 0.5, "spring.second_force_x": 1.0}'})
-    assert "have changed since" in known(loaded).stale
-    with pytest.raises(SystemExit) as exit_:
-        main(["run", str(scene), "--accuracy", "5%", "--in-process"])
-    assert exit_.value.code == 0
-    captured = capsys.readouterr()
-    assert "and had 0.5): measuring first" in captured.err
-    assert "measured on this machine" in captured.out
+def test_without_a_time_the_least_counted_work_decides():
+    points = (("a", 1e-2, FAST, 0.02, math.nan), ("b", 1e-4, SLOW, 0.001, math.nan))
+    measured = front(*points)
+    calls = {"a": 10, "b": 1000, OWN: 100}
+    measured = replace(
+        measured, points=tuple(replace(p, seconds=math.nan, work={"calls": calls[p.series]}) for p in measured.points)
+    )
+    assert choose(measured, 0.05).series == "a"
+    assert choose(measured, 0.01).series == OWN
+    assert choose(measured, 1e-3).series == "b"
 
 
 def test_the_quickest_setting_that_holds_is_chosen():
     measured = front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 2e-3, {}, 1e-3, 3.0), ("c", 1e-3, {}, 1e-4, 2.0))
-    assert choose(SCENE, measured, 0.05).series == "a"
-    assert choose(SCENE, measured, 0.01).series == OWN
-    assert choose(SCENE, measured, 1e-3).series == "c"  # quicker than b and better
+    assert choose(measured, 0.05).series == "a"
+    assert choose(measured, 0.01).series == OWN
+    assert choose(measured, 1e-3).series == "c"  # quicker than b and better
 
 
 def test_more_than_was_measured_is_refused_with_what_there_is():
     with pytest.raises(BadInput, match=r"the best setting measured has 1 %"):
-        choose(SCENE, front(), 1e-3)
+        choose(front(), 1e-3)
 
 
 def test_more_than_the_reference_knows_is_refused():
     with pytest.raises(BadInput, match="the reference's own error"):
-        choose(SCENE, front(floor=1e-2), 1e-3)
+        choose(front(floor=1e-2), 1e-3)
 
 
 def test_the_repetition_gives_the_errors_of_the_quantities():
@@ -185,7 +149,7 @@ def test_only_what_was_verified_is_called_so(verification, word, capsys):
 
 
 def test_options_are_refused_before_anything_is_measured(cache, capsys, monkeypatch):
-    monkeypatch.setattr(fronts, "known", lambda scene: pytest.fail("measured"))
+    monkeypatch.setattr(fronts, "kept", lambda scene: pytest.fail("measured"))
     for options in (["--verify", "often"], ["--limits", "no-such-table"], ["--native"], ["--checkpoint-every", "1"]):
         with pytest.raises(SystemExit) as exit_:
             main(["run", "mass-on-spring", "--in-process", "--accuracy", "1%", *options])
@@ -223,7 +187,7 @@ def test_a_setting_that_does_not_hold_fails_the_check(cache, tmp_path, capsys):
 
 
 def test_nothing_known_is_measured_first(cache, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(choices, "accuracy", partial(accuracy, budget=1.0, repeats=2))
+    monkeypatch.setattr(choices, "BUDGET", 1.0)
     scene = tmp_path / "short.toml"
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
@@ -253,37 +217,3 @@ def test_options_that_do_not_go_together(options, word, capsys):
         main(["run", "mass-on-spring", "--in-process", *options])
     assert exit_.value.code == 2
     assert word in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", shipped("fronts", ".csv"))
-def test_shipped_tables_are_those_of_the_scenes(name):
-    """A scene whose physics or quantities change has to be measured again: accuracy.csv of cosimo accuracy NAME."""
-    measured = read_points(shipped("fronts", ".csv")[name])
-    scene = load_scene(name)
-    assert measured.marks[fronts.SCENE] == scene_digest(scene)
-    assert "numba" in measured.versions
-    assert measured.own.outcome == "done"
-    assert measured.own.size == scene.master.step
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", shipped("fronts", ".csv"))
-def test_no_shipped_table_is_stale(name):
-    """Whatever has changed the scene's numbers: python -m cosimo.tests.benchmarks.fronts NAME measures it anew."""
-    assert fronts.changed_number(load_scene(name), read_points(shipped("fronts", ".csv")[name])) == ""
-
-
-@pytest.mark.parametrize("name", shipped("fronts", ".csv"))
-def test_scenes_run_at_a_setting_on_their_front(name):
-    """By counted work; a factor below 1.5 between neighbours turns with the quantity that is looked at.
-
-    An error of a coarser setting that is the scene's only because finer ones count says nothing against the scene.
-    """
-    measured = read_points(shipped("fronts", ".csv")[name])
-    own, floor = measured.own, measured.smallest_known
-    for p in measured.points:
-        if p.outcome == "done" and p.axis != "effect":
-            calls = own.work["calls"] / p.work["calls"]
-            error = max(own.error_with_finer, floor) / max(p.error_with_finer, floor)
-            assert not (calls >= 1.0 and error > 1.5), f"{p.series} at {p.size:g} is more accurate"
-            assert not (error > 1.0 and calls > 1.5), f"{p.series} at {p.size:g} is cheaper"

@@ -129,7 +129,7 @@ def test_the_terminal_shows_errors_or_says_why_there_are_none(options, shown, tm
 
 def test_a_row_has_the_error_of_the_mesh_too_which_is_measured_once(tmp_path, monkeypatch):
     """sin 2 t (1 + h): elements of twice the length change it by as much as it is wrong; the second time nothing is run."""
-    monkeypatch.setattr("cosimo.orchestrator.harness.validation.repeated.cache_root", lambda: str(tmp_path))
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path))
     unit = {"component": "cosimo.tests.run.judgement.test_mesh:ByLength"}
     runs = []
 

@@ -9,7 +9,7 @@ from cosimo.components.core.component import Effect
 from cosimo.components.core.variables import SEED, integer, output, parameter
 from cosimo.orchestrator.harness.report import trust
 from cosimo.orchestrator.harness.summary import verification_text
-from cosimo.orchestrator.judgement import mesh, verification, work
+from cosimo.orchestrator.judgement import verification, work
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import OfTime
 
@@ -63,7 +63,7 @@ def scene(component="ByLength", **parameters):
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
-    monkeypatch.setattr(mesh, "cache_root", lambda: str(tmp_path))
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path))
     return tmp_path / "meshes"
 
 

@@ -1,4 +1,4 @@
-"""The page of `cosimo effects`: predicted beside actual size and what each effect costs, then the table with the reasons."""
+"""The page of `cosimo effects`: how large each effect is and what it costs, then the table with the reasons."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
-from ...charts.style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, rows_axis, vertical
+from ...charts.style import BLUE, GREEN, INK, RAW, SKY, axis, drawn, label, layout, rows_axis, vertical
 from ...studies.effects import Effects, Finding
 from ...studies.quantities import percent
 from ..page import Page, Section, write_page
 
 ROW = 44  # px of an effect
 DECADES = 4  # below the tolerance, of the axis of errors
+HALF = 0.19  # of a row: where a bar lies that shares it with another
 LARGEST = 3.0  # error at the end of the axis: runs that fail reach it
 
 
@@ -23,7 +24,6 @@ def for_effects(study: Effects, directory: str | Path) -> Path:
     measured = [f for f in study.findings if f.status == "measured"]
     shown = sorted(measured, key=lambda f: f.actual)  # the largest at the top
     blocks: list[Block] = [Text(_advice(study))]
-    blocks += [Text(list(study.remarks), "note")] if study.remarks else []
     blocks += [_sizes(study, shown), _costs(study, shown)] if shown else []
     compared = [
         ("tolerance", percent(study.tolerance)),
@@ -55,14 +55,14 @@ def _advice(study: Effects) -> list[str]:
 
 
 def _bars(
-    values: Sequence[float], rows: Sequence[int], name: str, colour: str, upper: bool, texts: Sequence[str]
+    values: Sequence[float], rows: Sequence[int], name: str, colour: str, texts: Sequence[str], above: float
 ) -> dict[str, Any]:
-    """Horizontal bars in the upper or the lower half of their rows."""
+    """Horizontal bars, so far above the middles of their rows."""
     return {
         "type": "bar",
         "orientation": "h",
         "x": drawn(values, 4),
-        "y": [row + (0.19 if upper else -0.19) for row in rows],
+        "y": [row + above for row in rows],
         "width": 0.34,
         "name": name,
         "marker": {"color": colour},
@@ -87,22 +87,19 @@ def _sizes(study: Effects, shown: Sequence[Finding]) -> Figure:
         return [error if isnan(error) else LARGEST if error == inf else max(error, least) for error in errors]
 
     data = []
-    for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY)):
+    for chosen, name, colour in ((True, "chosen", BLUE), (False, "left out", SKY)):
         if rows := [r for r, f in enumerate(shown) if f.chosen == chosen]:
             some = [shown[r] for r in rows]
-            texts = [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some]
-            data.append(_bars(lengths([f.actual for f in some]), rows, name, colour, True, texts))
-    texts = [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown]
-    data.append(_bars(lengths([f.predicted for f in shown]), range(len(shown)), "predicted", VERMILION, False, texts))
+            texts = [f"{f.name}<br>{_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some]
+            data.append(_bars(lengths([f.actual for f in some]), rows, name, colour, texts, 0.0))
     return _figure(
         "Size of each effect",
         axis("error without it", grid=True, type="log", range=[log10(least), log10(LARGEST)], dtick=1),
         shown,
         data,
-        "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
-        "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
-        "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
-        "at the right end are runs that fail.",
+        "Error without this effect (and those that require it), against the scene with all effects. Dashed: the tolerance. "
+        "Effects are left out as long as the error of leaving out all of them together stays within it. Bars at the left end are "
+        "smaller than the axis shows; bars at the right end are runs that fail.",
         shapes=[vertical(study.tolerance, colour=INK, dash="dash")],
         annotations=[label(percent(study.tolerance), log10(study.tolerance), 1.0, xref="x", yanchor="bottom")],
     )
@@ -111,10 +108,10 @@ def _sizes(study: Effects, shown: Sequence[Finding]) -> Figure:
 def _costs(study: Effects, shown: Sequence[Finding]) -> Figure:
     rows, full = range(len(shown)), study.full
     texts = [f"{f.name}<br>{f.calls} calls, {_seconds(f)}, {f.states} states" for f in shown]
-    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, True, texts)]
+    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, texts, HALF)]
     if timed := [r for r in rows if isfinite(shown[r].seconds)]:
         shares = [100.0 * shown[r].seconds / full.seconds for r in timed]
-        data.append(_bars(shares, timed, "CPU time", RAW, False, [texts[r] for r in timed]))
+        data.append(_bars(shares, timed, "CPU time", RAW, [texts[r] for r in timed], -HALF))
     return _figure(
         "What each effect adds",
         axis("cost of the effect, % of a run with all effects", grid=True),
@@ -144,7 +141,6 @@ def effect_cells(study: Effects) -> Cells:
             f.name,
             "yes" if f.given else "no",
             "yes" if f.chosen else "no",
-            percent(f.predicted),
             _size(f.actual),
             f.worst,
             str(f.states),
@@ -155,14 +151,14 @@ def effect_cells(study: Effects) -> Cells:
         for f in order
     ]
     costs = ("states", "calls", "CPU time")
-    errors = ("predicted", "actual", "largest in")
+    errors = ("error without it", "largest in")
     header = ("effect", "in the scene", "chosen", *errors, *costs, "why")
     return Cells(
         "Effects of the full model",
         header,
         rows,
         "States, calls and CPU time: what the effect adds. –: less than the times scatter.",
-        frozenset({3, 4, 6, 7, 8}),
+        frozenset({3, 5, 6, 7}),
     )
 
 
