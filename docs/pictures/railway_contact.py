@@ -27,11 +27,7 @@ def measure(speed: float, element: float, substep: float) -> float:
     from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
     from cosimo.orchestrator.systems.railway.runs import at_speed
 
-    scene = at_speed(
-        load_scene("en50318-2002"),
-        speed,
-        {"units.catenary.parameters.element": element, "units.catenary.parameters.substep": substep},
-    )
+    scene = at_speed(load_scene("en50318-2002"), speed, {"catenary.element": element, "catenary.substep": substep})
     result = run(scene, in_process=True)
     reference = passage(Line(), Head(), speed / 3.6, 30.0, scene.stop_time, 6000, 5e-4)
     grid = np.linspace(240.0, 360.0, 2401)

@@ -54,8 +54,8 @@ SCENES = (
         "as in the scene.",
         {
             "stop_time": 1.0,
-            "units.rotor.parameters.run_up.acceleration": 800.0,  # rad/s2
-            "units.rotor.parameters.element": 0.1,  # m
+            "rotor.run_up.acceleration": 800.0,  # rad/s2
+            "rotor.element": 0.1,  # m
             "record.snapshots": (),
             "record.snapshot_interval": None,
         },

@@ -87,7 +87,7 @@ EXAMPLES = {
         print(result.outcome, result["mass.base_x"].min())""",
     "compare": """
         scene = cosimo.load_scene("mass-on-spring")
-        softer = scene.with_changes({"units.spring.parameters.stiffness": 50.0})
+        softer = scene.with_changes({"spring.stiffness": 50.0})
         print(cosimo.compare(scene, softer))""",
     "summary": """
         result = cosimo.run("double-pendulum", in_process=True)

@@ -11,7 +11,6 @@ from ..harness.studies import chosen, fronts
 from ..harness.studies.accuracy import accuracy
 from ..harness.studies.quantities import percent
 from ..judgement.record import STEPS
-from ..judgement.warnings import inner_name
 from ..run.results import Result
 from ..scene.scene import Scene
 from .common import print_table, status_spinner
@@ -60,14 +59,15 @@ def is_verified(result: Result, tolerance: float) -> bool:
     if not verification["done"]:
         print(f"NOT verified: {verification['why']}")
         return False
-    causes = {inner_name(place): errors for place, errors in verification["quantities"].items()}
-    numbers = {cause: {n: inf if e is None else e for n, e in errors.items()} for cause, errors in causes.items()}
+    numbers = {
+        cause: {n: inf if e is None else e for n, e in errors.items()} for cause, errors in verification["quantities"].items()
+    }
     print_table(
         f"errors of the quantities of {result.scene.name}, each cause by itself",
         ("quantity", *numbers),
         [(name, *(percent(errors[name]) for errors in numbers.values())) for name in numbers[STEPS]],
     )
-    if missing := ", ".join(map(inner_name, verification.get("not_refined", {}))):
+    if missing := ", ".join(verification.get("not_refined", {})):
         print(f"NOT verified: {missing} could not be refined")
         return False
     if not_covered := verification.get("mesh", {}).get("not_covered"):

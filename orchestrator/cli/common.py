@@ -248,32 +248,28 @@ def switched_on(scene: Scene, texts: Sequence[str] | None) -> dict[str, Any]:
     changes: dict[str, Any] = {}
     for text in listed("--effects", texts):
         unit, effect = scene.split(text)
-        if not effect:
-            raise BadInput("--effects", repr(text), "unit.effect")
-        if unit not in scene.units:
-            raise BadInput("--effects", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
-        place = f"units.{unit}.effects"
-        on = changes.setdefault(place, list(scene.units[unit].effects))
-        if effect in on or scene.coupling.interfaces[unit].effects.get(effect):
+        name = f"{unit}.effects.{effect}"
+        if unit not in scene.units or not effect:
+            raise BadInput("--effects", f"unit {unit!r}" if effect else repr(text), "unit.effect", nearest(unit, scene.units))
+        if name in changes or scene.coupling.interfaces[unit].effects.get(effect):
             raise BadInput("--effects", repr(text), "an effect that is not on already")
-        on.append(effect)
+        changes[name] = True
     return changes
 
 
 def change(scene: Scene, text: str) -> tuple[str, Any]:
-    """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
-    from ...components.catalogue import component_class
+    """(name in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
+    from ..scene.names import parameter_of
 
     name, equals, value = assigned(scene, text)
-    unit, parameter = scene.split(name)
     if option := OPTIONS.get(name):
         raise BadInput("--set", repr(text), f"{option} {value}".rstrip(), f"{name} is no parameter of a unit.")
-    if not equals or not parameter or not value:
+    if not equals or "." not in name or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
-    given, kind = value_of(value), scene.units[unit].component if unit in scene.units else ""
-    if kind and (known := component_class(kind).variables.get(parameter)) is not None and (question := known.doubt(given)):
+    given, known = value_of(value), parameter_of(scene, name)
+    if known is not None and (question := known.doubt(given)):
         raise BadInput("--set", repr(text), "a number with its unit", question)
-    return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", given
+    return name, given
 
 
 def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
@@ -350,21 +346,20 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """
     if not changes:
         return scene
-    named = [
-        _named(place, value)
-        for place, value in changes.items()
-        if place.startswith("units.") and not place.endswith(".isolation")
-    ]
+    named = [_named(scene, name, value) for name, value in changes.items() if not name.endswith(".isolation")]
+    named = [text for text in named if text]
     rest = f" and {len(named) - NAMED} more changes" if len(named) > NAMED else ""
     title = {"title": f"{scene.name}, changed: {', '.join(named[:NAMED])}{rest}"} if named else {}
     return scene.with_changes({**changes, **title})
 
 
-def _named(place: str, value: Any) -> str:
-    """A change as "unit.parameter = value", or "unit: effects a, b"."""
-    unit, _, parameter = place.removeprefix("units.").partition(".parameters.")
-    if unit.endswith(".preset"):
-        return f"{unit.removesuffix('.preset')}: {value}"
-    if parameter:
-        return f"{unit}.{parameter} = {value:.6g}" if isinstance(value, float) else f"{unit}.{parameter} = {value}"
-    return f"{unit.removesuffix('.effects')}: effects {', '.join(value) or 'none'}"
+def _named(scene: Scene, name: str, value: Any) -> str:
+    """A change of a unit as "unit.parameter = value", or "unit: effect a"; "" for one outside of units."""
+    from ..scene.names import place_of
+
+    place = place_of(scene, name)
+    if place.parameter:
+        return f"{place.unit}.{place.parameter} = {f'{value:.6g}' if isinstance(value, float) else value}"
+    if place.effect:
+        return f"{place.unit}: {'' if value else 'without '}effect {place.effect}"
+    return f"{place.unit}: {value}" if place.unit else ""

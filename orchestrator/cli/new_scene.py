@@ -258,7 +258,7 @@ def case(
             raise BadInput("--speeds", f"{scene}, which starts at {loaded.start_time:g} s", "a scene that starts at 0")
         stop = loaded.stop_time * float(loaded.units[moving[0]].parameters["speed"]) / v
         step = loaded.master.step
-        changes = [f'"units.{unit}.parameters.speed" = "{text}"' for unit in moving]
+        changes = [f'"{unit}.speed" = "{text}"' for unit in moving]
         parts += [
             "[[runs]]",
             f'condition = "{text}"',

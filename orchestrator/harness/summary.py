@@ -9,7 +9,6 @@ from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
-from ..judgement.warnings import inner_name
 
 
 @dataclass(frozen=True)
@@ -160,11 +159,11 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         f"{', and internal steps likewise' if verification.get('inside') else ''}."
     )
     parts = [
-        f"{inner_name(place)}: {100.0 * part['difference']:.2g} % of {part['signal']}"
+        f"{place}: {100.0 * part['difference']:.2g} % of {part['signal']}"
         for place, part in verification.get("parts", {}).items()
     ]
     text += f" Refined inside, each by itself: {'; '.join(parts)}." if parts else ""
-    missing = ", ".join(inner_name(place) for place in verification.get("not_refined", {}))
+    missing = ", ".join(verification.get("not_refined", {}))
     text += f" The errors leave out what {missing} makes, which could not be refined." if missing else ""
     return f"{text} {covered_text(verification.get('mesh', {}))}"
 

@@ -31,7 +31,7 @@ from .many.files import Sweep, collect, write_data_set, write_provenance, write_
 from .many.limits import check_limits, with_rows
 from .many.live import Live
 from .many.measures import Summarize, Task, check_analysis, own_version
-from .many.plan import changes, plan_of, plan_settings
+from .many.plan import plan_of, plan_settings
 from .many.repetition import compared, ends_and_some, repeat
 from .many.store import Store, StoredPlan
 
@@ -58,7 +58,7 @@ def sweep_settings(scene: Scene) -> PlanSettings:
 def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
     """(values by "unit.parameter", the scene with them) of every combination of [sweep], all checked; raises `BadInput`."""
     plan = plan_of(scene, sweep_settings(scene))
-    return [(values, scene.with_changes(changes(scene, values))) for values in map(plan.values, range(plan.size))]
+    return [(values, scene.with_changes(values)) for values in map(plan.values, range(plan.size))]
 
 
 def sweep(

@@ -74,7 +74,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         worst, change = verification.worst_of_part(place)
         if SURE * change > WARN:
             texts.append(
-                f"{inner_name(place)} is too coarse for {worst}: refined by itself, it changes this signal by "
+                f"{place} is too coarse for {worst}: refined by itself, it changes this signal by "
                 f"{_percent(change)} of its deviation (rms). Lower it"
             )
     worst, error = verification.mesh.worst
@@ -86,7 +86,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
             f"a mesh with half as many elements shows. Take {finer} for about half of it"
         )
     for place, why in verification.not_refined.items():
-        texts.append(f"the errors leave out what {inner_name(place)} makes, which could not be refined: {why}")
+        texts.append(f"the errors leave out what {place} makes, which could not be refined: {why}")
     if unseen := verification.unseen:
         worst = max(unseen, key=lambda name: unseen[name])
         others = _listed(sorted(unseen, key=worst.__ne__))
@@ -127,13 +127,8 @@ def _steps_too_long(verification: Verification, name: str) -> str:
 
 
 def _inner_names(verification: Verification) -> str:
-    names = [inner_name(place) for place in verification.inside]
+    names = [*verification.inside]
     return ", ".join(names[:MOST_NAMED]) + (", ..." if len(names) > MOST_NAMED else "")
-
-
-def inner_name(place: str) -> str:
-    """ "unit.parameter" of the place of an internal setting."""
-    return place.removeprefix("units.").replace(".parameters.", ".")
 
 
 def suggestion(scene: Scene, verification: Verification, name: str) -> str:
@@ -158,7 +153,7 @@ def _settings(scene: Scene, verification: Verification, name: str, factor: float
     what = "a tolerance of master.control that gives steps of" if scene.master.control else "master.step ="
     steps = [] if _of_internal_steps(verification, name) else [f"{what} {shown(factor * scene.master.step)} s"]
     if not of_macro_step(verification, name):
-        inner = [f"{inner_name(place)} = {shown(factor * size)}" for place, size in verification.inside.items()]
+        inner = [f"{place} = {shown(factor * size)}" for place, size in verification.inside.items()]
         steps += inner[:MOST_NAMED] + (["the other substeps in proportion"] if len(inner) > MOST_NAMED else [])
     return " and ".join(filter(None, (", ".join(steps[:-1]), steps[-1])))
 

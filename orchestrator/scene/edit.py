@@ -125,7 +125,7 @@ def _unit(scene: Scene, name: str) -> dict[str, tuple[Any, str]]:
         for group in groups:
             table = level.setdefault(group, (_Table({}), ""))[0]
             level = table.names if isinstance(table, _Table) else {}
-        place = f"{prefix}parameters.{array}"
+        place = f"{name}.{array}"
         if bracket:
             level[last] = ([*level[last][0], value] if last in level else [value], place)
         else:

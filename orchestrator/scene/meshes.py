@@ -39,7 +39,7 @@ def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
             v = used[n]
             value = component.get(n) if v.kind is not Kind.TEXT else 0.0
             what = "the interpolation of a table" if v.kind is Kind.TEXT else v.structural
-            meshes[f"units.{name}.parameters.{n}"] = Mesh(f"{name}.{n}", value, what, v.low, v.high, v.mesh == "shorter")
+            meshes[f"{name}.{n}"] = Mesh(f"{name}.{n}", value, what, v.low, v.high, v.mesh == "shorter")
     return dict(sorted(meshes.items()))
 
 

@@ -26,6 +26,7 @@ from ..settings.study import wanted
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
+from .names import changed_settings, check_effects
 from .written_units import with_numbers
 
 if TYPE_CHECKING:
@@ -138,39 +139,19 @@ class Scene(SceneSettings):
         return load_scene(name_or_path, self._models)
 
     def with_changes(self, changes: Mapping[str, Any]) -> Scene:
-        """A new, checked scene with some settings replaced, each by its dotted place.
+        """A new, checked scene with some settings replaced, each by its name, see `scene.names`.
 
-        "stop_time", "master.step", "units.catenary.effects", "units.catenary.parameters.damping.alpha" ...
+        "catenary.damping.alpha", "catenary.effects.steady_arm", "stop_time", "master.step", "units.catenary.preset" ...
         """
-        data = self.settings()
-        for place, value in changes.items():
-            *path, last = self._place(place)
-            table = data
-            for key in path:
-                table = table.setdefault(key, {})
-                if not isinstance(table, dict):
-                    raise BadInput(f"{self.name}: change", repr(place), "the dotted place of a setting", 'Such as "master.step".')
-            if isinstance(value, list | tuple):  # an array takes the place of all its elements
-                for element in [key for key in table if key.startswith(f"{last}[")]:
-                    del table[element]
-            table[last] = value
-        if added := data["units"].keys() - self.units.keys():
-            raise BadInput(f"{self.name}: change", f"unit {min(added)!r}", "a unit of the scene", nearest(min(added), self.units))
-        return read_scene(data, self.name, remarks=self.remarks, analysis=self._models)
+        changed = read_scene(changed_settings(self, changes), self.name, remarks=self.remarks, analysis=self._models)
+        check_effects(changed, changes, self)
+        return changed
 
     def edit(self) -> SceneEdit:
         """Changes as assignments, which an interpreter completes: `edit.units.pantograph.speed = 83.3`, then `edit.scene`."""
         from .edit import SceneEdit
 
         return SceneEdit(self)
-
-    def _place(self, place: str) -> list[str]:
-        """Keys down to a setting: names of units may hold dots, and those of parameters do."""
-        first, _, rest = place.partition(".")
-        if first != "units":
-            return place.split(".", 2 if rest.startswith(("iteration.", "control.")) else 1)
-        unit, within = self.split(rest)
-        return ["units", unit, *within.split(".", 1)]
 
     def split(self, name: str) -> tuple[str, str]:
         """("unit", "rest") of "unit.rest", see `settings.names`."""

@@ -37,7 +37,7 @@ def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
         if unit.component and parameter in component_class(unit.component, name).variables
     }
     return {
-        f"units.{name}.parameters.{parameter}": float(component.get(parameter))
+        f"{name}.{parameter}": float(component.get(parameter))
         for name, component in components.items()
         if not component.unused([parameter])
     }
@@ -52,7 +52,7 @@ def late_samples(scene: Scene) -> list[str]:
     """Warnings of units that sample inside their steps, where what they decide waits for the step's end."""
     texts = []
     for place, period in numbers_in_use(scene, "period").items():
-        unit = place.removeprefix("units.").removesuffix(".parameters.period")
+        unit = place.removesuffix(".period")
         if not component_class(scene.units[unit].component, unit).holds_outputs:
             continue
         step = scene.units[unit].every * scene.master.step
@@ -69,7 +69,7 @@ def late_samples(scene: Scene) -> list[str]:
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
     """The changes to `factor` times the internal steps of all units, or of one."""
-    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}
+    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"{unit}.substep"}
     return {place: value * factor for place, value in places.items()}
 
 
@@ -86,7 +86,7 @@ def meshes(scene: Scene) -> dict[str, float]:
         value = make(unit, given).get(parameter) if known else None
         if not isinstance(value, float):
             raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
-        lengths[f"units.{unit}.parameters.{parameter}"] = value
+        lengths[f"{unit}.{parameter}"] = value
     return lengths
 
 

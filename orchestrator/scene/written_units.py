@@ -10,8 +10,8 @@ from ...components.core.errors import BadInput
 from ...components.core.measure import is_quantity, number_in
 from ..settings.names import split_name
 from ..units.fmu import declared_signals
+from .names import TIMES
 
-TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that may vary and are times
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
 

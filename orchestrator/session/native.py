@@ -30,7 +30,7 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     with ExitStack() as stack:
         open_scene = OpenScene(scene, stack, in_process=True)
         Faults(scene.faults, scene.coupling, open_scene.master, open_scene.clock).before_start()
-        open_scene.master.initialize_units(0.0)
+        open_scene.master.initialize_units(scene.start_time)
         components = {n: u.component for n, u in open_scene.units.items() if isinstance(u, ComponentSimulator)}
         return {n: dict(zip(c.inputs, c.u[0].tolist(), strict=True)) for n, c in components.items()}
 

@@ -16,6 +16,7 @@ from ..engine.algorithms.step_control import counts_alone
 from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
 from ..engine.stepping.faults import Faults
+from ..scene.names import place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import late_samples
 from ..units import Simulator, open_unit
@@ -101,8 +102,8 @@ class OpenScene:
         self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
 
     def takes(self, changes: Mapping[str, Any]) -> bool:
-        """Whether changes of the scene, by dotted place, are numbers that units can be begun anew with, see `begin_anew`."""
-        return self._able and all(self._number(place) is not None for place in changes)
+        """Whether changes of the scene, by name, are numbers that units can be begun anew with, see `begin_anew`."""
+        return self._able and all(self._number(name) is not None for name in changes)
 
     @cached_property
     def _able(self) -> bool:
@@ -121,12 +122,11 @@ class OpenScene:
             and all(c.stepped is Component.stepped for c in own)
         )
 
-    def _number(self, place: str) -> tuple[str, str] | None:
+    def _number(self, change: str) -> tuple[str, str] | None:
         """The unit and the name of a parameter whose value is a number in a block; None for every other setting."""
-        first, _, rest = place.partition(".")
-        unit, within = self.scene.split(rest) if first == "units" else ("", "")
-        kind, _, name = within.partition(".")
-        if kind != "parameters" or unit not in self.units:
+        place = place_of(self.scene, change)
+        unit, name = place.unit, place.parameter
+        if not name:
             return None
         component = self.units[unit].component  # type: ignore[attr-defined]
         known = type(component).variables.get(name)
@@ -149,8 +149,8 @@ class OpenScene:
             component.parameters.update(parameters)
             component.u[:], component.y[:] = u, 0.0
         units = dict(self.scene.units)
-        for place, value in changes.items():
-            unit, name = self._number(place)  # type: ignore[misc]
+        for change, value in changes.items():
+            unit, name = self._number(change)  # type: ignore[misc]
             self.units[unit].component.set(name, value)  # type: ignore[attr-defined]
             units[unit] = units[unit].model_copy(update={"parameters": {**units[unit].parameters, name: value}})
         for unit, settings in units.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from html import escape
@@ -25,9 +25,9 @@ from ..run.recording import Spool, signals_spool
 from ..run.results import Result, result_of
 from ..run.run_info import describe_run
 from ..run.tables import MemoryTable
+from ..scene.names import declared, elements, variable_of
 from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
-from ..units.fmu import declared_signals
 from ..units.interface import SimulationEnded
 from ..verified_file import verified_bytes, verified_content
 from .open_scene import Course, OpenScene, remarks_of
@@ -197,9 +197,9 @@ class Session:
 
         Outputs and driven inputs have values from `initialize` on. Raises `BadInput` with the near names.
         """
-        unit, variable = self._split(name)
+        unit, variable = variable_of(self._scene, name, self._where)
         interface = self._scene.coupling.interfaces[unit]
-        if variable in interface.outputs or self._elements(interface.outputs, variable):
+        if variable in interface.outputs or elements(interface.outputs, variable):
             self._started(f"the output {name!r}")
             if variable in interface.outputs and interface.outputs[variable].is_text:
                 return reading(self._units, [(unit, variable)], texts=True)()[0]
@@ -214,7 +214,7 @@ class Session:
         Raises `BadInput` for a name, a value or a moment that cannot be.
         """
         self._alive()
-        unit, variable = self._split(name)
+        unit, variable = variable_of(self._scene, name, self._where)
         interface = self._scene.coupling.interfaces[unit]
         if variable in interface.outputs:
             raise BadInput(f"{self._where}: {name}", repr(value), "a parameter or an input", "It is an output.")
@@ -228,14 +228,13 @@ class Session:
                 "a parameter that is set before initialize()",
                 "reset() goes back to there.",
             )
-        place = f"units.{unit}.parameters.{variable}"
         given = value.tolist() if isinstance(value, np.ndarray) else list(value) if isinstance(value, tuple) else value
         number = isinstance(given, float | int) and not isinstance(given, bool)
-        if number and self._open_scene is not None and self._open_scene.takes({place: given}):
-            variables = self._declared(unit)
-            self._changes[place] = variables[variable].checked(given, f"{self._where}: {unit}")
+        if number and self._open_scene is not None and self._open_scene.takes({name: given}):
+            variables = declared(self._scene, unit)
+            self._changes[name] = variables[variable].checked(given, f"{self._where}: {unit}")
             return
-        self._scene = self._scene.with_changes({**self._changes, place: given})
+        self._scene = self._scene.with_changes({**self._changes, name: given})
         self._changes.clear()
         self._close_units()
 
@@ -250,18 +249,18 @@ class Session:
     def _reader(self, names: tuple[str, ...]) -> Callable[[], np.ndarray]:
         ends: list[Endpoint] = []
         for name in names:
-            unit, variable = self._split(name)
+            unit, variable = variable_of(self._scene, name, self._where)
             outputs = self._scene.coupling.interfaces[unit].outputs
-            elements = [variable] if variable in outputs else self._elements(outputs, variable)
-            if not elements or outputs[elements[0]].is_text:
+            cells = [variable] if variable in outputs else elements(outputs, variable)
+            if not cells or outputs[cells[0]].is_text:
                 known = [
                     f"{u}.{n}" for u, i in self._scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text
                 ]
                 raise BadInput(f"{self._where}: values", repr(name), "an output that is a number", nearest(name, known))
-            ends += [(unit, n) for n in elements]
-        cells = self._master.positions
-        if all(end in cells for end in ends):
-            signals, places = self._master.signals, np.array([cells[end] for end in ends], dtype=np.intp)
+            ends += [(unit, n) for n in cells]
+        positions = self._master.positions
+        if all(end in positions for end in ends):
+            signals, places = self._master.signals, np.array([positions[end] for end in ends], dtype=np.intp)
             return lambda: signals[places]
         sample = reading(self._units, ends)
         return lambda: np.array(sample(), dtype=float)
@@ -273,44 +272,17 @@ class Session:
             return bool(value)
         return int(value) if kind in ("integer", "enumeration") else float(value)
 
-    @staticmethod
-    def _elements(signals: Mapping[str, Any], name: str) -> list[str]:
-        return [n for n in signals if n.startswith(f"{name}[")]
-
-    def _split(self, name: str) -> Endpoint:
-        """("unit", "variable") of a name; raises `BadInput` for one that the scene does not have."""
-        unit, variable = self._scene.split(name)
-        interfaces = self._scene.coupling.interfaces
-        if unit not in interfaces:
-            raise BadInput(f"{self._where}: {name}", f"unit {unit!r}", "a unit of the scene", nearest(unit, interfaces))
-        if variable in interfaces[unit].outputs or variable in interfaces[unit].inputs:
-            return unit, variable
-        known = {**interfaces[unit].inputs, **interfaces[unit].outputs, **self._declared(unit)}
-        if variable in known or self._elements(known, variable):
-            return unit, variable
-        expected = f"a parameter, an input or an output of {unit}"
-        raise BadInput(self._where, repr(name), expected, nearest(variable, known))
-
-    def _declared(self, unit: str) -> Mapping[str, Any]:
-        """All variables that a unit declares, by name."""
-        settings = self._scene.units.get(unit)
-        if settings is None:  # a contact
-            return {}
-        if settings.component:
-            return component_class(settings.component, unit).variables
-        return declared_signals(settings.fmu, f"units.{unit}.fmu")
-
     def _parameter(self, unit: str, variable: str) -> Any:
         """As it was set, or else as the unit has it."""
-        if (place := f"units.{unit}.parameters.{variable}") in self._changes:
-            return self._changes[place]
+        if (name := f"{unit}.{variable}") in self._changes:
+            return self._changes[name]
         if self._open_scene is None:
             self._open()
         known = self._units[unit].parameters()
         if variable in known:
             return known[variable]
-        if elements := self._elements(known, variable):
-            return np.array([known[n] for n in elements])
+        if cells := elements(known, variable):
+            return np.array([known[n] for n in cells])
         raise BadInput(self._where, repr(f"{unit}.{variable}"), "a variable that has a value here", "Its effect is off.")
 
     def _input(self, unit: str, variable: str) -> Any:

@@ -8,7 +8,7 @@ limits = "en50367"                                 # optional: a table that ever
 
 [[runs]]
 condition = "200 km/h"
-changes = { "units.pantograph.parameters.speed" = 55.56 }
+changes = { "pantograph.speed" = 55.56 }
 
 [[rows]]
 quantity = "mean force"

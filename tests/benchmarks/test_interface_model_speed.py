@@ -33,8 +33,8 @@ def scene(name, step, changes, element=0.25, substep=FINE):
         {
             "master.step": step,
             "record": {"signals": SIGNALS},
-            "units.catenary.parameters.element": element,
-            "units.catenary.parameters.substep": substep,
+            "catenary.element": element,
+            "catenary.substep": substep,
             "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
             **changes,
         }

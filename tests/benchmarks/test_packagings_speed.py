@@ -20,7 +20,7 @@ TURNS = 3
 HELD = {"master.algorithm": "jacobi", "master.extrapolation": 0, "master.feedthrough": "delayed"}
 # name: scene, its macro step, s, number of steps, output that is compared, changes
 PAIRS = {
-    "two small units": ("mass-on-spring", 1e-3, 50_000, "mass.base_x", {"units.mass.parameters.start_x": 0.1}),
+    "two small units": ("mass-on-spring", 1e-3, 50_000, "mass.base_x", {"mass.start_x": 0.1}),
     "railway pair": (
         "en50318-2002",
         5e-4,

@@ -29,7 +29,7 @@ def scene(step=1e-3, effects=(), spans=10, **parameters):
     """The EN 50318:2002 scene without pictures: only what the statistics need is recorded."""
     changes = {"units.catenary.effects": [*EFFECTS, *effects], "record": {"signals": SIGNALS}, "master.step": step}
     narrow = NARROW if "moving_window" in effects else {}
-    changes |= {f"units.catenary.parameters.{n}": v for n, v in {"spans": spans, **narrow, **parameters}.items()}
+    changes |= {f"catenary.{n}": v for n, v in {"spans": spans, **narrow, **parameters}.items()}
     return load_scene("en50318-2002").with_changes(changes)
 
 
@@ -157,7 +157,7 @@ def test_memory_of_sixty_spans():
     # ru_maxrss would not do: a process inherits it from the one that started it
     program = (
         "from cosimo.orchestrator.run.run import run; from cosimo.orchestrator.systems import load_scene\n"
-        "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
+        "s = load_scene('en50318-2002').with_changes({'catenary.spans': 60, 'stop_time': 1.0})\n"
         "assert run(s).outcome == 'done'\n"
         "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))"
     )

@@ -178,7 +178,7 @@ def results(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
 
 
 CASE = """title = "Mass"\nscene = "mass-on-spring"\n[sources]\nrig = "a test rig"
-[[runs]]\ncondition = "soft"\nchanges = { "units.spring.parameters.stiffness" = 50.0 }
+[[runs]]\ncondition = "soft"\nchanges = { "spring.stiffness" = 50.0 }
 [[rows]]\nquantity = "largest"\nmeasure = "mass.base_x, maximum"\nunit = "m"\nlow = 0.0\nhigh = 1e2\nstanding = "verbatim"
 source = "rig"
 """

@@ -210,7 +210,7 @@ class Hunt:
 
     def _moved(self, factors: Factors) -> dict[str, Any]:
         places = {name: self.scene.split(name) for name, _ in factors}
-        return {f"units.{places[n][0]}.parameters.{places[n][1]}": f * self.numbers[n] for n, f in factors}
+        return {f"{places[n][0]}.{places[n][1]}": f * self.numbers[n] for n, f in factors}
 
     def reference(self, choice: Choice) -> Reference | str:
         """The solution of the scene with the parameters of a choice, or why there is none."""

@@ -33,9 +33,9 @@ def test_a_scene_as_it_was_written_keeps_its_title():
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"units.mass.effects": ["gravity"]}, "mass: effects gravity"),
-        ({"units.mass.effects": []}, "mass: effects none"),
-        ({f"units.spring.parameters.{p}": 1.0 for p in ("stiffness", "damping")}, "spring.stiffness = 1, spring.damping = 1"),
+        ({"mass.effects.gravity": True}, "mass: effect gravity"),
+        ({"mass.effects.gravity": False}, "mass: without effect gravity"),
+        ({f"spring.{p}": 1.0 for p in ("stiffness", "damping")}, "spring.stiffness = 1, spring.damping = 1"),
     ],
 )
 def test_titles_name_what_was_changed(changes, text):

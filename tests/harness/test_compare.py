@@ -21,7 +21,7 @@ def scene():
 def two(scene, tmp_path_factory):
     """Directories of two runs: the second with a spring that is four times as stiff, which ends earlier."""
     folder = tmp_path_factory.mktemp("runs")
-    other = scene.with_changes({"units.spring.parameters.stiffness": 400.0, "stop_time": 1.0})
+    other = scene.with_changes({"spring.stiffness": 400.0, "stop_time": 1.0})
     for name, one in (("soft", scene), ("stiff", other)):
         cosimo.run(one, in_process=True, verify="no", output=folder / name)
     return folder / "soft", folder / "stiff"
@@ -40,7 +40,7 @@ def command(arguments, capsys):
 def test_settings_and_signals_that_differ(two):
     comparison = cosimo.compare(*two)
     assert comparison.names == ("soft", "stiff")
-    assert comparison.settings == {"units.spring.parameters.stiffness": ("100", "400"), "stop_time": ("2", "1")}
+    assert comparison.settings == {"spring.stiffness": ("100", "400"), "stop_time": ("2", "1")}
     first, second = comparison.results
     n = second.time.size
     gap = second["mass.base_x"] - first["mass.base_x"][:n]

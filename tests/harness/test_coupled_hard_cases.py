@@ -103,7 +103,7 @@ def test_a_substep_beyond_the_limit_is_bad_input_on_either_way(way, capsys):
 
 
 def test_at_zero_speed_the_static_equilibrium_is_kept(scene):
-    result = run(scene.with_changes({"units.pantograph.parameters.speed": 0.0, "stop_time": 1.0}), in_process=True)
+    result = run(scene.with_changes({"pantograph.speed": 0.0, "stop_time": 1.0}), in_process=True)
     assert result.outcome == "done"
     # Rounding of heights near 0.05 m (7e-18 each) through a contact spring of 5e4 N/m, 1000 steps of a damped system.
     assert np.ptp(result["pantograph.contact_force"]) < 1e-9
@@ -111,7 +111,7 @@ def test_at_zero_speed_the_static_equilibrium_is_kept(scene):
 
 
 def test_without_static_force_nothing_pulls_and_nothing_breaks(scene):
-    result = run(scene.with_changes({"units.pantograph.parameters.static_force": 0.0, "stop_time": 2.0}), in_process=True)
+    result = run(scene.with_changes({"pantograph.static_force": 0.0, "stop_time": 2.0}), in_process=True)
     assert result.outcome == "done"
     assert np.isfinite(values(result)).all()
     assert result["pantograph.contact_force"].min() == 0.0
@@ -125,8 +125,8 @@ def test_the_error_of_a_moving_window_grows_as_it_shrinks(scene, reference):
         cut = scene.with_changes(
             {
                 "units.catenary.effects": [*EFFECTS, "moving_window"],
-                "units.catenary.parameters.moving_window.ahead": length,
-                "units.catenary.parameters.moving_window.behind": length,
+                "catenary.moving_window.ahead": length,
+                "catenary.moving_window.behind": length,
             }
         )
         result = run(cut, in_process=True)

@@ -175,9 +175,7 @@ def test_a_file_holds_numbers_and_texts_only(tmp_path):
         assert json.loads(arrays["text"].tobytes())
 
 
-@pytest.mark.parametrize(
-    "change", [{"master.step": 4e-3}, {"units.a.parameters.k": 11.0}, {"stop_time": 2.0}, {"record.interval": 0.1}]
-)
+@pytest.mark.parametrize("change", [{"master.step": 4e-3}, {"a.k": 11.0}, {"stop_time": 2.0}, {"record.interval": 0.1}])
 def test_a_checkpoint_of_another_scene_is_refused(change, tmp_path):
     file = tmp_path / "run.checkpoint"
     run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)

@@ -81,7 +81,7 @@ def test_rows_that_are_not_there_any_more_are_one_message(tmp_path):
     assert {p: p.read_bytes() for p in before} == before
     part.write_bytes(content)
     same(run(scene), run(scene, resume=file, output=out))
-    run(scene.with_changes({"units.a.parameters.k": 11.0}), output=out)
+    run(scene.with_changes({"a.k": 11.0}), output=out)
     with pytest.raises(BadInput, match="Another run has written there"):
         run(scene, resume=file, output=tmp_path / "new")
 

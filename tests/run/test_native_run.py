@@ -75,7 +75,7 @@ def test_an_own_component_and_faults_from_the_start():
 def test_the_second_run_takes_the_fmus_of_the_first():
     first = native_fmus(pair())
     assert native_fmus(pair()) == first
-    other = native_fmus(pair(**{"units.mass.parameters.mass": 3.5}))
+    other = native_fmus(pair(**{"mass.mass": 3.5}))
     assert other["spring"].path == first["spring"].path
     assert other["mass"].path != first["mass"].path
 

@@ -55,7 +55,7 @@ def test_any_name_is_connected_recorded_and_set(fmi, tmp_path):
                 name
             )  # an element of an array
         for changed in (
-            scenes[0].with_changes({f"units.a.parameters.{name}!": 4.0}),
+            scenes[0].with_changes({f"a.{name}!": 4.0}),
             scenes[0].with_changes(changes_of(scenes[0], [f"a.{name}!=4.0"], None)),
         ):
             assert changed.units["a"].parameters == {f"{name}!": 4.0}, name

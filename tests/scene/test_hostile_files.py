@@ -49,7 +49,7 @@ def refused(path, *words: str) -> str:
         "x = " + "[" * 5000 + "]" * 5000,
         "x = " + "{a = " * 3000 + "1" + "}" * 3000,
         ".".join(["a"] * 5000) + " = 1",
-        "units.p.parameters.length = " + "[" * 150 + "1" + "]" * 150,
+        "p.length = " + "[" * 150 + "1" + "]" * 150,
     ],
     ids=["lists", "tables", "keys", "parameter"],
 )

@@ -59,11 +59,11 @@ def test_changes_by_attributes():
         changed.settings()
         == scene.with_changes(
             {
-                "units.pantograph.parameters.speed": 70.0,
+                "pantograph.speed": 70.0,
                 "units.pantograph.effects": (*scene.units["pantograph"].effects, "bump_stops"),
-                "units.pantograph.parameters.bump_stops.travel": 0.04,
+                "pantograph.bump_stops.travel": 0.04,
                 "master.step": 5e-4,
-                "units.catenary.parameters.dropper_position": edit.changes["units.catenary.parameters.dropper_position"],
+                "catenary.dropper_position": edit.changes["catenary.dropper_position"],
             }
         ).settings()
     )

@@ -57,7 +57,7 @@ def test_connections_reach_into_subsystems_and_parameters_change_them(folder):
     assert "left.inner.b.force -> left.inner.a.force" in scene.arrows
     result = run(scene)
     assert result["left.inner.a.v_out"][0] == 7.0
-    changed = scene.with_changes({"units.right.a.parameters.v0": 11.0})
+    changed = scene.with_changes({"right.a.v0": 11.0})
     assert changed.units["right.a"].parameters["v0"] == 11.0
     assert read_scene(scene.settings(), "whole") == scene
 

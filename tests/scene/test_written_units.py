@@ -57,14 +57,14 @@ def test_other_texts_are_no_numbers(text):
     """`1 000 m` and `2,5 m/s` may be read in two ways; the check of the parameter refuses them."""
     assert not is_quantity(text)
     with pytest.raises(BadInput, match="speed"):
-        load_scene("lumped-catenary").with_changes({"units.pantograph.parameters.speed": text})
+        load_scene("lumped-catenary").with_changes({"pantograph.speed": text})
 
 
 def test_a_scene_has_numbers_whatever_its_file_says():
     scene = load_scene("en50318-2002").with_changes(
         {
             "stop_time": "0.05 min",
-            "units.pantograph.parameters.speed": "180 km/h",
+            "pantograph.speed": "180 km/h",
             "units.catenary.parameters": {"damping": {"beta": "1 ms"}, "spans": 10},
         }
     )
@@ -72,7 +72,7 @@ def test_a_scene_has_numbers_whatever_its_file_says():
     assert scene.units["pantograph"].parameters["speed"] == pytest.approx(50.0, rel=1e-15)
     assert scene.units["catenary"].parameters["damping.beta"] == 1e-3
     with pytest.raises(BadInput, match=re.escape("spans = '10 m'")):
-        scene.with_changes({"units.catenary.parameters.spans": "10 m"})
+        scene.with_changes({"catenary.spans": "10 m"})
     with pytest.raises(BadInput, match=re.escape("stop_time: '3 m'")):
         scene.with_changes({"stop_time": "3 m"})
 
@@ -89,10 +89,10 @@ def test_elements_of_an_array_and_parameters_of_a_subsystem(tmp_path):
 
 def test_an_fmu_gets_its_own_unit(tmp_path):
     fmu = build("Pantograph", tmp_path)
-    scene = load_scene(fmu).with_changes({"units.fmu.parameters.speed": "180 km/h"})
+    scene = load_scene(fmu).with_changes({"fmu.speed": "180 km/h"})
     assert scene.units["fmu"].parameters == {"speed": 50.0}
     with pytest.raises(BadInput, match="dimension of m/s"):
-        load_scene(fmu).with_changes({"units.fmu.parameters.speed": "180 km"})
+        load_scene(fmu).with_changes({"fmu.speed": "180 km"})
 
 
 def test_the_command_line_takes_units(capsys):

@@ -210,7 +210,7 @@ def test_reset_begins_anew_with_what_was_set():
         assert ways[0] == ways[1] != ways[2]
         sim.initialize()
         assert sim["chain.first_torque"] == 0.0
-    scene = load_scene("double-pendulum").with_changes({"units.chain.parameters.start_first_angle": 0.4})
+    scene = load_scene("double-pendulum").with_changes({"chain.start_first_angle": 0.4})
     with cosimo.open(scene) as sim:
         sim.initialize()
         sim["chain.first_torque"] = 1.0
@@ -443,7 +443,7 @@ def test_a_result_says_what_a_run_would_and_that_it_is_not_verified():
     result = whole(load_scene("mass-on-spring").with_changes({"stop_time": 0.1}), {}, (5,))
     assert result.info["verification"]["done"] is False
     assert any("errors of the numbers are not known" in text for text in result.info["warnings"])
-    fast = load_scene("en50318-2002").with_changes({"units.pantograph.parameters.speed": 160.0, "stop_time": 0.1})
+    fast = load_scene("en50318-2002").with_changes({"pantograph.speed": 160.0, "stop_time": 0.1})
     assert any("160 km/h or 160 m/s" in text for text in whole(fast, {}, (5,)).info["warnings"])
 
 

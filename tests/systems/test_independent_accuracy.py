@@ -233,7 +233,7 @@ def railway(speed_kmh, stop_time):
     return pantograph_and_catenary(speed, stop_time), lambda: scene.with_changes(
         {
             "stop_time": stop_time,
-            "units.pantograph.parameters.speed": speed,
+            "pantograph.speed": speed,
             "units.catenary.parameters": parameters,
             "record.snapshots": [],
             "record.snapshot_interval": None,

@@ -83,7 +83,7 @@ def test_a_list_of_another_shape_is_refused_wherever_it_is_given(parts, tmp_path
     with pytest.raises(BadInput, match=message):
         read_scene({**plain, "units": {"f": {**unit, "parameters": {name: values}}}})
     with pytest.raises(BadInput, match=message):
-        read_scene(plain).with_changes({f"units.f.parameters.{name}": values})
+        read_scene(plain).with_changes({f"f.{name}": values})
     (tmp_path / "inner.toml").write_text(f"[units.f]\nfmu = '{unit['fmu']}'\nparameters.{name} = {values}\n")
     with pytest.raises(BadInput, match=message.replace("units", "(inner: )?units")):
         read_scene({**plain, "units": {"s": {"scene": str(tmp_path / "inner.toml")}}})

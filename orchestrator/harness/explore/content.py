@@ -219,7 +219,7 @@ def _acts(scene: Scene, name: str, value: float) -> bool:
     """Whether the scene takes another value of a parameter: one that would have no effect is refused."""
     unit, parameter = scene.split(name)
     try:
-        scene.with_changes({f"units.{unit}.parameters.{parameter}": value})
+        scene.with_changes({f"{unit}.{parameter}": value})
     except BadInput:
         return False
     return True

@@ -51,23 +51,17 @@ def switches(scene: Scene, wanted: Sequence[str] | None, say: Callable[[str], No
     return list(wanted)
 
 
+def without(scene: Scene, effects: Sequence[str]) -> dict[str, Any]:
+    """The changes that switch off effects, each "unit.effect"."""
+    return {"{}.effects.{}".format(*scene.split(name)): False for name in effects}
+
+
 def _runs_without(scene: Scene, name: str, say: Callable[[str], None]) -> bool:
     say(f"running the scene without {name}")
     try:
-        return run(without(scene, [name]), in_process=True).outcome == "done"
+        return run(scene.with_changes(without(scene, [name])), in_process=True).outcome == "done"
     except BadInput:
         return False
-
-
-def without(scene: Scene, effects: Sequence[str]) -> Scene:
-    """The scene without some of its effects and their parameters; `BadInput` where something of it needs one."""
-    changes: dict[str, Any] = {}
-    for unit, settings in scene.units.items():
-        off = {effect for owner, effect in map(scene.split, effects) if owner == unit}
-        if off:
-            changes[f"units.{unit}.effects"] = [e for e in settings.effects if e not in off]
-            changes[f"units.{unit}.parameters"] = {n: v for n, v in settings.parameters.items() if n.partition(".")[0] not in off}
-    return scene.with_changes(changes) if changes else scene
 
 
 def algorithms(scene: Scene, wanted: Sequence[str] | None, modules: int) -> list[str]:
@@ -93,9 +87,10 @@ def variants(scene: Scene, effects: Sequence[str], wanted: Sequence[str] | None,
     for k, (algorithm, states) in enumerate(product(offered, sets), 1):
         say(f"compiling module {k} of {count}")
         off = [name for name, on in zip(effects, states, strict=True) if not on]
-        changed = without(scene, off)
+        changes = without(scene, off)
         if algorithm != scene.master.algorithm:
-            changed = changed.with_changes({"master.algorithm": algorithm})
+            changes["master.algorithm"] = algorithm
+        changed = scene.with_changes(changes) if changes else scene
         library = scene_library(changed, ["wasm32"], ("live.c",))
         yield Variant(dict(zip(effects, states, strict=True)), algorithm, library, _extrapolations(changed))
 

@@ -30,15 +30,8 @@ function unitOf(name) { // a unit of a subsystem has dots in its name
 }
 function changesOf({ values, off, step, ...master }) { // as `with_changes` takes them
   const changes = {};
-  for (const [name, value] of Object.entries(values)) {
-    const [unit, parameter] = unitOf(name);
-    changes[`units.${unit}.parameters.${parameter}`] = value;
-  }
-  for (const name of off) {
-    const [unit] = unitOf(name);
-    const without = off.filter((n) => unitOf(n)[0] === unit).map((n) => unitOf(n)[1]);
-    changes[`units.${unit}.effects`] = data.settings.units[unit].effects.filter((e) => !without.includes(e));
-  }
+  Object.assign(changes, values);
+  for (const name of off) changes[unitOf(name).join(".effects.")] = false;
   if (step !== usualStep) changes["master.step"] = data.steps[step].length;
   for (const [key, value] of Object.entries(usual)) if (master[key] !== value) changes[`master.${key}`] = master[key];
   return changes;
@@ -63,7 +56,8 @@ function elsewhere() {
   if (step !== usualStep) sets.push(` --step ${data.steps[step].length}`);
   if (algorithm !== usual.algorithm) sets.push(` --algorithm ${algorithm}`);
   if (extrapolation !== usual.extrapolation) sets.push(` --extrapolation ${extrapolation}`);
-  byId("command").value = off.length ? "cosimo run scene.toml  # the scene below: effects are off" : `cosimo run ${data.name}${sets.join("")}`;
+  for (const name of off) sets.push(` --set ${unitOf(name).join(".effects.")}=false`);
+  byId("command").value = `cosimo run ${data.name}${sets.join("")}`;
   const changes = JSON.stringify(changesOf({ ...state, values: Object.fromEntries(numbers) }), null, 4);
   const changed = address(state) !== address(initial());
   byId("python").value = `import cosimo\n\nscene = cosimo.load_scene(${JSON.stringify(data.name)})${changed ? `.with_changes(${changes})` : ""}\nresult = cosimo.run(scene)\nprint(result.summary)`;

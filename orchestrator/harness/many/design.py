@@ -12,6 +12,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
+from ...scene.names import measure_of
 from ...scene.scene import Scene
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import validated
@@ -21,7 +22,7 @@ from .evaluations import Evaluations, SearchOptions, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
-from .plan import other_starts, read_settings, unit_of
+from .plan import other_starts, read_settings
 from .repetition import Repeated
 from .searches import Ask, differences, run_searches
 
@@ -184,7 +185,7 @@ def design(
             messages += [*repeated.messages(), *_undecided([steps[k] for k in some], limits_of, repeated)]
         ends = zip(limits_of.items(), steps[front[0]].constraints, strict=True) if front.size and not several else ()
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
-        units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in aims}
+        units = {n: measure_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in aims}
         units |= {n: first.units.get(n, "") or limit.unit for n, limit in limits_of.items()}
         return Design(
             aims,

@@ -9,6 +9,7 @@ from typing import Unpack
 
 import numpy as np
 
+from ...scene.names import place_of
 from ...scene.scene import Scene
 from ...settings.answers import RangeSettings
 from ...settings.plan import KeepSettings
@@ -17,7 +18,7 @@ from ..sweep import Sweep, collected_sweep, points_directory
 from .columns import check_columns
 from .execute import Computing, WorkerOptions
 from .measures import Row, Task, check_analysis
-from .plan import Column, Points, changes, place, plan_settings
+from .plan import Column, Points, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store, StoredPlan
 
@@ -42,13 +43,13 @@ def evaluations(
     Raises `BadInput` for bounds that the scene refuses, and for columns that no run has.
     """
     for name in vary:
-        place(scene, name)
+        place_of(scene, name)
     task = Task.of(scene, keep, how.get("summarize"))
     for where, needed in columns.items():
         check_columns(task, needed, where)
     own = task.scene()
     for end in ("low", "high"):  # before a long search
-        check_analysis(own.with_changes(changes(own, {name: getattr(bounds, end) for name, bounds in vary.items()})))
+        check_analysis(own.with_changes({name: getattr(bounds, end) for name, bounds in vary.items()}))
     observe = how.get("observe", lambda n: None)
     computing = Computing(how.get("jobs", 1), how.get("scheduler", ""), lambda rows, workers: observe(computing.computed))
     with points_directory(directory, "cosimo-search-") as folder, computing:
@@ -72,8 +73,8 @@ class Evaluations:
         """Where a search starts, (n,): as given, else as the scene has it, else in the middle of the bounds."""
         first = []
         for name, bounds in self._vary.items():
-            unit, parameter = self.scene.split(name)
-            own = self.scene.units[unit].parameters.get(parameter) if unit in self.scene.units else None
+            place = place_of(self.scene, name)
+            own = self.scene.units[place.unit].parameters.get(place.parameter) if place.parameter else None
             middle = 0.5 * (bounds.low + bounds.high)
             inside = float(own) if isinstance(own, int | float) and bounds.low <= own <= bounds.high else middle
             first.append(bounds.start if bounds.start is not None else inside)

@@ -29,13 +29,13 @@ from ....components.core.errors import BadInput
 from ....components.core.store import replaced
 from ....fmus.versions import version
 from ...output import write_json, write_table
+from ...scene.names import measure_of
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ...views.data import library
 from . import store as stores
 from .failures import doubt_groups
 from .measures import own_version
-from .plan import unit_of
 from .repetition import NONE_REPEATED, Repeated
 from .store import NUMBER, SECTION, SIGNAL, TIME, StoredPlan, array_of
 
@@ -154,7 +154,7 @@ def collect(scene: Scene, points: StoredPlan, directory: Path) -> Sweep:
             longest = max(longest, compute.max(compute.list_value_length(table.column(TIME))).as_py() or 0)
         if n <= stores.PIECE:
             section = [array_of(table, SECTION, k) for k in range(n)]
-    units = {name: unit_of(scene, name) for name in plan.columns}
+    units = {name: measure_of(scene, name) for name in plan.columns}
     units |= {n: columns[SIGNAL + n] for n in plan.settings.keep.signals if SIGNAL + n in columns}
     units |= {n: columns[NUMBER + n] for n in numbers}
     units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none

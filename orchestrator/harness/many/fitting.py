@@ -11,6 +11,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
+from ...scene.names import measure_of
 from ...scene.scene import Scene
 from ...settings.answers import FitSettings, FittedCurve
 from ...settings.messages import validated
@@ -24,7 +25,7 @@ from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
 from .measures import Row
-from .plan import changes, other_starts, read_settings, unit_of
+from .plan import other_starts, read_settings
 from .repetition import OF_DEVIATION
 from .searches import Ask, differences, run_searches
 
@@ -155,7 +156,7 @@ class _Fitting:
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
         messages += [row.reason] if row.reason else []
         messages += self._blurred(best, row) if verify else []
-        fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
+        fitted = self.scene.with_changes(runs.values(best.values))
         comparisons = self._compared(fitted, row)
         messages += [c.counted for c in comparisons if c.incomplete]
         messages += [text for c in comparisons if (text := _between(c))]
@@ -166,7 +167,7 @@ class _Fitting:
         targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
         return SceneFit(
             replace(best, messages=tuple(messages)),
-            {n: unit_of(self.scene, n) for n in names},
+            {n: measure_of(self.scene, n) for n in names},
             fitted,
             runs.values(first),
             tuple(charts),

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ....components.catalogue import component_class
 from ....components.core.columns import read_table
-from ....components.core.errors import BadInput, nearest
-from ....components.core.variables import Variable
+from ....components.core.errors import BadInput
+from ...scene.names import measure_of, parameter_of, place_of
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
@@ -27,8 +26,6 @@ from .measures import check_analysis
 
 SMALLEST = 2.0**-53  # of a probability: quantiles at 0 and 1 may be infinite
 MOST_CHECKED = 200  # values of one axis that are checked before the first run
-UNIT_KEYS = ("parameters", "component", "fmu", "preset", "effects", "every", "isolation", "interface", "solver", "tolerance")
-STRUCTURAL = ("component", "fmu", "preset", "effects", "interface")  # what machine code depends on
 
 
 @dataclass(frozen=True)
@@ -54,12 +51,16 @@ class Column:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of a scene. columns: by name, each of `size` values.  doubts: questions about values, see `Variable.doubt`."""
+    """Points of a scene. columns: by name, each of `size` values.  doubts: questions about values, see `Variable.doubt`.
+
+    structural: names on whose values machine code depends.
+    """
 
     settings: PlanSettings
     columns: Mapping[str, Column]
     size: int
     doubts: tuple[str, ...] = ()
+    structural: tuple[str, ...] = ()
 
     def values(self, i: int) -> dict[str, Any]:
         """What varies, at point i."""
@@ -69,7 +70,7 @@ class Points:
         """Those at some places."""
         some = np.array(places, dtype=int)
         columns = {name: Column(column.numbers[some], column.choices) for name, column in self.columns.items()}
-        return Points(self.settings, columns, some.size)
+        return Points(self.settings, columns, some.size, structural=self.structural)
 
     @property
     def remarks(self) -> list[str]:
@@ -84,7 +85,7 @@ class Points:
     @cached_property
     def kernels(self) -> np.ndarray:
         """(n,) whole numbers: points of one number use the same machine code."""
-        structural = [c.numbers for n, c in self.columns.items() if c.choices is not None and _structural(n)]
+        structural = [self.columns[n].numbers for n in self.structural if self.columns[n].choices is not None]
         if not structural:
             return np.zeros(self.size, dtype=np.int32)
         return np.unique(np.stack(structural, axis=1), axis=0, return_inverse=True)[1].ravel()
@@ -146,12 +147,11 @@ def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None
     size = next(iter(columns.values())).numbers.size
     doubts = []
     for name, column in columns.items():
-        place(scene, name)
-        if (known := variable_of(scene, name)) is not None:
+        if (known := parameter_of(scene, name)) is not None:
             numbers = column.labels if column.labels.dtype.kind == "f" else ()
             texts = (f"{name} = {v:g}: {known.doubt(v)}" for v in numbers if known.doubt(v))
             doubts += [text for text in [next(texts, "")] if text]
-    plan = Points(settings, columns, size, tuple(doubts))
+    plan = Points(settings, columns, size, tuple(doubts), tuple(n for n in columns if place_of(scene, n).structural))
     _check_values(scene, plan)
     return plan
 
@@ -246,7 +246,7 @@ def read_points(path: Path, scene: Scene) -> dict[str, Choices]:
     for text, name, unit in zip(table.header, table.names, table.units, strict=True):
         if _is_variable(scene, text):  # of an FMU, whose names may look as if they had a unit
             name, unit = text, ""
-        own, where = unit_of(scene, name), f"{path}, column {text!r}"
+        own, where = measure_of(scene, name), f"{path}, column {text!r}"
         if name in columns:
             raise BadInput(str(path), f"{name!r} twice", "each name once")
         if unit and not own:
@@ -294,83 +294,6 @@ def label(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def place(scene: Scene, name: str) -> tuple[str, ...]:
-    """Where a name stands in the scene: ("effect", unit, effect), ("setting", dotted place); raises `BadInput`.
-
-    "unit.parameter"; "unit.effects.effect" of a component, true or false; "units.unit.preset", "units.unit.effects" ...;
-    "units.unit", a whole unit; "master.step", "stop_time" and other settings.
-    """
-    head, _, rest = name.partition(".")
-    if head in ("master", "record", "analysis", "start_time", "stop_time", "contacts", "faults") and head not in scene.units:
-        return "setting", name
-    if head == "units" and "units" not in scene.units:
-        if rest in scene.units:
-            return "unit", rest
-        unit, key = scene.split(rest)
-        if unit in scene.units and (key in UNIT_KEYS or key.startswith("parameters.")):
-            return "setting", name
-        if unit in scene.units:
-            raise BadInput(f"{scene.name}: vary", repr(name), "a setting of the unit", nearest(key, UNIT_KEYS))
-        raise BadInput(f"{scene.name}: vary", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
-    unit, parameter = scene.split(name)
-    if unit not in scene.units:
-        raise BadInput(f"{scene.name}: sweep", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
-    if not parameter:
-        raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
-    if scene.units[unit].component and parameter.startswith("effects."):
-        effect, known = parameter.removeprefix("effects."), scene.coupling.interfaces[unit].effects
-        if effect not in known:
-            raise BadInput(f"{scene.name}: vary", repr(name), f"an effect of {unit}", nearest(effect, known))
-        return "effect", unit, effect
-    return "setting", f"units.{unit}.parameters.{parameter}"
-
-
-def changes(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of a point as changes of the scene, whole units and components first, single effects last."""
-    result: dict[str, Any] = {}
-    effects: dict[str, dict[str, bool]] = {}
-    for name, value in values.items():
-        kind, *where = place(scene, name)
-        if kind == "effect":
-            if not isinstance(value, bool):
-                raise BadInput(f"{scene.name}: vary.{name}", repr(value), "true or false")
-            effects.setdefault(where[0], {})[where[1]] = value
-        elif kind == "unit":
-            if not isinstance(value, Mapping):
-                raise BadInput(f"{scene.name}: vary.{name}", repr(value), "a table of a unit, such as { component = ... }")
-            empty = {"component": "", "fmu": "", "preset": "", "effects": (), "parameters": {}}
-            result |= {f"units.{where[0]}.{key}": v for key, v in (empty | dict(value)).items()}
-        else:
-            result |= _setting(scene, where[0], list(value) if isinstance(value, tuple) else value)
-    for unit, switches in effects.items():
-        on = list(result.get(f"units.{unit}.effects", [e for e, why in scene.coupling.interfaces[unit].effects.items() if why]))
-        result[f"units.{unit}.effects"] = [e for e in dict.fromkeys([*on, *switches]) if switches.get(e, True)]
-        preset = result.get(f"units.{unit}.preset", scene.units[unit].preset)
-        if preset and (kept := [e for e, s in switches.items() if not s and e in _of_preset(scene, unit, preset)]):
-            raise BadInput(f"{scene.name}: vary.{unit}.effects.{kept[0]}", "false", f"true: it is part of preset {preset!r}")
-    return result
-
-
-def _of_preset(scene: Scene, unit: str, preset: str) -> Sequence[str]:
-    presets = component_class(scene.units[unit].component, f"units.{unit}").presets
-    return presets[preset].effects if preset in presets else ()
-
-
-def _setting(scene: Scene, where: str, value: Any) -> dict[str, Any]:
-    """A setting; a component takes the place of an FMU, and the other way round."""
-    if where.startswith("units."):
-        unit, key = scene.split(where.removeprefix("units."))
-        if key in ("component", "fmu"):
-            return {where: value, f"units.{unit}.{'fmu' if key == 'component' else 'component'}": ""}
-    return {where: value}
-
-
-def _structural(name: str) -> bool:
-    """Whether other values of a name may need other machine code."""
-    parts = name.split(".")
-    return (name.startswith("units.") and (len(parts) == 2 or parts[-1] in STRUCTURAL)) or "effects" in parts[:-1]
-
-
 def _check_values(scene: Scene, plan: Points) -> None:
     """Refuse, before the first run, what the scene cannot take on the background of the first point."""
     first = plan.values(0)
@@ -379,13 +302,13 @@ def _check_values(scene: Scene, plan: Points) -> None:
         for column in plan.columns.values():
             if column.choices is not None:
                 checked |= {int(k) for k in np.unique(column.numbers, return_index=True)[1][:MOST_CHECKED]}
-    check_analysis(scene.with_changes(changes(scene, first)))
+    check_analysis(scene.with_changes(first))
     for i in sorted(checked - {0}):
         other = plan.values(i)
         for name in plan.columns:
             if other[name] != first[name]:
                 try:
-                    check_analysis(scene.with_changes(changes(scene, first | {name: other[name]})))
+                    check_analysis(scene.with_changes(first | {name: other[name]}))
                 except BadInput:
                     # refused with the first point's other values; only what no other values could mend ends the sweep
                     if plan.settings.method != "grid" or len(plan.columns) == 1 or not _elsewhere(scene, name, other[name]):
@@ -395,28 +318,7 @@ def _check_values(scene: Scene, plan: Points) -> None:
 def _elsewhere(scene: Scene, name: str, value: Any) -> bool:
     """Whether the scene's own settings take the value."""
     try:
-        check_analysis(scene.with_changes(changes(scene, {name: value})))
+        check_analysis(scene.with_changes({name: value}))
     except BadInput:
         return False
     return True
-
-
-def unit_of(scene: Scene, name: str) -> str:
-    """Unit of measure of what varies; "" for texts, truth values and parameters of an FMU."""
-    kind, *where = place(scene, name)
-    if kind == "setting" and where[0] in ("master.step", "start_time", "stop_time", "record.interval"):
-        return "s"
-    return known.unit if (known := variable_of(scene, name)) is not None else ""
-
-
-def variable_of(scene: Scene, name: str) -> Variable | None:
-    """The parameter of a component that varies; None for all else."""
-    kind, *where = place(scene, name)
-    if kind != "setting" or not where[0].startswith("units."):
-        return None
-    unit, key = scene.split(where[0].removeprefix("units."))
-    component, parameter = scene.units[unit].component, key.removeprefix("parameters.")
-    if parameter == key or not component:
-        return None
-    variables = component_class(component, unit).variables
-    return variables.get(parameter) or variables.get(parameter.partition("[")[0])

@@ -10,15 +10,14 @@ from signal import Signals
 from threading import local
 from typing import Any
 
-from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ...run.progress import Stop
 from ...run.results import Result
 from ...run.run import Run, run
+from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked, asked_for
 from ...session.open_scene import OpenScene
 from .measures import Row, Task, row_of_result
-from .plan import changes
 
 log = logging.getLogger("cosimo")
 _here = local()  # the runs of this thread
@@ -85,15 +84,14 @@ class PointRuns:
 
     def result(self, values: Mapping[str, Any]) -> Result:
         """The run with the values of a point; raises `BadInput` for one that cannot start."""
-        changed = changes(self.scene, values)
-        numbers = {place: value for place, value in changed.items() if self._number(place)}
-        open_scene = self.open_scene({place: value for place, value in changed.items() if place not in numbers})
+        numbers = {name: value for name, value in values.items() if self._number(name)}
+        open_scene = self.open_scene({name: value for name, value in values.items() if name not in numbers})
         if open_scene is None or not open_scene.takes(numbers):
-            return self._anew(changed)
+            return self._anew(values)
         try:
             scene = open_scene.begin_anew(numbers)
         except BadInput:
-            return self._anew(changed)  # which refuses it as a scene
+            return self._anew(values)  # which refuses it as a scene
         with ExitStack() as stack:
             current = Run(scene, stack, in_process=True, native=False, progress=False, again=open_scene, stop=self._stop)
             current.prepare()
@@ -116,12 +114,7 @@ class PointRuns:
     def _anew(self, changed: Mapping[str, Any]) -> Result:
         return run(self.scene.with_changes(changed) if changed else self.scene, in_process=True)
 
-    def _number(self, place: str) -> bool:
+    def _number(self, name: str) -> bool:
         """Whether a setting is, by its name, a parameter that no layout depends on."""
-        if not place.startswith("units."):
-            return False
-        unit, key = self.scene.split(place.removeprefix("units."))
-        if not key.startswith("parameters.") or not (settings := self.scene.units[unit]).component:
-            return False
-        variable = component_class(settings.component, unit).variables.get(key.removeprefix("parameters."))
+        variable = parameter_of(self.scene, name)
         return variable is not None and not variable.structural

@@ -21,7 +21,7 @@ from ..summary import with_error
 from .execute import Schedule, compute
 from .executors import Here
 from .measures import Row
-from .plan import Points, changes
+from .plan import Points
 from .point_runs import PointRuns
 from .store import Store, StoredPlan
 
@@ -118,7 +118,7 @@ def _allowed(points: StoredPlan, places: Sequence[int]) -> Sequence[int]:
     try:
         for k, place in enumerate(places):
             values = points.plan.values(place)
-            stop = changes(scene, values).get("stop_time", scene.stop_time)
+            stop = values.get("stop_time", scene.stop_time)
             with suppress(BadInput):  # a point that cannot start takes no work
                 total += work.from_part(runs.result(values), stop - scene.start_time)
             if k and not work.allows(total, 2.0):

@@ -23,10 +23,10 @@ from ...judgement.disturbance import FEWEST, Disturbed, GrowthRate, IntrinsicGro
 from ...judgement.probing import pair_limits
 from ...output import write_table
 from ...run.progress import tracked
+from ...scene.names import measure_of
 from ...scene.scene import Scene
 from ...settings.algorithms import ALGORITHMS
 from ..journal import once
-from ..many.plan import unit_of
 from ..sweep import points
 
 Scheme = tuple[str, int]  # algorithm, extrapolation
@@ -133,7 +133,7 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
         )
     if steps < FEWEST:
         raise BadInput("steps", str(steps), f"at least {FEWEST}")
-    varied = {name: unit_of(scene, name) for name in scene.study.stability}
+    varied = {name: measure_of(scene, name) for name in scene.study.stability}
     given = points(scene.with_changes({"sweep": dict(scene.study.stability)})) if varied else [({}, scene)]
     tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of(scene)]
     limits: list[Limit] = []

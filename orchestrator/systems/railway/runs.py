@@ -29,7 +29,7 @@ def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = Non
     pantograph: Any = make(unit, scene.units[unit])
     steps = scene.stop_time * pantograph.parameters["speed"] / (speed * KMH) / scene.master.step
     stop = round(steps) * scene.master.step
-    always = {f"units.{unit}.parameters.speed": speed * KMH, "stop_time": stop}
+    always = {f"{unit}.speed": speed * KMH, "stop_time": stop}
     return scene.with_changes({**always, **(changes or {})})
 
 
@@ -39,9 +39,7 @@ def with_stable_substep(scene: Scene) -> Scene:
     limit = catenary.stable_step()
     if catenary.parameters["substep"] <= limit:
         return scene
-    return scene.with_changes(
-        {"units.catenary.parameters.substep": scene.master.step / math.ceil(scene.master.step / (0.9 * limit))}
-    )
+    return scene.with_changes({"catenary.substep": scene.master.step / math.ceil(scene.master.step / (0.9 * limit))})
 
 
 @kept_runs
@@ -70,7 +68,7 @@ def set_mean_run(name: str, speed: float, target: float, options: Options) -> tu
     Raises `RunFailed`.
     """
     scene = load_scene(name)
-    force = "units.pantograph.parameters.static_force"
+    force = "pantograph.static_force"
     guess = FORCE_PER_MEAN * target
     mean = statistics(done(run(at_speed(scene, speed, {force: guess}), in_process=True))).mean
     static_force = guess * target / mean

@@ -173,7 +173,7 @@ def test_contacts_that_open_and_close_settle_at_every_force():
         }
     )
     for force in np.linspace(2.0, 250.0, 125):
-        result = run(scene.with_changes({"units.head.parameters.force": float(force)}), in_process=True)
+        result = run(scene.with_changes({"head.force": float(force)}), in_process=True)
         assert result.outcome == "done", (force, result.message)
         parted = 5e4 * apart / (1.0 + 5e4 * (own - other))
         assert result["head.f1"][0] == pytest.approx(min(0.5 * (force + parted), force), rel=1e-8)

@@ -127,7 +127,7 @@ def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(degree, m
 
 FMUS = {
     "lumped-catenary": {"stop_time": 0.15},
-    "en50318-2002": {"stop_time": 0.15, "units.catenary.parameters.spans": 3, "record.snapshot_interval": 0.05},
+    "en50318-2002": {"stop_time": 0.15, "catenary.spans": 3, "record.snapshot_interval": 0.05},
 }
 
 

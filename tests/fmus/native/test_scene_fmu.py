@@ -276,7 +276,7 @@ def test_options_that_a_scene_ignores_are_refused(capsys):
 def test_parameters_act_as_those_of_the_scene(built):
     scene = load_scene("mass-on-spring")
     stiffness = 3.0 * scene.units["spring"].parameters["stiffness"]
-    reference = run(short(scene, STEPS, {"units.spring.parameters.stiffness": stiffness}), in_process=True)
+    reference = run(short(scene, STEPS, {"spring.stiffness": stiffness}), in_process=True)
     given = {"spring.stiffness": stiffness}
     recorded = outputs_of(built("mass-on-spring")[0], STEPS, scene.master.step, start_values=given)
     assert recorded["mass.base_x"].tobytes() == np.asarray(reference["mass.base_x"]).tobytes()
@@ -287,7 +287,7 @@ def test_force_tension_and_speed_of_en50318_set_from_outside(built):
     """The equilibrium of the wires and the initial contact follow in the FMU, with the bits of the scene that says so itself."""
     given = {"pantograph.static_force": 90.0, "catenary.contact_wire_tension": 22e3, "pantograph.speed": 60.0}
     scene = load_scene("en50318-2002")
-    changes = {f"units.{unit}.parameters.{name}": v for key, v in given.items() for unit, name in [key.split(".")]}
+    changes = {f"{unit}.{name}": v for key, v in given.items() for unit, name in [key.split(".")]}
     reference = run(short(scene, STEPS, changes), in_process=True)
     for path in built("en50318-2002"):
         recorded = outputs_of(path, STEPS, scene.master.step, start_values=given)

@@ -80,7 +80,7 @@ def test_numbers_are_those_of_a_run_in_process(small, opened):
     page = opened(small)
     assert len(small.read_bytes()) - len(page.inner_html("#plotly-inside")) < 1_000_000
     for stiffness, mass in ((100.0, 1.0), (333.0, 2.5)):
-        changes = {"units.spring.parameters.stiffness": stiffness, "units.mass.parameters.mass": mass, "record.interval": None}
+        changes = {"spring.stiffness": stiffness, "mass.mass": mass, "record.interval": None}
         scene = load_scene("mass-on-spring").with_changes(changes)
         result = run(scene, in_process=True)
         history = TimeHistory(result.time, result.columns)
@@ -103,7 +103,7 @@ def test_the_railway_page_at_random_states(railway, opened):
         step, off = chance.choice((0.001, 0.002)), chance.random() < 0.3
         fragment = "&".join([*(f"{n}={v}" for n, v in values.items()), *(["off=catenary.dropper_slackening"] if off else []),
                              *([f"step={step}"] if step != 0.001 else [])])  # fmt: skip
-        changes = {f"units.{u}.parameters.{p}": v for n, v in values.items() for u, _, p in [n.partition(".")]}
+        changes = {f"{u}.{p}": v for n, v in values.items() for u, _, p in [n.partition(".")]}
         changes |= (
             {"units.catenary.effects": [e for e in base.units["catenary"].effects if e != "dropper_slackening"]} if off else {}
         )

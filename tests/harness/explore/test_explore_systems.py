@@ -25,7 +25,7 @@ SCENES = {
     "mass-on-spring": (("spring.stiffness", "spring.damping", "mass.mass"), {}, 0),
     "ball-bearing-clearance": (
         ("bearing.mass", "bearing.damping", "bearing.contact_stiffness"),
-        {"units.bearing.parameters.clearance.radial_clearance": 2e-6, "stop_time": 1.5},
+        {"bearing.clearance.radial_clearance": 2e-6, "stop_time": 1.5},
         6,
     ),
     "rov-station-keeping": (("current.speed", "current.gust.amplitude", "hull.mass"), {}, 4),
@@ -48,7 +48,7 @@ def test_figures_at_random_states(name, opened, tmp_path):  # noqa: F811
     for _ in range(STATES):
         values = {n: float(f"{chance.uniform(0.85, 1.15) * usual[n]:.5g}") for n in varied}
         degree = chance.choice([int(d) for d in page.evaluate("Object.keys(data.variants[0].extrapolations)")])
-        settings = {f"units.{u}.parameters.{p}": v for n, v in values.items() for u, p in [scene.split(n)]}
+        settings = {f"{u}.{p}": v for n, v in values.items() for u, p in [scene.split(n)]}
         fragment = "&".join(f"{n}={json.dumps(v)}" for n, v in values.items())
         if degree != scene.master.extrapolation:
             settings["master.extrapolation"] = degree

@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.options import ranges_of
-from cosimo.orchestrator.harness.many.plan import changes, from_columns, plan_of, plan_settings
+from cosimo.orchestrator.harness.many.plan import from_columns, plan_of, plan_settings
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.harness.test_sweep import MASS
 
@@ -137,12 +137,12 @@ def test_other_texts_of_the_command_line_are_refused(text):
 def test_effects_presets_units_and_the_master_vary():
     scene = load_scene("en50318-2002")
     point = {"catenary.effects.dropper_slackening": False, "master.step": 5e-4, "pantograph.static_force": 80.0}
-    one = scene.with_changes(changes(scene, point))
+    one = scene.with_changes(point)
     assert "dropper_slackening" not in one.units["catenary"].effects
     assert (one.master.step, one.units["pantograph"].parameters["static_force"]) == (5e-4, 80.0)
-    on = scene.with_changes(changes(one, point | {"catenary.effects.dropper_slackening": True}))
+    on = scene.with_changes(point | {"catenary.effects.dropper_slackening": True})
     assert "dropper_slackening" in on.units["catenary"].effects
-    other = SCENE.with_changes(changes(SCENE, {"units.m": {"component": "cosimo.tests.support:Probe"}}))
+    other = SCENE.with_changes({"units.m": {"component": "cosimo.tests.support:Probe"}})
     assert other.units["m"].component.endswith("Probe")
     assert dict(other.units["m"].parameters) == {}
 
@@ -194,7 +194,7 @@ def test_a_method_that_does_not_count_may_be_left_out():
 
 def test_a_number_that_is_probably_in_another_unit_is_asked_about_in_every_way(capsys):
     question = "160 km/h or 160 m/s"
-    scene = load_scene("en50318-2002").with_changes({"units.pantograph.parameters.speed": 160.0})
+    scene = load_scene("en50318-2002").with_changes({"pantograph.speed": 160.0})
     assert any(question in text for text in scene.coupling.interfaces["pantograph"].remarks)
     swept = plan_of(scene, plan_settings({"vary": {"pantograph.speed": [70.0, 160.0]}}))
     assert any(question in text for text in swept.remarks)

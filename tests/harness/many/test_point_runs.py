@@ -9,7 +9,6 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import Kind
 from cosimo.orchestrator.harness.many.executors import Here, Threads
 from cosimo.orchestrator.harness.many.measures import Task
-from cosimo.orchestrator.harness.many.plan import changes
 from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
@@ -63,7 +62,7 @@ def test_a_point_has_the_bits_of_a_run_of_its_own(name):
     for parameter, value in random.Random(name).sample(numbers, min(4, len(numbers))):
         for factor in FACTORS:
             point = {parameter: factor * value}
-            own = content(lambda: run(runs.scene.with_changes(changes(runs.scene, point)), in_process=True))  # noqa: B023
+            own = content(lambda: run(runs.scene.with_changes(point), in_process=True))  # noqa: B023
             assert content(lambda: runs.result(point)) == own, point  # noqa: B023
     assert runs.open_scene({}) is open_scene
     runs.close()
@@ -109,7 +108,7 @@ def test_a_table_of_points_in_python():
     stiffness = np.array([90.0, 100.0, 110.0])
     result = run_many(scene, {"spring.stiffness": stiffness}, threads=2)
     assert result.varied["spring.stiffness"].tolist() == stiffness.tolist()
-    alone = [run(scene.with_changes({"units.spring.parameters.stiffness": k}), in_process=True) for k in stiffness.tolist()]
+    alone = [run(scene.with_changes({"spring.stiffness": k}), in_process=True) for k in stiffness.tolist()]
     assert result.measures["mass.base_x, maximum"].tolist() == [one["mass.base_x"].max() for one in alone]
     with pytest.raises(BadInput, match="lists of one length"):
         run_many(scene, {"spring.stiffness": [90.0, 100.0], "spring.damping": [1.0]})

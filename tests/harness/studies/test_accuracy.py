@@ -83,7 +83,7 @@ def test_a_small_error_by_chance_is_not_held():
 def test_the_setting_as_it_is_comes_first(measured):
     assert measured.points[0].series == OWN
     assert measured.own.changes == pinned(SCENE)
-    other = SCENE.with_changes({"master.step": 1e-3, "master.algorithm": "jacobi", "units.mass.parameters.substep": 1e-4})
+    other = SCENE.with_changes({"master.step": 1e-3, "master.algorithm": "jacobi", "mass.substep": 1e-4})
     assert other.with_changes(measured.own.changes).master == SCENE.master
     assert other.with_changes(measured.own.changes).units["mass"].parameters["substep"] == 1e-3
     assert measured.own.outcome == "done"
@@ -140,10 +140,7 @@ def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
 
 def test_a_mesh_has_its_own_line():
     scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
-    assert [s.changes for s in settings(scene) if s.axis == "mesh"] == [
-        {"units.mass.parameters.substep": 2e-3},
-        {"units.mass.parameters.substep": 2.5e-4},
-    ]
+    assert [s.changes for s in settings(scene) if s.axis == "mesh"] == [{"mass.substep": 2e-3}, {"mass.substep": 2.5e-4}]
 
 
 def test_an_effect_less_is_shown_but_advised_by_no_front():

@@ -39,7 +39,7 @@ def cache(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"units.mass.parameters.substep": 1e-4}]
+    "changes", [{"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"mass.substep": 1e-4}]
 )
 def test_a_front_is_that_of_the_physics(changes):
     assert place_of(SCENE.with_changes(changes)).file == place_of(SCENE).file
@@ -49,7 +49,7 @@ def test_a_front_is_that_of_the_physics(changes):
     "changes",
     [
         {"stop_time": 0.6},
-        {"units.spring.parameters.stiffness": 101.0},
+        {"spring.stiffness": 101.0},
         {"study.quantities": ["mass.base_x, end"]},
         {"units.mass.effects": ["gravity"]},
         {"analysis.transient": 0.1},
@@ -61,7 +61,7 @@ def test_another_scene_has_another_front(changes):
 
 def test_meshes_are_no_physics_where_they_are_named():
     named = SCENE.with_changes({"study.mesh": ["mass.length"]})
-    assert place_of(named.with_changes({"units.mass.parameters.length": 2.0})).file == place_of(named).file
+    assert place_of(named.with_changes({"mass.length": 2.0})).file == place_of(named).file
 
 
 def test_a_kept_front_is_found_again(cache):
@@ -126,7 +126,7 @@ def test_the_repetition_gives_the_errors_of_the_quantities():
     """At least those against a much finer run; at second order, half as much again at the most."""
     scene = recording(SCENE.with_changes(FAST))
     result = run_verified(scene, verify="full", in_process=True, distances=distances)
-    fine = scene.with_changes({**SLOW, "units.mass.parameters.substep": 1e-4, "record.interval": 1e-2})
+    fine = scene.with_changes({**SLOW, "mass.substep": 1e-4, "record.interval": 1e-2})
     true = distances(result, run_verified(fine, verify="no", in_process=True))
     for name, error in result.info["verification"]["quantities"]["steps"].items():
         assert 0.95 * true[name] < error < 1.6 * true[name], name

@@ -90,12 +90,10 @@ def test_bearing_internal_steps_buy_accuracy_and_macro_steps_do_not():
         load_scene("outer-ring-defect").with_changes(
             {"stop_time": 0.05, "analysis.transient": 0.0, "study.quantities": ["bearing.displacement_x, time history"]}
         ),
-        {"units.bearing.parameters.substep": 1.25e-6},
+        {"bearing.substep": 1.25e-6},
     )
-    (one, first), (half, second) = (
-        bearing.at({"master.step": step, "units.bearing.parameters.substep": 2e-5}) for step in (4e-5, 2e-5)
-    )
-    finer, third = bearing.at({"master.step": 4e-5, "units.bearing.parameters.substep": 1e-5})
+    (one, first), (half, second) = (bearing.at({"master.step": step, "bearing.substep": 2e-5}) for step in (4e-5, 2e-5))
+    finer, third = bearing.at({"master.step": 4e-5, "bearing.substep": 1e-5})
     assert first.work["derivative_calls"] == second.work["derivative_calls"] == third.work["derivative_calls"] / 2
     assert half == pytest.approx(one, rel=0.2)
     assert finer < one / 2.0**2.5
@@ -116,17 +114,15 @@ def test_friction_located_events_against_a_smoothed_law():
             }
         )
 
-    level = {"units.body.parameters.stick_friction.static_ratio": 1.0}  # as the smoothed law has it
-    exact = Measured(scene("exact"), {**level, "units.body.parameters.substep": 5e-4})
-    error, events = exact.at({**level, "units.body.parameters.substep": 0.02})
+    level = {"body.stick_friction.static_ratio": 1.0}  # as the smoothed law has it
+    exact = Measured(scene("exact"), {**level, "body.substep": 5e-4})
+    error, events = exact.at({**level, "body.substep": 0.02})
     assert error < 1e-4
     smoothed = Measured.__new__(Measured)
     smoothed.scene, smoothed.quantities, smoothed.reference = scene("smoothed"), exact.quantities, exact.reference
     enough = []
     for width, substep in ((0.1, 0.01), (0.03, 0.01), (0.01, 5e-3), (3e-3, 1e-3)):  # each close to its longest stable step
-        found, run = smoothed.at(
-            {"units.body.parameters.smoothed_friction.width": width, "units.body.parameters.substep": substep}
-        )
+        found, run = smoothed.at({"body.smoothed_friction.width": width, "body.substep": substep})
         enough += [run.work["derivative_calls"]] if found <= 5e-3 else []
     assert enough
     assert 3 * events.work["derivative_calls"] < min(enough)

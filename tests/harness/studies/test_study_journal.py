@@ -135,7 +135,7 @@ def test_a_damaged_or_foreign_piece_is_computed_again(tmp_path):
     with kept_study(tmp_path, resume=True):
         assert study() == [1.0, 2.0, 1.0]
         assert len(computed) == 3
-        value(scene.with_changes({"units.a.parameters.k": 11.0}), 1)
+        value(scene.with_changes({"a.k": 11.0}), 1)
         value(scene.with_changes({"title": "Another name for the same"}), 1)
     assert len(computed) == 4
     assert value(scene, 1) == 1.0  # without a study nothing is kept

@@ -11,7 +11,7 @@ SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 1.0})
 
 
 def test_counts_are_those_of_the_settings():
-    found = trial(SCENE, {"master.step": 1e-2, "units.mass.parameters.substep": 2.5e-3}, repeats=2)
+    found = trial(SCENE, {"master.step": 1e-2, "mass.substep": 2.5e-3}, repeats=2)
     assert found.done
     assert set(found.work) == set(WORK)
     assert found.work["macro_steps"] == 100
@@ -40,11 +40,7 @@ def test_rejected_steps_are_macro_steps_too():
 
 @pytest.mark.parametrize(
     ("changes", "word"),
-    [
-        ({"master.step": 2.0}, "master.step"),
-        ({"master.algorithm": "jacoby"}, "jacobi"),
-        ({"units.mass.parameters.substep": -1.0}, "substep"),
-    ],
+    [({"master.step": 2.0}, "master.step"), ({"master.algorithm": "jacoby"}, "jacobi"), ({"mass.substep": -1.0}, "substep")],
 )
 def test_what_cannot_start_is_kept_as_refused(changes, word):
     found = trial(SCENE, changes)

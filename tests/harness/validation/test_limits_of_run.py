@@ -74,7 +74,7 @@ def test_a_condition_without_a_rule_is_named(result):
 
 def test_each_pantograph_is_judged_at_its_own_speed():
     scene = load_scene("two-pantographs").with_changes({"limits": "en50367", "analysis.spans": [5, 5], "stop_time": 4.0})
-    result = run(scene.with_changes({"units.leading.parameters.start_position": 130.0}), in_process=True, verify="no")
+    result = run(scene.with_changes({"leading.start_position": 130.0}), in_process=True, verify="no")
     case, _ = judge(result, result.summary)
     assert {row.reference.condition.partition(",")[0] for row in case.findings.rows} == {"leading", "trailing"}
 

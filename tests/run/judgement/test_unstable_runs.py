@@ -89,7 +89,7 @@ def judged(h: float, damping: float, degree: int, solved: bool, steps: int) -> l
 
 
 def scene(algorithm: str, degree: int, damping: float, step: float, steps: int) -> cosimo.Scene:
-    changes = {"units.spring.parameters.damping": damping, "units.spring.parameters.stiffness": STIFFNESS}
+    changes = {"spring.damping": damping, "spring.stiffness": STIFFNESS}
     master = {"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step, "stop_time": steps * step}
     return cosimo.load_scene("mass-on-spring").with_changes(changes | master)
 

@@ -107,7 +107,7 @@ class Flag(OfTime):
 
 def test_flags_differ_by_their_share_of_the_time():
     scene = {"stop_time": 1.0, "units": {"f": {"component": f"{HERE}:Flag"}}, "master": {"step": 0.01}}
-    first, second = (run_once(read_scene(scene).with_changes({"units.f.parameters.level": level})) for level in (0.5, 0.75))
+    first, second = (run_once(read_scene(scene).with_changes({"f.level": level})) for level in (0.5, 0.75))
     compared = differences(first, second)["f.on"]
     assert compared.rms == pytest.approx(0.25, abs=0.01)
     assert compared.largest == 1.0
@@ -245,21 +245,19 @@ def test_a_coupling_that_makes_a_motion_of_its_own_is_unstable():
 @pytest.mark.parametrize("substep", [2e-3, 1e-2])
 def test_the_error_of_internal_steps_is_in_the_number(substep):
     """A chain alone: no coupling, so that the macro step makes no error at all."""
-    changes = {"stop_time": 4.0, "units.chain.parameters.substep": substep}
+    changes = {"stop_time": 4.0, "chain.substep": substep}
     scene = load_scene("double-pendulum").with_changes(changes)
     rough = cosimo.run(scene, in_process=True)
-    fine = run_once(scene.with_changes({"units.chain.parameters.substep": 1e-4}), in_process=True)
+    fine = run_once(scene.with_changes({"chain.substep": 1e-4}), in_process=True)
     for name, error in rough.info["verification"]["signals"].items():
         true = np.sqrt(np.mean((rough[name] - fine[name]) ** 2)) / scale_of(fine[name])
         assert error["rms"] > HALF * true - 1e-9, name
         assert error["rms"] < 4.0 * true + 1e-6, name
-    assert rough.info["verification"]["inside"] == {"units.chain.parameters.substep": substep}
+    assert rough.info["verification"]["inside"] == {"chain.substep": substep}
 
 
 def test_a_warning_names_the_steps_that_make_the_error():
-    scene = load_scene("double-pendulum").with_changes(
-        {"stop_time": 8.0, "master.step": 0.04, "units.chain.parameters.substep": 1e-2}
-    )
+    scene = load_scene("double-pendulum").with_changes({"stop_time": 8.0, "master.step": 0.04, "chain.substep": 1e-2})
     text, *_ = cosimo.run(scene, in_process=True).info["warnings"]
     assert text.startswith("the internal steps (chain.substep) are too long for")
     assert "chain.substep = " in text
@@ -332,8 +330,8 @@ def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
     both = cosimo.run(refined_scene(), verify="full")
     found = both.info["verification"]
     assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
-    assert list(found["not_refined"]) == ["units.inner.parameters.tolerance"]
-    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["units.inner.parameters.tolerance"]
+    assert list(found["not_refined"]) == ["inner.tolerance"]
+    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["inner.tolerance"]
     assert "leave out what inner.tolerance makes" in verification_text(found)
     assert sum("could not be refined" in text for text in both.info["warnings"]) == 1
 
@@ -350,7 +348,7 @@ def test_components_that_run_as_fmus_are_repeated_in_process():
         ({}, ""),
         ({"record.interval": 0.05}, ""),
         ({"record.interval": 0.5}, "Lower record.interval, which is 0.5 s"),
-        ({"master.step": 0.25, "units.mass.parameters.start_velocity_x": 0.0}, ""),
+        ({"master.step": 0.25, "mass.start_velocity_x": 0.0}, ""),
     ],
 )
 def test_rows_too_far_apart_to_show_a_signal_are_a_warning(changes, remedy):

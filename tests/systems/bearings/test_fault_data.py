@@ -5,7 +5,6 @@ import csv
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.many.plan import changes
 from cosimo.orchestrator.systems.bearings.fault_check import features
 from cosimo.orchestrator.systems.bearings.fault_data import (
     CLASSES,
@@ -39,7 +38,7 @@ def test_every_planned_record_is_a_scene():
     scene = base_scene(0.1)
     component = bearing_of(scene)
     for record in planned(3, 1, run_up=True)[::5]:
-        one = scene.with_changes(changes(scene, point(record, component)))
+        one = scene.with_changes(point(record, component))
         assert set(CLASSES[record.label]) <= set(one.units["bearing"].effects)
         assert ("speed_ramp" in one.units["bearing"].effects) == record.run_up
 

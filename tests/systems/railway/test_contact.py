@@ -187,7 +187,7 @@ def test_filtered_force_is_within_a_percent_of_the_sine_series(name, speed):
     seconds = round(5.0 * line.span / v, 3)
     changes = {
         "stop_time": seconds,
-        "units.pantograph.parameters.speed": v,
+        "pantograph.speed": v,
         "record.snapshots": [],
         "record.snapshot_interval": None,
         "units.catenary.effects": [e for e in given.effects if e != "wire_profile"] + list(effects),

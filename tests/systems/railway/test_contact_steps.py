@@ -33,11 +33,7 @@ def test_a_diverging_contact_is_never_silent(stiffer):
     """Without a warning, the force is right, its peak is no multiple of the true one, and nothing lifts off that stays on."""
     scene = load_scene("en50318-2002")
     step = scene.master.step
-    stiff = {
-        "stop_time": 1.0,
-        "units.pantograph.parameters.contact_stiffness": stiffer * STIFFNESS,
-        "units.pantograph.parameters.substep": 5e-5,
-    }
+    stiff = {"stop_time": 1.0, "pantograph.contact_stiffness": stiffer * STIFFNESS, "pantograph.substep": 5e-5}
     scene = scene.with_changes(stiff)
     reference = run(scene.with_changes({"master.step": step / 8}), in_process=True)
     assert not reference.info["warnings"]

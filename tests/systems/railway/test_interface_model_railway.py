@@ -24,7 +24,7 @@ SIGNALS = {
 @pytest.mark.parametrize("element", [0.25, 0.5])
 def test_all_cells_of_the_2002_table_hold_with_steps_of_5_ms(speed, element):
     """At 300 km/h the impedance would be 619 N s/m; that of 250 km/h is left, as a sweep over the speed would."""
-    scene = at_speed(load_scene(RAILWAY), speed, {**SIGNALS, "units.catenary.parameters.element": element})
+    scene = at_speed(load_scene(RAILWAY), speed, {**SIGNALS, "catenary.element": element})
     rows = compare(load_table("en50318-2002").under(f"{speed:g} km/h"), measured(statistics(finished(scene))))
     assert len(rows) == 8
     outside = [f"{r.reference.quantity}: {r.measured:.4g}" for r in rows if not r.inside]
@@ -40,7 +40,7 @@ def filtered(result, keep=1):
 
 def test_error_of_the_railway_pair_is_less_than_half_of_gauss_seidel():
     """Both on one mesh, against a step twenty times shorter that is sampled as coarsely: what the coupling alone does."""
-    fine = {"units.catenary.parameters.element": 0.25, "units.catenary.parameters.substep": 2.5e-4, **SIGNALS}
+    fine = {"catenary.element": 0.25, "catenary.substep": 2.5e-4, **SIGNALS}
     reference = filtered(
         finished(load_scene("en50318-2002").with_changes({**fine, "master.step": 2.5e-4, "master.extrapolation": 2})), keep=20
     )

@@ -13,7 +13,7 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.short_run import covering, shipped_scenes
 
 PLAIN = {"record.signals": None, "record.interval": None, "record.snapshots": [], "record.snapshot_interval": None}
-LONG = {"units.catenary.parameters.spans": 30, "stop_time": 23.0, "analysis": {}}
+LONG = {"catenary.spans": 30, "stop_time": 23.0, "analysis": {}}
 
 
 def windowed(scene, **window):
@@ -24,7 +24,7 @@ def windowed(scene, **window):
     return scene.with_changes(
         {
             f"units.{name}.effects": [*unit.effects, "moving_window"],
-            **{f"units.{name}.parameters.moving_window.{key}": value for key, value in window.items()},
+            **{f"{name}.moving_window.{key}": value for key, value in window.items()},
         }
     )
 
@@ -68,7 +68,7 @@ def test_the_chosen_width_keeps_the_force_in_scenes_with_every_effect(name):
 @pytest.mark.parametrize("speed", [200.0 / 3.6, 250.0 / 3.6])
 def test_the_chosen_width_keeps_the_force_on_a_long_line(speed):
     """1.8 km for 23 s: a wave that leaves the window has the time to come back."""
-    scene = load_scene("en50318-2002").with_changes(LONG | {"units.pantograph.parameters.speed": speed})
+    scene = load_scene("en50318-2002").with_changes(LONG | {"pantograph.speed": speed})
     found, near = error(scene, windowed(scene, speed=speed))
     assert found <= ENOUGH
     wires = near.scene.units["catenary"]

@@ -76,7 +76,7 @@ def test_speed_changes_keep_the_distance():
 def test_a_shorter_internal_step_is_taken_only_where_it_must():
     scene = load_scene("en50318-2002")
     assert with_stable_substep(scene) is scene
-    stiff = scene.with_changes({"units.catenary.parameters.damping.beta": 1e-2})
+    stiff = scene.with_changes({"catenary.damping.beta": 1e-2})
     substep = with_stable_substep(stiff).units["catenary"].parameters["substep"]
     assert substep < scene.master.step
     assert scene.master.step / substep == pytest.approx(round(scene.master.step / substep))

@@ -49,7 +49,7 @@ def deviation(a, b):
 @pytest.mark.parametrize("speed", [250.0, 300.0])
 @pytest.mark.parametrize("halved", [False, True])
 def test_all_cells_of_the_2002_table_hold_and_hold_with_element_and_step_halved(speed, halved):
-    changes = {"units.catenary.parameters.element": 0.25, "units.catenary.parameters.substep": 5e-4, "master.step": 5e-4}
+    changes = {"catenary.element": 0.25, "catenary.substep": 5e-4, "master.step": 5e-4}
     result = finished(reference_scene(speed, **(changes if halved else {})))
     rows = compare(load_table("en50318-2002").under(f"{speed:g} km/h"), measured(statistics(result)))
     assert len(rows) == 8
@@ -61,7 +61,7 @@ def test_all_cells_of_the_2002_table_hold_and_hold_with_element_and_step_halved(
 def test_the_two_integrators_agree():
     """Explicit and implicit method share mesh and droppers, nothing of the time integration."""
     explicit = force(finished(reference_scene()))
-    implicit = force(finished(reference_scene(**{"units.catenary.parameters.method": "implicit"})))
+    implicit = force(finished(reference_scene(**{"catenary.method": "implicit"})))
     assert deviation(implicit, explicit) < 0.02  # both are within 1.3 % of a converged run
 
 
@@ -70,7 +70,7 @@ def test_error_falls_at_second_order_or_better_in_the_element():
     """Macro step and substep small, so that the elements make the error."""
 
     def history(element, substep):
-        small = {"master.step": 5e-4, "units.catenary.parameters.element": element, "units.catenary.parameters.substep": substep}
+        small = {"master.step": 5e-4, "catenary.element": element, "catenary.substep": substep}
         return force(finished(reference_scene(**small)))
 
     elements = np.array([1.0, 0.7, 0.5])
@@ -83,7 +83,7 @@ def test_error_falls_at_second_order_or_better_in_the_element():
 def test_error_falls_at_second_order_in_the_macro_step():
     """Linear extrapolation, second order (an order more than held inputs would give); the reference has a tenth of the step."""
     steps = np.array([4e-3, 2e-3, 1e-3])
-    fine = {"units.catenary.parameters.substep": 1e-3, "units.pantograph.parameters.substep": 1e-4}
+    fine = {"catenary.substep": 1e-3, "pantograph.substep": 1e-4}
     exact = force(finished(reference_scene(**fine, **{"master.step": 1e-4})))
     errors = [deviation(force(finished(reference_scene(**fine, **{"master.step": float(h)}))), exact) for h in steps]
     # below 2: at 1 ms the catenary's own substep is cut to the macro step of the reference, which leaves 0.2 %
@@ -115,12 +115,7 @@ def test_the_wake_reaches_the_trailing_pantograph():
     assert passages(both)[0].pantograph == "leading"
     alone = finished(
         load_scene("en50318-2002").with_changes(
-            {
-                "stop_time": scene.stop_time,
-                "units.catenary.parameters.spans": 12,
-                "units.catenary.parameters.first_watched_support": 4,
-                "analysis": scene.analysis,
-            }
+            {"stop_time": scene.stop_time, "catenary.spans": 12, "catenary.first_watched_support": 4, "analysis": scene.analysis}
         )
     )
     single = statistics(alone)

@@ -16,7 +16,7 @@ def test_the_coupling_of_rotor_and_bearings_converges_with_the_macro_step():
 
     The rotor's own steps are the same short ones in all runs, so that what differs is the coupling.
     """
-    fine = {"stop_time": 0.05, "units.rotor.parameters.start_speed": 520.0, "units.rotor.parameters.substep": 1.25e-5}
+    fine = {"stop_time": 0.05, "rotor.start_speed": 520.0, "rotor.substep": 1.25e-5}
     runs = {h: finished(load_scene("rotor-run-up").with_changes({**fine, "master.step": h})) for h in (1.25e-5, 1e-4, 2e-4)}
     reference = runs.pop(1.25e-5)
     exact = reference["rotor.displacement_x"]

@@ -302,7 +302,7 @@ def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
             "connections": [c for port, side in sides.items() for c in (f"{port}.* -> {side}.*", f"{side}.* -> {port}.*")],
             "units.left.effects": ["damping"],
             "units.right.effects": ["damping"],
-            "units.rotor.parameters.start_fall": 1e-5,
+            "rotor.start_fall": 1e-5,
             "master.step": 1e-4,
         }
     )
@@ -317,9 +317,9 @@ def test_a_rotor_that_only_its_bearings_hold_finds_its_place(clearance, disk):
         load_scene("rotor-run-up").with_changes(
             {
                 "stop_time": 1e-4,
-                "units.left.parameters.diametral_clearance": clearance,
-                "units.right.parameters.diametral_clearance": clearance,
-                "units.rotor.parameters.disks.position": [disk, 0.0],
+                "left.diametral_clearance": clearance,
+                "right.diametral_clearance": clearance,
+                "rotor.disks.position": [disk, 0.0],
                 "record": {"signals": ["left.force_x", "left.force_y", "right.force_x", "right.force_y"]},
             }
         ),

@@ -33,7 +33,7 @@ def test_columns_as_printed_would_fail(monkeypatch):
 def test_another_vehicle_fails(name, parameter, value, rows):
     """Its own rows, and no others."""
     scenes = rov_closed_forms.scenes()
-    scenes[name] = scenes[name].with_changes({f"units.hull.parameters.{parameter}": value})
+    scenes[name] = scenes[name].with_changes({f"hull.{parameter}": value})
     case = replace(rov_closed_forms.CASE, questions=(Question(rov_closed_forms.measure, lambda: scenes),))
     found = case.findings(Options(in_process=True))
     assert {r.reference.measure for r in found.rows if not r.inside} == rows

@@ -128,7 +128,7 @@ def test_what_a_body_in_a_perfect_fluid_keeps_is_shown_as_its_drift():
     [
         {"units.hull.effects": ["added_mass", "coriolis", "linear_drag"]},
         {"units.hull.effects": ["added_mass"]},
-        {"units.hull.parameters.thrust": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
+        {"hull.thrust": [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
     ],
 )
 def test_what_is_not_kept_is_not_shown_as_kept(changes):

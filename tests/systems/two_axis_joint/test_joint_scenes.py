@@ -20,7 +20,7 @@ def test_the_damped_chain_decays_as_its_quartic_says():
     """Samples of the late, small motion follow one another by a matrix; its eigenvalues are those of the quartic."""
     scene = load_scene("damped-chain")
     small = {"start_first_angle": 1e-4, "start_second_angle": -5e-5}
-    result = finished(scene.with_changes({"stop_time": 20.0, **{f"units.chain.parameters.{n}": v for n, v in small.items()}}))
+    result = finished(scene.with_changes({"stop_time": 20.0, **{f"chain.{n}": v for n, v in small.items()}}))
     z = np.array([result[f"chain.{n}"] for n in ("first_angle", "second_angle", "first_rate", "second_rate")])
     following = np.linalg.lstsq(z[:, :-1].T, z[:, 1:].T, rcond=None)[0]
     eigenvalues = np.sort_complex(np.log(np.linalg.eigvals(following).astype(complex)) / scene.master.step)
@@ -41,7 +41,7 @@ def test_two_double_pendulums_that_differ_by_rounding_part():
     """Exponential growth by some e-foldings a second: a hundred thousandth becomes a radian, and not at once."""
     scene = load_scene("double-pendulum").with_changes({"stop_time": 20.0})
     one = finished(scene)
-    other = finished(scene.with_changes({"units.chain.parameters.start_first_angle": 1.9 + 1e-9}))
+    other = finished(scene.with_changes({"chain.start_first_angle": 1.9 + 1e-9}))
     apart = np.abs(one["chain.second_angle"] - other["chain.second_angle"])
     assert apart[one.time < 1.0].max() < 1e-7
     assert apart.max() > 1.0

@@ -16,7 +16,7 @@ from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start
 def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     """A per cent of the mass is seen in the speeds; the power balance holds for every mass."""
     given = wind_pump_equilibrium.scene
-    heavier = {"units.converter.parameters.lever_mass": 20.2}
+    heavier = {"converter.lever_mass": 20.2}
     monkeypatch.setattr(wind_pump_equilibrium, "scene", lambda wind: given(wind).with_changes(heavier))
     monkeypatch.setattr(wind_pump_equilibrium, "WINDS", (2.0, 2.5, 6.0))
     (question,) = wind_pump_equilibrium.CASE.questions
@@ -33,7 +33,7 @@ def test_a_double_acting_pump_starts_at_the_same_wind_and_stops_later(monkeypatc
     given = wind_pump_start.scene
     first, last = 3.1, 2.75  # m/s, about sqrt(2) * 2.02
     monkeypatch.setitem(wind_pump_start.STOPPING, "fixed", (first, last, 1e-3))
-    changed = {"units.transmission.parameters.load_torque": 2.0 * wind_pump_start.MEAN_TORQUE}
+    changed = {"transmission.load_torque": 2.0 * wind_pump_start.MEAN_TORQUE}
     monkeypatch.setattr(wind_pump_start, "scene", lambda kind, what: given(kind, what).with_changes(changed))
     result = run(wind_pump_start.scene("fixed", "stop"), in_process=True)
     # 2 i T / (rho A R C_Q0) with twice the mean torque

@@ -19,7 +19,7 @@ def test_an_axis_that_is_moved_by_a_degree_is_seen():
 
     def moved():
         scenes = wrist_rules.scenes()
-        changes = {f"units.{unit}.parameters.morphology.distal_tilt": math.radians(46.0) for unit in wrist_rules.HELD}
+        changes = {f"{unit}.morphology.distal_tilt": math.radians(46.0) for unit in wrist_rules.HELD}
         return scenes | {"held postures": scenes["held postures"].with_changes(changes)}
 
     case = replace(wrist_rules.CASE, questions=(Question(wrist_rules.measure, moved),))
@@ -43,7 +43,7 @@ def test_a_stiffness_that_is_turned_the_other_way_is_seen():
 
     def mirrored():
         return {
-            name: scene.with_changes({f"units.{unit}.parameters.coupling_stiffness": -5.736 for unit in scene.units})
+            name: scene.with_changes({f"{unit}.coupling_stiffness": -5.736 for unit in scene.units})
             for name, scene in wrist_stiffness.scenes().items()
         }
 

@@ -18,7 +18,7 @@ from ..runs import WITHOUT_PICTURES, at_speed, numbers, reference_run, with_stab
 
 SPEEDS = (250.0, 300.0)  # km/h
 BETAS = (0.0, 2.5e-4, 5e-4, 1e-3, 1.5e-3, 2e-3, 3e-3)  # s
-BETA, ALPHA = "units.catenary.parameters.damping.beta", "units.catenary.parameters.damping.alpha"
+BETA, ALPHA = "catenary.damping.beta", "catenary.damping.alpha"
 STUDIED = (("std", "σ, N"), ("max", "actual maximum, N"), ("min", "actual minimum, N"), ("uplift_mm", "uplift, mm"))
 
 
@@ -51,8 +51,8 @@ def _variants(scene: Scene) -> dict[str, dict[str, Any]]:
     """Name -> changes of the scene; each changes one thing."""
     catenary = scene.units["catenary"]
     element, substep = _parameter(scene, "element"), _parameter(scene, "substep")
-    half_step = {"master.step": 0.5 * scene.master.step, "units.catenary.parameters.substep": 0.5 * substep}
-    half_element = {"units.catenary.parameters.element": 0.5 * element}
+    half_step = {"master.step": 0.5 * scene.master.step, "catenary.substep": 0.5 * substep}
+    half_element = {"catenary.element": 0.5 * element}
     with_effect = {
         e: {"units.catenary.effects": [*catenary.effects, e]} for e in ("steady_arm", "level_support", "bending_stiffness")
     }

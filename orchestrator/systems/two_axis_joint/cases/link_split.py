@@ -75,8 +75,8 @@ def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mappin
         "master.step": step,
         "master.bonds": [],
         "units.joint.parameters": {"stiffness": stiffness, "damping": 100.0, "rotation": {"damping": 0.02}},
-        "units.first.parameters.substep": 1e-4,
-        "units.second.parameters.substep": 1e-4,
+        "first.substep": 1e-4,
+        "second.substep": 1e-4,
         "record": {"signals": ["first.angle", "second.angle"], "interval": 0.01},
     }
     return load_scene("link-split").with_changes(given | dict(changes or {}))
@@ -109,7 +109,7 @@ def small_motion(runs: Runs) -> dict[str, list[float]]:
     scene = _scene("jacobi, linear", 2.5e-4, changes={
         "stop_time": 4.0,
         "units.joint.parameters": {"stiffness": STIFFNESS, "damping": 100.0, "rotation": {"damping": 0.05}},
-        "units.first.parameters.start_angle": SMALL,
+        "first.start_angle": SMALL,
         "units.second.parameters": {"start_angle": -SMALL, "start_x": math.sin(SMALL), "start_y": -math.cos(SMALL) - stretch,
                                     "substep": 1e-4},
         "record": {"signals": ["first.angle", "second.angle", "first.rate", "second.rate"], "interval": SAMPLED},
@@ -150,7 +150,7 @@ def _grows(runs: Runs, step: float) -> bool:
     """Whether the joint's vibration grows: the part of its opening that changes sign from step to step."""
     scene = _scene("jacobi, held", step, changes={
         "stop_time": TRIAL * step,
-        "units.first.parameters.start_angle": SMALL,
+        "first.start_angle": SMALL,
         "units.second.parameters": {"start_angle": -SMALL, "start_x": math.sin(SMALL), "start_y": -math.cos(SMALL),
                                     "substep": 1e-3},
         "record": {"signals": ["joint.first_force_x"]},

@@ -69,10 +69,10 @@ def lumped_run(
         load_scene("lumped-catenary"),
         speed,
         {
-            "units.catenary.parameters.mean_stiffness": stiffness,
-            "units.catenary.parameters.harmonic": [*swings, *[0.0] * (HARMONICS - len(swings))],
-            "units.catenary.parameters.mass": wire[0],
-            "units.catenary.parameters.damping": wire[1],
+            "catenary.mean_stiffness": stiffness,
+            "catenary.harmonic": [*swings, *[0.0] * (HARMONICS - len(swings))],
+            "catenary.mass": wire[0],
+            "catenary.damping": wire[1],
             "master.step": STEP,
         },
     )

@@ -18,7 +18,7 @@ TRANSIENT = 20.0  # s
 LIFT = 20.0  # N, of the task that only holds depth
 CALM = {"units.water.parameters": {"speed": 0.0, "waves": {"height": 0.0}}, "stop_time": 60.0}
 TASKS: dict[str, dict[str, Any]] = {
-    "lift": {**CALM, "units.hull.parameters.restoring.buoyancy": 112.8 + LIFT},
+    "lift": {**CALM, "hull.restoring.buoyancy": 112.8 + LIFT},
     "current": {
         "units.water.effects": ["ramp", "gust", "waves"],
         "stop_time": 60.0,
@@ -33,7 +33,7 @@ TASKS: dict[str, dict[str, Any]] = {
     "waves": {},
     "transect": {
         "units.controller.effects": ["inverse_curve", "manoeuvre"],
-        "units.controller.parameters.manoeuvre": {
+        "controller.manoeuvre": {
             "time": [0.0, 20.0, 60.0, 65.0, 75.0, 115.0, 115.0, 115.0],
             "north": [0.0, 0.0, 12.0, 12.0, 12.0, 0.0, 0.0, 0.0],
             "east": [0.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0],
