@@ -74,7 +74,7 @@ def table_of(text: str, where: str, separator: str = "") -> Columns:
         if len(cells) < len(header) or any(cell.strip() for cell in cells[len(header) :]):
             remedy = COMMAS if len(cells) > len(header) and separator == "," else ""
             raise BadInput(f"{where}, line {line}", f"{len(cells)} cells", f"{len(header)}, as the header has", remedy)
-    parts = [_name_and_unit(text) for text in header]
+    parts = [name_and_unit(text) for text in header]
     if rows and _are_units(rows[0][1]) and not any(unit for _, unit in parts):
         below = [cell.strip().strip("[]()") for cell in rows.pop(0)[1]]
         parts = [(name, unit) for (name, _), unit in zip(parts, below, strict=False)]
@@ -172,7 +172,8 @@ class Columns:
         return value
 
 
-def _name_and_unit(text: str) -> tuple[str, str]:
+def name_and_unit(text: str) -> tuple[str, str]:
+    """A name and its unit as a header has them, "span [mm]" or "span (mm)"; without one, the text and ""."""
     if match := _WITH_UNIT.fullmatch(text):
         is_element = match[3] is not None and not match[2] and re.fullmatch(r"[\d,\s*:]+", match[3])
         return (text, "") if is_element else (match[1] or match[4], (match[3] if match[1] else match[5]).strip())

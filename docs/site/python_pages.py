@@ -71,6 +71,9 @@ EXAMPLES = {
             sim.initialize()
             sim.step(100)
             print(sim.time, sim["mass.base_x"])""",
+    "function": """
+        with cosimo.function("mass-on-spring", ["spring.stiffness"], ["mass.base_x, maximum"]) as f:
+            print(f(f.start), f([[80.0], [120.0]]))""",
     "build_scene": """
         scene = cosimo.build_scene(
             {"mass": cosimo.unit("PlanarLink", mass=2.0), "spring": cosimo.unit("CompliantJoint", stiffness=5e3)},

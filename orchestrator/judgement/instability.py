@@ -9,7 +9,7 @@ whole (`missed`): what contacts or stops keep bounded does not grow, but nothing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from copy import copy
 from typing import Any
 
@@ -51,8 +51,8 @@ class InstabilityMonitor(BatchObserver):
         self._energies = [_Blocks(account.nominal, LOOKS if k else 1) for k in range(KINDS)] if account is not None else []
         self._before = account.sums if account is not None else None  # at the last block's end
         self._seen = False  # the looks of the steps to come, see `first_violation`
-        self._last: tuple[np.ndarray, ...] = ()  # looks, (2, links) each
-        self._whole: tuple[np.ndarray, ...] = ()  # the same of the whole run: the largest of some, the earlier, the more
+        self._last = self._whole = np.zeros((0, 2, len(self._links)))  # looks; and of the whole run the largest of some, the
+        # earlier, the more
         self._origin: np.ndarray | None = None  # inputs at the first look
         self._count, self._moments = (
             0,
@@ -126,10 +126,11 @@ class InstabilityMonitor(BatchObserver):
             self._judge_end(self._whole[-length:], t)
             length //= 2
 
-    def _judge_end(self, looks: Sequence[np.ndarray], t: float) -> None:
+    def _judge_end(self, looks: np.ndarray, t: float) -> None:
         if len(looks) < 2:
             return
-        parts = np.array([part.max(axis=0) for part in np.array_split(np.array(looks), min(len(looks), PARTS))])
+        each, more = divmod(len(looks), count := min(len(looks), PARTS))
+        parts = np.maximum.reduceat(looks, [k * each + min(k, more) for k in range(count)], axis=0)
         values, misses = parts[:, 0], parts[:, 1]
         grown = values[-1] > BEYOND * np.maximum(self._blocks[0].nominal, values[0])
         grown &= (misses[-1] > OVERSHOT * values[-1]) & np.all(misses[1:] > RISE * misses[:-1], axis=0)
@@ -149,19 +150,21 @@ class InstabilityMonitor(BatchObserver):
             shares = np.sqrt(missed) / np.maximum(scale, NOTHING * self._blocks[0].nominal)
         if not np.isfinite(shares).all() or not shares.max(initial=0.0) > 0.0:
             return None
-        link = self._links[int(np.argmax(shares))]
-        share = float(f"{shares.max():.6g}")  # the last digits follow from how many steps were taken at once
+        rounded = [
+            float(f"{share:.6g}") for share in shares.tolist()
+        ]  # more digits follow from how many steps were taken at once
+        link = self._links[rounded.index(share := max(rounded))]
         return {"input": ".".join(link.target), "source": ".".join(link.source), "share": share}
 
     def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
         """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
         grown, the unit that takes it, and how it has grown; None: nothing has."""
         grown: list[tuple[int, str, str]] = []
-        self._last, self._whole = (*self._last, *looks)[-LAST:], (*self._whole, *looks)
-        while len(self._whole) > 2 * OF_WHOLE:
-            self._whole = tuple(np.maximum(a, b) for a, b in zip(self._whole[:-1:2], self._whole[1::2], strict=True)) + (
-                self._whole[-1:] if len(self._whole) % 2 else ()
-            )
+        self._last, whole = np.concatenate((self._last, looks))[-LAST:], np.concatenate((self._whole, looks))
+        while len(whole) > 2 * OF_WHOLE:
+            pairs = np.maximum(whole[:-1:2], whole[1::2])
+            whole = np.concatenate((pairs, whole[-1:])) if len(whole) % 2 else pairs
+        self._whole = whole
         rows, ends = looks, steps
         for k, blocks in enumerate(self._blocks):
             rows, ends, which = blocks.take(rows, ends)

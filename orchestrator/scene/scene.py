@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -72,7 +73,7 @@ class Scene(SceneSettings):
         """Every connection as "unit.output -> unit.input", joined ports by their members."""
         return tuple(f"{source} -> {target}" for source, target in self.ends)
 
-    @property
+    @cached_property
     def ends(self) -> tuple[tuple[str, str], ...]:
         """("unit.output", "unit.input") of every connection, joined ports by their members."""
         return tuple(pair for connection in self.connections for pair in self.ends_of(connection))

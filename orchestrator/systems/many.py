@@ -16,6 +16,7 @@ from . import scene_of, summary
 if TYPE_CHECKING:
     from ..harness.many.design import Design
     from ..harness.many.fitting import SceneFit
+    from ..harness.many.function import Function
     from ..harness.many.sensitivity import Sensitivity
     from ..harness.many.uncertainty import Uncertainty
     from ..settings.answers import DesignSettings, FitSettings
@@ -81,6 +82,21 @@ def run_many(
     """
     plan = from_columns(table) | ({} if keep is None else {"keep": keep})
     return sweep(scene, plan, directory, jobs=threads, verify=verify)
+
+
+def function(
+    scene: Scene | str | Path, parameters: str | Sequence[str], figures: str | Sequence[str], *, threads: int | None = None
+) -> Function:
+    """A scene as a function f(x) -> y of parameters, for optimizers and samplers: x (k,) gives y (m,), x (n, k) gives (n, m).
+
+    parameters: "unit.parameter", or "unit.parameter [unit of measure]", in which x is then.  figures: as in plans, "unit.output,
+    kind" or a figure of summary.json.  threads: for many points at once; None: one for each core. A text instead of a list: x or y
+    without that axis. A run that fails gives NaN and its `reason`, no exception. The units are opened once where the scene is
+    kernels alone. Close it, or use `with`. Raises `BadInput` for names that the scene does not have.
+    """
+    from ..harness.many.function import Function
+
+    return Function(scene_of(scene), parameters, figures, summarize=summary, threads=threads)
 
 
 def sensitivity(scene: Scene | str | Path, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:

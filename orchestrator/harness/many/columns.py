@@ -27,15 +27,15 @@ def as_column(name: str) -> str:
     return str(wanted(name)) if is_quantity(name) else name
 
 
-def column_name(names: Iterable[str], name: str, where: str) -> str:
-    """A quantity as the columns of a sweep have it; raises `BadInput` with near names."""
+def column_name(names: Iterable[str], name: str, where: str, others: Iterable[str] = ()) -> str:
+    """A quantity as the columns of a sweep have it; raises `BadInput` with near names, `others` among them."""
     key, names = as_column(name), list(names)
     if key not in names:
         raise BadInput(
             where,
             repr(name),
             'a figure of summary.json, "unit.output, kind", or what an own function gives',
-            nearest(name, names),
+            nearest(name, [*names, *others]),
         )
     return key
 
@@ -45,14 +45,14 @@ def check_columns(task: Task, names: Iterable[str], where: str) -> bool:
     a function of one's own, are known from the first run on."""
     scene, all_known = task.scene(), True
     known = [q.name for q in quantities_of(scene) if q.kind != "time history"] if scene.study.quantities else []
-    if task.keep.statistics:
-        known += [f"{'.'.join(end)}, {kind}" for end in scene.coupling.signals for kind in KINDS]
+    statistics = [f"{'.'.join(end)}, {kind}" for end in scene.coupling.signals for kind in KINDS]
+    known += statistics if task.keep.statistics else []
     for name in names:
         figure = ", " not in name and task.summarize is not None and bool(scene.analysis.system)
         if as_column(name) not in known and (figure or task.keep.functions):
             all_known = False
         else:
-            column_name(known, name, where)
+            column_name(known, name, where, statistics)
     return all_known
 
 

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import json
 import logging
+import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from signal import Signals
+from fractions import Fraction
+from signal import SIGINT, Signals
 from threading import local
 from typing import Any
 
-from ....components.core.errors import BadInput
-from ...run.progress import Stop
+import numpy as np
+
+from ....components.core.errors import BadInput, StepFailed
+from ...judgement.instability import InstabilityMonitor
+from ...run.progress import Interrupt, Stop
+from ...run.recording import signals_spool
 from ...run.results import Result
 from ...run.run import Run, run
+from ...run.tables import MemoryTable
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked, asked_for
-from ...session.open_scene import OpenScene
+from ...session.open_scene import Course, OpenScene
 from .measures import Row, Task, row_of_result
 
 log = logging.getLogger("cosimo")
@@ -35,7 +42,11 @@ def runs_of(task: Task, stop: Stop | None = None) -> PointRuns:
 
 def in_threads(task: Task) -> bool:
     """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
-    runs = runs_of(task)
+    return only_kernels(task, runs_of(task))
+
+
+def only_kernels(task: Task, runs: PointRuns) -> bool:
+    """As `in_threads`, by these runs of the task."""
     catalogue = all(unit.component and ":" not in unit.component for unit in runs.scene.units.values())
     return catalogue and not task.keep.functions and runs.open_scene({}) is not None
 
@@ -72,15 +83,41 @@ class PointRuns:
         self._task, self._stop, self.scene = task, stop, task.scene()
         self._stack, self._key = ExitStack(), ""
         self._open_scene: OpenScene | None = None
+        self._course: _Course | None = None  # of the open scene
+        self._numbers: set[tuple[str, ...]] = set()  # names of points that differ in numbers alone
 
     def close(self) -> None:
         """Close the units."""
         self._stack.close()
-        self._key, self._open_scene = "", None
+        self._key, self._open_scene, self._course = "", None, None
 
     def row(self, values: Mapping[str, Any]) -> Row:
         """What is kept of the run with the values of a point; every failure is a row with its reason."""
-        return row_of(lambda: self.result(values), self._task)
+        return row_of(lambda: self._result_of_rows(values) or self.result(values), self._task)
+
+    def _result_of_rows(self, values: Mapping[str, Any]) -> Result | None:
+        """The run with the values of a point, of which no more is known than figures need: it costs little more than its steps.
+        None for functions of one's own, which may look at all of a run, and where it ends early: `result` says why."""
+        if self._task.keep.functions or not self._are_numbers(tuple(values)):
+            return None
+        if (open_scene := self.open_scene({})) is None or not open_scene.takes(values):
+            return None
+        self._course = self._course or _Course(open_scene, described=self._task.summarize is not None)
+        try:
+            if self._stop is not None:  # what all threads share is left alone
+                return self._course.run(values, self._stop)
+            with Interrupt() as interrupt, warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                return self._course.run(values, interrupt)
+        except (BadInput, StepFailed, ArithmeticError, MemoryError):
+            self._course = None
+            return None
+
+    def _are_numbers(self, names: tuple[str, ...]) -> bool:
+        """Whether points that differ in these names differ in numbers alone."""
+        if names not in self._numbers and all(map(self._number, names)):
+            self._numbers.add(names)
+        return names in self._numbers
 
     def result(self, values: Mapping[str, Any]) -> Result:
         """The run with the values of a point; raises `BadInput` for one that cannot start."""
@@ -118,3 +155,55 @@ class PointRuns:
         """Whether a setting is, by its name, a parameter that no layout depends on."""
         variable = parameter_of(self.scene, name)
         return variable is not None and not variable.structural
+
+
+class _Course:
+    """Runs of an open scene to its end, of which the rows are kept; what it needs of the scene is made once.
+
+    described: `info` of the results has the parameters of the units, for the figures of a system.
+    """
+
+    def __init__(self, open_scene: OpenScene, described: bool):
+        self._described = described
+        scene, coupling = open_scene.scene, open_scene.scene.coupling
+        self._open_scene, self._coupling = open_scene, coupling
+        self._course: Course | None = None
+        self._names = [f"{u}.{n}" for u, n in coupling.signals]
+        self._measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
+        interval, step = scene.record.interval, scene.master.step
+        self._every = open_scene.clock.multiple(interval, step) if interval else Fraction(1)
+        self._steps = int(scene.duration / step)
+        self._monitored = any(len(group) > 1 for group in coupling.groups)
+
+    def run(self, numbers: Mapping[str, Any], stop: Stop | Interrupt) -> Result:
+        """With these parameters, by name; raises `BadInput` and `StepFailed`. stop: ends it between two batches of steps."""
+        open_scene, coupling = self._open_scene, self._coupling
+        scene = open_scene.begin_anew(numbers)
+        if self._course is None or coupling.bonds:  # an account of energy is that of one run
+            self._course = Course(open_scene)
+            self._course.stepping.run((), 0)  # it has begun; the observers look at the start below
+        stepping, account, master = self._course.stepping, self._course.account, open_scene.master
+        stepping.tick = 0
+        spool = signals_spool(master, open_scene.units, coupling, MemoryTable(self._names), self._every, stepping.end)
+        monitor = InstabilityMonitor(master, self._steps, account) if self._monitored else None
+        observers = [*spool.recorders, stop, *([monitor] if monitor else [])]
+        if isinstance(stop, Interrupt):
+            stop.halt = stepping.halt
+        self._course.start()
+        try:
+            for observe in observers:
+                observe(0, scene.start_time)
+            stepping.run(observers)
+        except KeyboardInterrupt:
+            taken = {"signal": (stop.taken or SIGINT).name}
+            return Result(scene, np.zeros(0), {}, {}, self._measures, taken, "stopped", "")
+        if monitor is not None:
+            monitor.close(scene.stop_time)
+        if master.no_numbers:
+            raise StepFailed(scene.name, scene.stop_time, "an output was no number")
+        time, values, _ = spool.drain()
+        columns = dict(zip(self._names, values.T, strict=True))
+        info: dict[str, Any] = {"missed": monitor and monitor.missed()}
+        if self._described:
+            info["units"] = {name: {"parameters": unit.parameters()} for name, unit in open_scene.units.items()}
+        return Result(scene, time, columns, {}, self._measures, info, "done", "")

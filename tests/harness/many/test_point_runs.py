@@ -9,7 +9,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import Kind
 from cosimo.orchestrator.harness.many.executors import Here, Threads
 from cosimo.orchestrator.harness.many.measures import Task
-from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads
+from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads, row_of
+from cosimo.orchestrator.harness.many.store import table_of
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.settings.plan import KeepSettings
@@ -50,7 +51,7 @@ def test_a_point_has_the_bits_of_a_run_of_its_own(name):
         scene = short(name)
     except BadInput as error:
         pytest.skip(f"cannot be shortened: {error}")
-    runs = PointRuns(task_of(scene))
+    runs = PointRuns(task := task_of(scene))
     if (open_scene := runs.open_scene({})) is None:
         pytest.skip("needs Python in a step")
     numbers = [
@@ -64,6 +65,8 @@ def test_a_point_has_the_bits_of_a_run_of_its_own(name):
             point = {parameter: factor * value}
             own = content(lambda: run(runs.scene.with_changes(point), in_process=True))  # noqa: B023
             assert content(lambda: runs.result(point)) == own, point  # noqa: B023
+            row = row_of(lambda: run(runs.scene.with_changes(point), in_process=True), task)  # noqa: B023
+            assert table_of([(0, runs.row(point))]).equals(table_of([(0, row)]), check_metadata=True), point
     assert runs.open_scene({}) is open_scene
     runs.close()
 
