@@ -10,7 +10,7 @@ this growth is allowed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import count
@@ -18,13 +18,10 @@ from itertools import count
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..engine.algorithms.energy import EnergyAccount
-from ..engine.algorithms.node import Node
-from ..engine.coupling import Coupling
+from ..engine.coupling import Endpoint
 from ..engine.coupling.checks import free
-from ..engine.stepping.loop import Steppable
 from ..scene.scene import Scene
-from ..session.open_scene import OpenScene
+from ..session.open_scene import Course, OpenScene
 from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 
@@ -120,12 +117,10 @@ class Disturbed:
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
         self.scene, self.open_scene = scene, OpenScene(scene, stack, in_process=True, watched=())
-        self.master = self.open_scene.master
-        account = EnergyAccount(self.master, coupling, correction=scene.master.energy_correction) if coupling.bonds else None
-        (account or self.master).initialize(scene.start_time)
-        self._steppable: Steppable = account or self.master
-        self._start = self._steppable.save()
-        self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
+        self._course = Course(self.open_scene)
+        self._course.start()
+        self._start = self._course.save()
+        self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.open_scene.signals])
 
     @property
     def longest(self) -> float:
@@ -166,41 +161,33 @@ class Disturbed:
 
     def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
         """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""
-        master, rows = self.master, np.zeros((0, len(self._nominal)))
-        self._steppable.restore(self._start)
-        times = [self.scene.start_time + k * h for k in range(n + BEFORE + 1)]
+        self._course.restore(self._start)
+        rows = np.zeros((0, self._nominal.size))
         try:
-            for k, t in enumerate(times[: BEFORE + 1]):
-                if pushed and k == BEFORE:
-                    _push(master.nodes, self._coupling)
-                self._steppable.step(t, h)
-            for node in master.nodes:
-                node.alter({})
-            steps = self._steppable.run_steps(np.array(times[BEFORE + 1 :]), h)
-            rows = steps.rows
-            if steps.failure is not None:
-                raise steps.failure
+            for steps in (range(BEFORE), range(BEFORE, BEFORE + 1), range(BEFORE + 1, n + BEFORE + 1)):
+                self.open_scene.push(self._pushes() if pushed and steps.start == BEFORE else {})
+                taken = self._course.stretch(h, steps)
+                rows = taken.rows if steps.start > BEFORE else rows
+                if taken.failure is not None:
+                    raise taken.failure
         except (StepFailed, OverflowError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
             return rows, str(error)
         finally:
-            for node in master.nodes:
-                node.alter({})
+            self.open_scene.push({})
         return rows, ""
 
+    def _pushes(self) -> dict[Endpoint, float]:
+        """Of every input that changes inside steps, every other one to the opposite side.
 
-def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
-    """Push every input that changes inside steps, every other one to the opposite side.
-
-    By a part of its own, or the push of an input could cancel what the pushes of others make of the output that it comes from.
-    """
-    parts = (1.0 + GOLDEN * i % 1.0 for i in count())
-    for node in nodes:
-        pushes = {}
-        for k, (link, value) in enumerate(zip(node.links, node.inputs(), strict=True)):
-            if k not in node.held:
-                nominal = coupling.interfaces[link.target[0]].inputs[link.target[1]].nominal
-                pushes[k] = (False, next(parts) * PUSH * math.copysign(max(abs(value), abs(nominal)), (-1) ** k * nominal))
-        node.alter(pushes)
+        By a part of its own, or the push of an input could cancel what the pushes of others make of the output that it comes from.
+        """
+        parts, pushes = (1.0 + GOLDEN * i % 1.0 for i in count()), {}
+        for unit in self.open_scene.order:
+            for k, (name, value) in enumerate(self.open_scene.inputs(unit).items()):
+                if (unit, name) not in self.open_scene.jumping:
+                    nominal = self._coupling.interfaces[unit].inputs[name].nominal
+                    pushes[unit, name] = next(parts) * PUSH * math.copysign(max(abs(value), abs(nominal)), (-1) ** k * nominal)
+        return pushes
 
 
 def longest_stable(

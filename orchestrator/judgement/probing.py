@@ -16,11 +16,10 @@ and the answer says so.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from math import ceil, inf, log, pi, sqrt
-from statistics import median
 from time import perf_counter
 
 import numpy as np
@@ -31,9 +30,7 @@ from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
 from ..run.run_info import CompileTime
 from ..scene.scene import Scene
-from ..session.open_scene import OpenScene
-from ..units import Interface, Simulator
-from ..units.interface import PortValues
+from ..session.open_scene import Course, OpenScene
 from . import work
 from .closed_form import longest_step, radii
 from .thresholds import TOLERABLE
@@ -67,18 +64,21 @@ class StepCost:
         )
 
 
-def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: float) -> StepCost:
-    """The cost of a step of `step` s from where the unit stands, with its inputs held; the unit is left as it was.
+def step_cost(open_scene: OpenScene, name: str, step: float) -> StepCost:
+    """The cost of a step of a unit of `step` s from where it stands, with its inputs held; it is left as it was.
 
     A unit that cannot go back or cannot shorten its steps is not asked, and its step is taken as one that may be made. So is that
     of an FMU, which counts a step as one operation, however long it takes: a clock would cut it elsewhere on another machine.
     """
+    interface, unit = open_scene.scene.coupling.interfaces[name], open_scene.units[name]
     if not interface.saves_state or not interface.variable_step or interface.fixed_step:
         return StepCost()
     try:
-        _part(unit, values, SHARES[0] * step)  # which compiles
+        open_scene.alone(name, {}, SHARES[0] * step)  # which compiles
         for share in SHARES:
-            calls, seconds = _part(unit, values, share * step)
+            before, start = work.calls_of(unit.work()), perf_counter()
+            open_scene.alone(name, {}, share * step)
+            calls, seconds = work.calls_of(unit.work()) - before, perf_counter() - start
             if PACE * calls > MOST_CALLS and share < 1.0:
                 return StepCost(share, calls, seconds)
     except StepFailed:  # the run's own first step will say why
@@ -86,24 +86,10 @@ def step_cost(unit: Simulator, interface: Interface, values: PortValues, step: f
     return StepCost(1.0, calls, seconds)
 
 
-def _part(unit: Simulator, values: PortValues, h: float) -> tuple[int, float]:
-    """Counted operations and real time (s) of a step of h, s."""
-    state, before, start = unit.save(), work.calls_of(unit.work()), perf_counter()
-    try:
-        if len(values):
-            unit.drive(values, None, None, h)
-        unit.step(0.0, h)
-        unit.get()
-        return work.calls_of(unit.work()) - before, perf_counter() - start
-    finally:
-        unit.restore(state)
-        unit.release(state)
-
-
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
 NOISE = 1e-6  # of the largest entry: what probing does not resolve
-WARM_UP, TIMED_STEPS, TIMED_SECONDS = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
+TIMED_STEPS, TIMED_SECONDS = 32, 0.3  # of the longest stretch, whose time tells that of a macro step; s that it may take
 FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
 
 
@@ -179,7 +165,7 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
     with CompileTime() as compiling:
         with ExitStack() as stack:  # in process, where components count what they do
-            open_scene = _started(scene, stack, in_process=True)
+            open_scene, course = _started(scene, stack, in_process=True)
             limits, unknown = pair_limits(open_scene)
             costs, counted = _costs(open_scene), 0.0
             for name, (cost, every) in costs.items():
@@ -187,42 +173,37 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
             cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
             seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
             if not cut and (here := work.as_repeated(scene, in_process)):
-                seconds = _timed(open_scene)
+                seconds = _timed(course)
         if not cut and not here:
             with ExitStack() as stack:
-                seconds = _timed(_started(scene, stack, in_process=False))
+                seconds = _timed(_started(scene, stack, in_process=False)[1])
     steps = ceil(scene.duration / scene.master.step * (1.0 - 1e-12))
     return Advice(limits, unknown, steps, seconds, counted, compiling.seconds, cut)
 
 
-def _started(scene: Scene, stack: ExitStack, in_process: bool) -> OpenScene:
+def _started(scene: Scene, stack: ExitStack, in_process: bool) -> tuple[OpenScene, Course]:
     open_scene = OpenScene(scene, stack, in_process, watched=())
-    open_scene.master.initialize(scene.start_time)
-    return open_scene
+    course = Course(open_scene)
+    course.start()
+    return open_scene, course
 
 
 def _costs(open_scene: OpenScene) -> dict[str, tuple[StepCost, int]]:
     """By unit the cost of a step of it, and the macro steps that this one spans."""
-    coupling, units, step, costs = open_scene.scene.coupling, open_scene.units, open_scene.scene.master.step, {}
-    for node in open_scene.master.nodes:
-        name = node.unit.name
-        every = coupling.rates.get(name, 1)
-        costs[name] = step_cost(units[name], coupling.interfaces[name], node.inputs(), every * step), every
-    return costs
+    scene = open_scene.scene
+    every = {name: scene.coupling.rates.get(name, 1) for name in open_scene.order}
+    return {name: (step_cost(open_scene, name, n * scene.master.step), n) for name, n in every.items()}
 
 
-def _timed(open_scene: OpenScene) -> float:
-    """Median time of a macro step, s."""
-    scene, master, times, spent = open_scene.scene, open_scene.master, [], 0.0
-    h = scene.master.step
-    for k in range(min(WARM_UP + TIMED_STEPS, int(scene.duration / h * (1.0 + 1e-12)))):
-        begin = perf_counter()
-        master.step(scene.start_time + k * h, h)
-        times.append(perf_counter() - begin)
-        spent += times[-1] if k >= WARM_UP else 0.0
-        if spent > TIMED_SECONDS:
-            break
-    return median(times[WARM_UP:] or times)
+def _timed(course: Course) -> float:
+    """Time of a macro step, s: the least mean over stretches, each twice as long as the one before; the first warms up."""
+    stepping, n, times = course.stepping, 1, list[float]()
+    while n <= TIMED_STEPS and stepping.tick < stepping.end and (n <= 2 or n * times[-1] < TIMED_SECONDS):
+        begin, first = perf_counter(), stepping.tick
+        stepping.run((), n)
+        times.append((perf_counter() - begin) * stepping.stride / (stepping.tick - first))
+        n *= 2
+    return min(times[1:] or times)
 
 
 def pair_limits(open_scene: OpenScene) -> tuple[tuple[PairLimit, ...], tuple[str, ...]]:
@@ -245,9 +226,8 @@ def pair_limits(open_scene: OpenScene) -> tuple[tuple[PairLimit, ...], tuple[str
         if reason := _obstacle(scene, forces, movers):
             unknown.append(f"{pair}: {reason}")
             continue
-        probe = _Probe(open_scene)
-        gains = probe.gains(forces, motions)
-        modes = _modes(*(-gains @ part for part in probe.answers(forces, motions)))
+        gains = _gains(open_scene, forces, motions)
+        modes = _modes(*(-gains @ part for part in _answers(open_scene, forces, motions)))
         if modes:
             limits.append(min((_limit(scene, pair, *mode) for mode in modes), key=lambda limit: limit.left))
         elif gains.any():
@@ -315,73 +295,49 @@ def _is_force(unit: str) -> bool:
         return False
 
 
-class _Probe:
-    """Changes inputs a little, looks at what follows, and takes it back."""
+def _gains(open_scene: OpenScene, forces: Sequence[Link], motions: Sequence[Link]) -> np.ndarray:
+    """Derivatives of force inputs with respect to motion outputs, through both connections, (forces, motions)."""
+    columns = [_changes(open_scene, link, 0.0, forces) * link.factor for link in motions]
+    return np.array([force.factor for force in forces])[:, None] * np.array(columns).T
 
-    def __init__(self, open_scene: OpenScene):
-        self._coupling, self._master, self._units = open_scene.scene.coupling, open_scene.master, open_scene.units
-        self._nodes = {node.unit.name: node for node in self._master.nodes}
-        self._step = open_scene.scene.master.step
 
-    def gains(self, forces: Sequence[Link], motions: Sequence[Link]) -> np.ndarray:
-        """Derivatives of force inputs with respect to motion outputs, through both connections, (forces, motions)."""
-        unit = self._units[forces[0].source[0]]
-        columns = [self._changes(link, unit.update, forces) * link.factor for link in motions]
-        return np.array([force.factor for force in forces])[:, None] * np.array(columns).T
+def _answers(open_scene: OpenScene, forces: Sequence[Link], motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
+    """Second and first time derivatives of motion outputs per unit of force, (motions, forces) each."""
+    second, first = (np.zeros((len(motions), len(forces))) for _ in range(2))
+    for column, force in enumerate(forces):
+        mine = [row for row, link in enumerate(motions) if link.source[0] == force.target[0]]
+        second[mine, column], first[mine, column] = _answer(open_scene, force, [motions[row] for row in mine])
+    return second, first
 
-    def answers(self, forces: Sequence[Link], motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
-        """Second and first time derivatives of motion outputs per unit of force, (motions, forces) each."""
-        second, first = (np.zeros((len(motions), len(forces))) for _ in range(2))
-        for column, force in enumerate(forces):
-            mine = [row for row, link in enumerate(motions) if link.source[0] == force.target[0]]
-            second[mine, column], first[mine, column] = self._answer(force, [motions[row] for row in mine])
-        return second, first
 
-    def _answer(self, force: Link, motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
-        """Second and first time derivatives of a unit's outputs per unit of a force on it, (n,) each.
+def _answer(open_scene: OpenScene, force: Link, motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
+    """Second and first time derivatives of a unit's outputs per unit of a force on it, (n,) each.
 
-        An output has one of both: that which its answers to steps of one and of two lengths show.
-        """
-        name = force.target[0]
-        interface = self._coupling.interfaces[name]
-        cost = step_cost(self._units[name], interface, self._nodes[name].inputs(), self._step)
-        for share in (0.5 * cost.share,) if cost.cut else SPANS:
-            h = interface.fixed_step or (share * self._step if interface.variable_step else self._step)
-            once, twice = (self._changes(force, self._stepping(force, span), motions) for span in (h, 2.0 * h))
-            if once.any():
-                break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            powers = np.round(np.log2(twice / once))
-        return np.where(powers == 2.0, 2.0 * once / h**2, 0.0), np.where(powers == 1.0, once / h, 0.0)
+    An output has one of both: that which its answers to steps of one and of two lengths show.
+    """
+    step, interface = open_scene.scene.master.step, open_scene.scene.coupling.interfaces[force.target[0]]
+    cost = step_cost(open_scene, force.target[0], step)
+    for share in (0.5 * cost.share,) if cost.cut else SPANS:
+        h = interface.fixed_step or (share * step if interface.variable_step else step)
+        once, twice = (_changes(open_scene, force, span, motions) for span in (h, 2.0 * h))
+        if once.any():
+            break
+    with np.errstate(divide="ignore", invalid="ignore"):
+        powers = np.round(np.log2(twice / once))
+    return np.where(powers == 2.0, 2.0 * once / h**2, 0.0), np.where(powers == 1.0, once / h, 0.0)
 
-    def _stepping(self, force: Link, h: float) -> Callable[[PortValues], None]:
-        unit = self._units[force.target[0]]
 
-        def advance(values: PortValues) -> None:
-            unit.drive(values, None, None, h)
-            unit.step(0.0, h)
+def _changes(open_scene: OpenScene, link: Link, h: float, outputs: Sequence[Link]) -> np.ndarray:
+    """Derivatives of the outputs that feed some links with respect to the input of one, (n,).
 
-        return advance
-
-    def _changes(self, link: Link, act: Callable[[PortValues], None], outputs: Sequence[Link]) -> np.ndarray:
-        """Derivatives of the outputs that feed some links with respect to the input of one, (n,), after `act` with its values."""
-        name, input_ = link.target
-        node, unit = self._nodes[name], self._units[name]
-        k = node.links.index(link)
-        places = [self._master.positions[output.source] - node.place.start for output in outputs]
-        value = float(node.inputs()[k])
-        nudge = NUDGE * max(abs(value), self._coupling.interfaces[name].inputs[input_].nominal)
-        answers = []
-        for moved in (value - nudge, value + nudge):
-            values = node.inputs()
-            values[k] = moved
-            state = unit.save()
-            act(values)
-            given = unit.get()
-            answers.append(np.array([given[place] for place in places]))
-            unit.restore(state)
-            unit.release(state)
-        return (answers[1] - answers[0]) / ((value + nudge) - (value - nudge))
+    Behind a step of h, s, or with 0 within the instant.
+    """
+    name, input_ = link.target
+    value = open_scene.inputs(name)[input_]
+    nudge = NUDGE * max(abs(value), open_scene.scene.coupling.interfaces[name].inputs[input_].nominal)
+    below, above = (open_scene.alone(name, {input_: moved}, h) for moved in (value - nudge, value + nudge))
+    changes = np.array([above[o.source[1]] - below[o.source[1]] for o in outputs])
+    return changes / ((value + nudge) - (value - nudge))
 
 
 def remedy(scene: Scene) -> str:
@@ -404,6 +360,6 @@ def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     """The scene is started anew to ask its units, in this process; nothing where it does not start."""
     with ExitStack() as stack:
         try:
-            return pair_limits(_started(scene, stack, in_process=True))[0]
+            return pair_limits(_started(scene, stack, in_process=True)[0])[0]
         except (BadInput, StepFailed):
             return ()

@@ -18,10 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...components.core.errors import StepFailed
-from ..engine.algorithms.energy import EnergyAccount
-from ..engine.algorithms.master import Master
-from ..engine.stepping.loop import BatchObserver, Steppable, Stepping
+from ..engine.coupling import Endpoint
+from ..engine.stepping.loop import BatchObserver
 from ..scene.scene import Scene
+from ..session.open_scene import Course
+from ..session.state import State
 from . import work
 from .comparison import Difference, difference
 from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_PLACES, WINDOWS_SHARE
@@ -79,21 +80,19 @@ class WindowsWish:
 class Windows(BatchObserver):
     """Keeps the state at some instants of a run, which changes nothing; windows are repeated from there when it has ended."""
 
-    def __init__(
-        self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None, angles: Collection[str] = ()
-    ):
-        """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them. `angles`: signals in rad."""
-        self._master, self._stepping, self._angles = master, stepping, angles
-        self._stepper: Steppable = account if account is not None and account.correction else master
+    def __init__(self, course: Course, signals: Sequence[Endpoint], steps: int, angles: Collection[str] = ()):
+        """signals: that the master reads.  steps: of the whole run, about.  angles: signals in rad."""
+        self._course, self._stepping, self._angles = course, course.stepping, angles
+        self._names = [".".join(end) for end in signals]
         # a window is one step at H and two at H/2, so that its cost is three times its share of the run
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
         self._every = max(steps // WINDOWS_PLACES, 1)
-        self._saved: list[tuple[int, float, Any]] = []
+        self._saved: list[State] = []
 
     def __call__(self, tick: int, t: float) -> None:
         step, rest = divmod(tick, self._stepping.stride)
         if rest == 0 and (step % self._every == 0 or step == self._last) and self._fits(tick):
-            self._saved.append((tick, t, self._stepper.save()))
+            self._saved.append(self._course.save())
 
     def _fits(self, tick: int) -> bool:
         """Whether a window from a tick ends before the run does."""
@@ -112,11 +111,11 @@ class Windows(BatchObserver):
 
     def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
         """As in `BatchObserver`; in batches, no account takes part in steps."""
-        self._saved += [one for one in saved if self._fits(one[0])]
+        self._saved += [self._course.keep(tick, state) for tick, _, state in saved if self._fits(tick)]
 
     def answer(self, wish: WindowsWish, rows: Chunks) -> None:
         """Repeat the windows; call it when the run has ended. rows: what it has recorded."""
-        if not self._saved or not self._master.positions:
+        if not self._saved or not self._names:
             wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
             return
         try:
@@ -126,25 +125,22 @@ class Windows(BatchObserver):
 
     def compare(self, recorded: Chunks) -> WindowsResult:
         """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""
-        master = self._master
-        h = self._stepping.clock.seconds(self._stepping.stride)
-        names = [".".join(end) for end in master.positions]
+        clock, names = self._stepping.clock, self._names
+        h, end = clock.seconds(self._stepping.stride), self._stepping.tick
         rows: list[tuple[np.ndarray, np.ndarray]] = []
-        begins = np.array([t for _, t, _ in self._saved])
-        judged = np.where(begins > self._stepping.clock.time(0), JUDGED * self._steps, 0).astype(
-            int
-        )  # steps of a window before what is judged
+        begins = np.array([clock.time(state.tick) for state in self._saved])
+        judged = np.where(begins > clock.time(0), JUDGED * self._steps, 0).astype(int)  # steps of a window before what is judged
         chosen = places(bends(recorded, begins + judged * h, begins + self._steps * h))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                for _, t, saved in (self._saved[k] for k in chosen):
-                    one = self._stepped(saved, t, h, self._steps)
-                    rows.append((one, self._stepped(saved, t, 0.5 * h, 2 * self._steps)[1::2]))
+                for state in (self._saved[k] for k in chosen):
+                    one = self._stepped(state, h, self._steps)
+                    rows.append((one, self._stepped(state, 0.5 * h, 2 * self._steps)[1::2]))
             finally:
-                for _, _, saved in self._saved:
-                    for node, state in zip(master.nodes, getattr(saved, "master", saved).units, strict=True):
-                        node.unit.release(state)
+                self._stepping.tick = end  # the run has ended, whatever was repeated of it
+                for state in self._saved:
+                    state.release()
         slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
         differences, growing, half = {}, [], int(JUDGED * self._steps)
         longer = (self._stepping.end // self._stepping.stride) / self._steps
@@ -165,11 +161,10 @@ class Windows(BatchObserver):
             differences[name] = gap
         return WindowsResult(differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing))
 
-    def _stepped(self, saved: Any, t: float, h: float, n: int) -> np.ndarray:
-        """The master's signals behind each of n steps from a saved state, (n, signals)."""
-        self._stepper.restore(saved)
-        times = t + h * np.arange(n)
-        steps = self._stepper.run_steps(times, h)
+    def _stepped(self, state: State, h: float, n: int) -> np.ndarray:
+        """The signals behind each of n steps from a state, (n, signals)."""
+        self._course.restore(state)
+        steps = self._course.stretch(h, range(n))
         if steps.failure is not None:
             raise steps.failure
         return steps.rows

@@ -212,7 +212,7 @@ class Run:
                 for name, signal in interface.outputs.items()
                 if signal.unit == "rad"
             }
-            self.windows = Windows(master, self.stepping, steps, self.account, angles)
+            self.windows = Windows(self.course, self._ends, steps, angles)
             self.observers.append(self.windows)
         if any(len(group) > 1 for group in coupling.groups):
             self.monitor = InstabilityMonitor(master, steps, self.account)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ..engine.algorithms import master_of
 from ..engine.algorithms.contact import ContactSimulator
-from ..engine.algorithms.energy import EnergyAccount
+from ..engine.algorithms.energy import EnergyAccount, SavedAccount
+from ..engine.algorithms.machine import Steps
 from ..engine.algorithms.step_control import counts_alone
 from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
 from ..engine.stepping.faults import Faults
+from ..engine.stepping.loop import Steppable
 from ..scene.names import place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import late_samples
@@ -23,6 +28,7 @@ from ..units import Simulator, open_unit
 from ..units.component import ComponentSimulator
 from ..units.exit_guard import ExitGuard
 from ..units.interface import Span
+from .state import State
 
 if TYPE_CHECKING:
     from ..units.native import NativeFmu
@@ -37,9 +43,10 @@ def _judging_steps(scene: Scene) -> tuple[Endpoint, ...]:
 
 
 class Course:
-    """What begins anew with every run of an open scene: the account of energy, the faults, and the stepping."""
+    """What begins anew with every run of an open scene: the account of energy, the faults, and the stepping; with its states."""
 
     def __init__(self, open_scene: OpenScene):
+        self._open_scene = open_scene
         scene, self.master, clock = open_scene.scene, open_scene.master, open_scene.clock
         coupling, correction = scene.coupling, scene.master.energy_correction
         self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
@@ -50,6 +57,32 @@ class Course:
         """Initialize the units, with the faults that act from the start; raises `StepFailed` where values do not converge."""
         self._faults.before_start()
         (self.account or self.master).initialize(self._start)
+
+    def save(self, inputs: Sequence[Any] = (), to_bytes: Callable[[State], bytes] | None = None) -> State:
+        """All that the next steps depend on; every unit has to save its state. inputs, to_bytes: of the `State`."""
+        return self.keep(self.stepping.tick, self.stepping.master.save(), inputs, to_bytes)
+
+    def keep(self, tick: int, saved: Any, inputs: Sequence[Any] = (), to_bytes: Callable[[State], bytes] | None = None) -> State:
+        """The state of what was saved at a tick; FMUs hold their parts of it until it is released, or they are closed."""
+        state = State(saved, tick, self.stepping.state(), inputs, [node.unit for node in self.master.nodes], to_bytes)
+        states = self._open_scene.states
+        states[:] = [*(one for one in states if one() is not None), weakref.ref(state)]
+        return state
+
+    def restore(self, state: State) -> None:
+        """Back, or on, to a state."""
+        holder: Steppable = self.stepping.master if isinstance(state.master, SavedAccount) else self.master
+        holder.restore(state.master)
+        self.stepping.take(state.stepping)
+        self.stepping.tick = state.tick
+
+    def stretch(self, h: float, steps: range) -> Steps:
+        """The given ones of steps of a length h of their own, s, which begin where the clock stands, and do not move it.
+
+        What judges a run makes some from a state, and goes back to it: `rows` has the master's signals behind each of them.
+        """
+        stepper: Steppable = self.account if self.account is not None and self.account.correction else self.master
+        return stepper.run_steps(self.stepping.clock.time(self.stepping.tick) + h * np.arange(steps.start, steps.stop), h)
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far, but for energy."""
@@ -99,7 +132,63 @@ class OpenScene:
         if watched is None:
             watched = (*scene.coupling.signals, *scene.coupling.events, *_judging_steps(scene))
         self.master = master_of(scene, self.units, scene.coupling, watched)
+        self.states: list[weakref.ref[State]] = []  # which units hold parts of
+        stack.callback(self._release)
         self._begin: tuple[Any, list[tuple[KernelComponent, dict[str, Any], Any]]] | None = None
+
+    def _release(self) -> None:
+        for reference in self.states:
+            if (state := reference()) is not None:
+                state.release()
+        self.states.clear()
+
+    @property
+    def order(self) -> list[str]:
+        """The units in the order of the master."""
+        return list(self.master.node_of)
+
+    @property
+    def signals(self) -> list[Endpoint]:
+        """Outputs that the master reads in every step, in the order of its rows."""
+        return list(self.master.positions)
+
+    @property
+    def jumping(self) -> set[Endpoint]:
+        """Driven inputs that change between steps only."""
+        return {node.links[k].target for node in self.master.nodes for k in node.held}
+
+    def inputs(self, unit: str) -> dict[str, float]:
+        """Present values of the inputs of a unit that connections drive."""
+        node = self.master.node_of[unit]
+        return {link.target[1]: float(value) for link, value in zip(node.links, node.inputs(), strict=True)}
+
+    def push(self, by: Mapping[Endpoint, float]) -> None:
+        """So much is added to driven inputs from now on, until other ones, or none, are pushed."""
+        for node in self.master.nodes:
+            node.alter({k: (False, by[link.target]) for k, link in enumerate(node.links) if link.target in by})
+
+    def alone(self, unit: str, inputs: Mapping[str, float], h: float = 0.0) -> dict[str, float]:
+        """Outputs of a unit that the master reads, with other values of driven inputs: after a step of h, s, by itself, or, with 0,
+        within the instant.
+
+        The unit is left as it was; it has to save its state. Raises `StepFailed`.
+        """
+        one, node = self.units[unit], self.master.node_of[unit]
+        values = node.inputs()
+        for k, link in enumerate(node.links):
+            values[k] = inputs.get(link.target[1], values[k])
+        state = one.save()
+        try:
+            if not h:
+                one.update(values)
+            else:
+                if len(values):
+                    one.drive(values, None, None, h)
+                one.step(self.scene.start_time, h)
+            return dict(zip((name for owner, name in self.signals if owner == unit), map(float, one.get()), strict=True))
+        finally:
+            one.restore(state)
+            one.release(state)
 
     def takes(self, changes: Mapping[str, Any]) -> bool:
         """Whether changes of the scene, by name, are numbers that units can be begun anew with, see `begin_anew`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
@@ -64,7 +63,6 @@ class Session:
         self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
         self._observers: list[Any] = []
         self._spool: Spool | None = None
-        self._states: list[weakref.ref[State]] = []
 
     # -- from the beginning to the end -------------------------------------------------------------------------------
     @property
@@ -177,10 +175,6 @@ class Session:
         self._closed, self._initialized = True, False
 
     def _close_units(self) -> None:
-        for reference in self._states:
-            if (state := reference()) is not None:
-                state.release()
-        self._states.clear()
         self._stack.close()
         self._open_scene, self._begun, self._unseen = None, False, False
         self._readers.clear()
@@ -290,11 +284,9 @@ class Session:
         if not self._initialized or (unit, variable) in self._inputs:
             start = self._scene.coupling.interfaces[unit].inputs[variable].start
             return self._inputs.get((unit, variable), start)
-        node = self._master.node_of[unit]
-        for link, value in zip(node.links, node.inputs(), strict=True):
-            if link.target[1] == variable:
-                return float(value)
-        return self._scene.coupling.interfaces[unit].inputs[variable].start
+        assert self._open_scene is not None
+        driven = self._open_scene.inputs(unit)
+        return driven[variable] if variable in driven else self._scene.coupling.interfaces[unit].inputs[variable].start
 
     def _put(self, unit: str, variable: str, value: Any) -> None:
         """Set an input from now on, and let what depends on it within the instant follow."""
@@ -343,10 +335,7 @@ class Session:
         unable = [n for n, i in self._scene.coupling.interfaces.items() if not i.saves_state]
         if unable:
             raise BadInput(f"{self._where}: save", ", ".join(unable), "units that can save their state")
-        stepping, units = self._stepping, [node.unit for node in self._master.nodes]
-        state = State(stepping.master.save(), stepping.tick, stepping.state(), self._inputs.state(), units, self._to_bytes)
-        self._states = [one for one in self._states if one() is not None] + [weakref.ref(state)]
-        return state
+        return self._course.save(self._inputs.state(), self._to_bytes)
 
     def restore(self, state: State | bytes) -> None:
         """Back, or on, to a saved state; rows that were recorded behind it are gone.
@@ -367,9 +356,7 @@ class Session:
     def _go_to(self, state: State) -> None:
         if state.released or state.units != [node.unit for node in self._master.nodes]:
             raise BadInput(f"{self._where}: restore", "a state of units that were closed", "a state that this session has saved")
-        self._stepping.master.restore(state.master)
-        self._stepping.take(state.stepping)
-        self._stepping.tick = state.tick
+        self._course.restore(state)
         self._inputs.take(state.inputs)
 
     @property

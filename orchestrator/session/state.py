@@ -34,9 +34,9 @@ class State:
         stepping: Mapping[str, Any],
         inputs: Sequence[Any],
         units: Sequence[Simulator],
-        to_bytes: Callable[[State], bytes],
+        to_bytes: Callable[[State], bytes] | None = None,
     ):
-        """units: which hold parts of it, in the order of the master's.  inputs: of `Inputs`."""
+        """units: which hold parts of it, in the order of the master's.  inputs: of `Inputs`.  to_bytes: None for one that stays here."""
         self.master, self.tick, self.stepping, self.inputs, self.units = master, tick, stepping, inputs, units
         self.released, self._to_bytes = False, to_bytes
 
@@ -52,4 +52,5 @@ class State:
         self.release()
 
     def __bytes__(self) -> bytes:
+        assert self._to_bytes is not None
         return self._to_bytes(self)

@@ -370,7 +370,7 @@ def test_fmus_hold_no_states_that_nobody_has(foreign):
         for _ in range(20):
             state = sim.save()
         gc.collect()
-        assert np.count_nonzero([one() is not None for one in sim._states]) == 1
+        assert np.count_nonzero([one() is not None for one in sim._open_scene.states]) == 1
         state.release()
         with pytest.raises(BadInput, match="a state of units that were closed"):
             sim.restore(state)
