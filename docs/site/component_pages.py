@@ -65,11 +65,11 @@ def _page(page: ComponentPage) -> str:
     used = f"system [{system.title}](../../systems/{page.system}.md)." if system else "used by several systems."
     units = {v.name: v.unit for v in page.variables}
     drawing = sketch(page.name, [(p.name, p.inputs, p.outputs) for p in page.ports], units)
-    machine = machines.of_component(page.name)
+    machine = machines.of_component(page.name, "machine")
     return joined(
         f"# {page.name}: {page.title}",
         f"`{place}`, {used}",
-        f'```{{raw}} html\n<div class="sketch">{machine.svg("machine")}</div>\n```' if machine else "",
+        f'```{{raw}} html\n<div class="sketch">{machine}</div>\n```' if machine else "",
         "## Equations",
         *(_passage(passage, symbols) for passage in page.text),
         _background(cls, symbols),

@@ -86,10 +86,9 @@ class MachineDirective(Directive):
         """Raw HTML, which the search leaves out."""
         import machines
 
-        drawing = machines.of_component(self.arguments[0])
-        if drawing is None:
-            raise self.error(f"machine {self.arguments[0]!r}: expected a component that a module `machines` has a drawing of")
-        svg = drawing.svg(f"machine-{self.arguments[0]}")
+        svg = machines.of_component(self.arguments[0], f"machine-{self.arguments[0]}")
+        if not svg:
+            raise self.error(f"machine {self.arguments[0]!r}: expected a component with a drawing in its system's folder")
         return [nodes.raw("", f'<div class="sketch">{svg}</div>', format="html")]
 
 

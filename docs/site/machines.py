@@ -1,32 +1,28 @@
-"""The drawing of a component or of a scene, from the module `machines` of its system."""
+"""The drawing of a component or of a scene: an SVG file among the `drawings` of a system's folder, in the colours of the page around it.
+
+A component's file has its name. The attribute `data-scenes` of a drawing names the scenes for which it stands.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from pathlib import Path
 
-from cosimo.orchestrator.harness.machine import Machine
-from cosimo.orchestrator.scene.scene import read_toml, scene_files
-from cosimo.orchestrator.systems import SYSTEMS
+import cosimo.orchestrator.systems
 
-MODULES = {name: module for name, system in SYSTEMS.items() if (module := system.module("machines")) is not None}
-
-
-def of_component(name: str) -> Machine | None:
-    """Its drawing; None where no system has one."""
-    return next((module.MACHINES[name]() for module in MODULES.values() if name in module.MACHINES), None)
+FILES = sorted(Path(cosimo.orchestrator.systems.__path__[0]).glob("*/drawings/*.svg"))
+TEXTS = {path.stem: path.read_text(encoding="utf-8").strip() for path in FILES}
+SCENES = {scene: text for text in TEXTS.values() for scene in text.partition('data-scenes="')[2].partition('"')[0].split()}
 
 
-def of_scene(system: str, units: Mapping[str, Mapping[str, Any]]) -> Machine | None:
-    """The drawing that stands for a scene of a system, if there is one. Of units that are scenes the first counts."""
-    first = next(iter(units.values()))
-    if first.get("scene") in scene_files():
-        return of_scene(system, read_toml(scene_files()[first["scene"]])["units"])
-    used = {u.get("component") for u in units.values()}
-    of_system = [MODULES[system]] if system in MODULES else []
-    own = [m for m in (*of_system, *MODULES.values()) if used & set(m.MACHINES)]  # a scene may use components of another
-    if not own:
-        return None
-    if hasattr(own[0], "scene"):
-        return own[0].scene(units)
-    return next(drawing for name, drawing in own[0].MACHINES.items() if name in used)()
+def of_component(name: str, unique: str) -> str:
+    """Its drawing as an SVG element, whose ids begin with a text that is unique within the page; "" where it has none."""
+    return _with_ids(TEXTS.get(name, ""), unique)
+
+
+def of_scene(name: str, unique: str) -> str:
+    """The drawing that stands for a scene, likewise."""
+    return _with_ids(SCENES.get(name, ""), unique)
+
+
+def _with_ids(text: str, unique: str) -> str:
+    return text.replace("drawing-title", f"{unique}-title").replace("drawing-text", f"{unique}-text")

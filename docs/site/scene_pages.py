@@ -43,9 +43,7 @@ def _card(name: str, folder: str) -> str:
 
 
 def _machine(name: str) -> str:
-    path = scene_files()[name]
-    drawing = machines.of_scene(path.parent.parent.name, read_toml(path)["units"])
-    return drawing.svg(f"machine-{name}") if drawing else ""
+    return machines.of_scene(name, f"machine-{name}")
 
 
 def _curve(name: str) -> str:

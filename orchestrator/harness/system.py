@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class System:
     """A system as the harness sees it. Its folder has scenes/*.toml, and any of cases/ (questions and tables), figures.py or
-    figures/, machines.py, motion.py, summary.py, explore.py.
+    figures/, motion.py, summary.py, explore.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
