@@ -105,7 +105,7 @@ class Disturbed:
     """
 
     def __init__(self, scene: Scene, stack: ExitStack):
-        if iterative := scene.master.abilities.iterates:
+        if iterative := "iteration" in scene.master.abilities.options:
             tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
             scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
         self._noise = ITERATION_NOISE if iterative else 0.0

@@ -405,7 +405,7 @@ class Run:
 
     def _start(self, past: Checkpoint | None) -> None:
         self.course.start()
-        repeats = self.scene.master.abilities.iterates or isinstance(self.stepping, AdaptiveStepping)
+        repeats = self.scene.master.abilities.rollback or isinstance(self.stepping, AdaptiveStepping)
         if repeats or past is not None or self.checkpoints is not None:
             for unit in self._own:
                 unit.check_step_repeatable(self.clock.seconds(self.stepping.stride))
@@ -441,7 +441,7 @@ class Run:
 
     def _remedy(self) -> str:
         """What would help a run that became unstable."""
-        return self.master.delayed_feedthrough or remedy(self.scene)
+        return self.master.feedthrough.why_it_grows or remedy(self.scene)
 
     def _answer(self, wish: WindowsWish) -> None:
         """Repeat windows of the run; units and account move: call it last."""

@@ -32,7 +32,6 @@ REQUEST = (
     "last",
     "steps",
     "times",
-    "begin",
     "whole",
     "updated",
     "rows",
@@ -83,7 +82,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         given += [(u, u + component.u.size), (unit.first + places.first_parameter, unit.first + places.saved)]
         for status, text, cells in reasons_of(component):
             reasons.append((PER_UNIT * (k + 1) + status, f"{unit.name}: {text}", [unit.first + cell for cell in cells]))
-    master.prepare_initial_signals()
+    master.prepare()
     memory.units["stop"] = np.inf  # the host says where it ends
     places_text, cleared = _places(layout)
     image[at : at + block.cells] = block.memory.view(np.uint64)

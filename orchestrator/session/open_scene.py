@@ -82,7 +82,7 @@ class Course:
         What judges a run makes some from a state, and goes back to it: `rows` has the master's signals behind each of them.
         """
         stepper: Steppable = self.account if self.account is not None and self.account.correction else self.master
-        return stepper.run_steps(self.stepping.clock.time(self.stepping.tick) + h * np.arange(steps.start, steps.stop), h)
+        return stepper.take_steps(self.stepping.clock.time(self.stepping.tick) + h * np.arange(steps.start, steps.stop), h)
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far, but for energy."""

@@ -89,18 +89,18 @@ class MasterSettings(Model):
 
     @model_validator(mode="after")
     def _options_matter(self) -> MasterSettings:
-        if self.order and not self.abilities.sequential:
-            raise BadInput("order", "an order of units", f"none; {self.algorithm} does not go by one", "Remove it.")
+        for option in sorted({option for of in ALGORITHMS.values() for option in of.options}):
+            value, default = getattr(self, option), type(self).model_fields[option].default
+            if value != default and option not in self.abilities.options:
+                able = " or ".join(f'"{name}"' for name, of in ALGORITHMS.items() if option in of.options)
+                raise BadInput(
+                    option,
+                    repr(value) if isinstance(value, str) else "a value",
+                    f"none; {self.algorithm} does not know it",
+                    f"Remove it, or take algorithm = {able}.",
+                )
         if self.moving_places == "held" and self.extrapolation != 0:
             raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
-        if self.iteration is not None and not self.abilities.iterates:
-            iterating = " or ".join(repr(name) for name, of in ALGORITHMS.items() if of.iterates).replace("'", '"')
-            raise BadInput(
-                "iteration",
-                "settings of an iteration",
-                f"none; {self.algorithm} does not iterate",
-                f"Remove them, or take algorithm = {iterating}.",
-            )
         if not self.bonds and self.energy_correction:
             raise BadInput("energy_correction", "true without bonds", "bonds = [...] as well")
         if not self.bonds and self.control is not None and self.control.method == "energy":

@@ -11,8 +11,7 @@ import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Component
-from cosimo.orchestrator.engine.algorithms import class_of
-from cosimo.orchestrator.engine.algorithms.master import Master
+from cosimo.orchestrator.engine.algorithms import Algorithm, class_of
 from cosimo.orchestrator.harness.validation.case import Case
 from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
 from cosimo.orchestrator.scene.scene import scene_files
@@ -71,7 +70,7 @@ def test_every_algorithm_is_reachable_from_a_scene():
         cls
         for module in all_modules(importlib.import_module("cosimo.orchestrator.engine.algorithms"))
         for cls in vars(module).values()
-        if inspect.isclass(cls) and issubclass(cls, Master) and cls is not Master
+        if inspect.isclass(cls) and issubclass(cls, Algorithm) and cls is not Algorithm
     }
     assert written == set(map(class_of, ALGORITHMS))
     for name in (n for n, of in ALGORITHMS.items() if not of.reduces_contacts):  # that needs a contact, as the scene below has

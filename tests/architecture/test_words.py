@@ -30,7 +30,7 @@ FORMER = {
     "idle": "steps_not_needed",
     "Misses": "ExtrapolationError",
     "Chain": "StronglyConnectedGroup",
-    "told_late": "delayed_feedthrough",
+    "told_late": "why_it_grows",
     "Now": "LoopState",
     "Plan": "LoopLayout",
     "Row": "PortValues",

@@ -54,7 +54,7 @@ def measured(scene, steps: int) -> tuple[float, float]:
         units, master = open_scene.units, open_scene.master
         master.initialize(0.0)
         times = h * np.arange(steps)
-        coupled = best(lambda: master.run_steps(times[:1000], h))
+        coupled = best(lambda: master.take_steps(times[:1000], h))
         components = [unit.component for unit in units.values()]
         functions, arguments = np.array([c.entry("step") for c in components]), np.array([c.block.address for c in components])
         physics(functions, arguments, times[:1], h)

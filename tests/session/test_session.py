@@ -333,9 +333,9 @@ def test_a_step_takes_one_call_of_the_loop(monkeypatch):
         sim.step()
         calls = []
         master = sim._master
-        monkeypatch.setattr(type(master), "run_steps", lambda *_: calls.append("batch"))
-        original = type(master.records).run_steps
-        monkeypatch.setattr(type(master.records), "run_steps", lambda *a: (calls.append("loop"), original(*a)))
+        monkeypatch.setattr(type(master), "take_steps", lambda *_: calls.append("batch"))
+        original = type(master.records).call
+        monkeypatch.setattr(type(master.records), "call", lambda *a: (calls.append("loop"), original(*a)))
         for _ in range(10):
             sim.step()
         assert calls == ["loop"] * 10

@@ -44,7 +44,7 @@ static int32_t take(int64_t *cells, const uint32_t rows[2], int whole, double t,
     cells[scene_request_first] = rows[0];
     cells[scene_request_last] = rows[1];
     cells[scene_request_steps] = 1;
-    cells[scene_request_times] = cells[scene_request_begin] = cells[scene_request_rows] = cells[scene_request_sampled_count] = 0;
+    cells[scene_request_times] = cells[scene_request_rows] = cells[scene_request_sampled_count] = 0;
     cells[scene_request_whole] = whole;
     return master_run_steps(t, h, (int64_t)(intptr_t)(cells + scene_master)) ? INSIDE : OK;
 }

@@ -24,7 +24,7 @@ extern int32_t (*const scene_begin_change)(double, double, int64_t), (*const sce
 extern const Place scene_places[];
 extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master;
 extern const uint32_t scene_steps, scene_start, scene_asked; /* of the first cells of the block */
-extern const uint32_t scene_request_first, scene_request_last, scene_request_steps, scene_request_times, scene_request_begin,
+extern const uint32_t scene_request_first, scene_request_last, scene_request_steps, scene_request_times,
     scene_request_whole, scene_request_updated, scene_request_rows, scene_request_sampled_count, scene_request_unit, scene_request_status; /* of the master's */
 extern const uint32_t scene_signals, scene_inverse, scene_signal_count, scene_step_rows[2], scene_push_rows[2];
 /* statuses, each with a message; of unit k: scene_per_unit * (k + 1) + its own */

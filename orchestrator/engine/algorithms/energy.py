@@ -59,7 +59,7 @@ class EnergyAccount:
         self._watts = np.array([bond.watts for bond in self.bonds])
         nominals = np.array([coupling.interfaces[u].outputs[n].nominal for (u, n), _ in ends])
         self.nominal = np.abs(self._watts * nominals[::2] * nominals[1::2])  # W
-        self._kept = master.degree + 2
+        self._kept = master.network.degree + 2
         self.correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
         self._work, self._alone = np.zeros((2, len(ends), len(POINTS))), np.zeros((2, len(self.bonds)))
@@ -83,11 +83,11 @@ class EnergyAccount:
         self.master.step(t, h)
         self.enter(h, self.master.signals[None], self.master.machine.given()[None])
 
-    def run_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
-        """As `Master.run_steps`, with their entries in the account."""
+    def take_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
+        """As `Master.take_steps`, with their entries in the account."""
         if self.correction or not self.master.in_batches:
             return singly(self, self.master, times, h)
-        steps = self.master.run_steps(times, h, sampled, saved)
+        steps = self.master.take_steps(times, h, sampled, saved)
         if len(steps.rows):
             self.enter(h, steps.rows, steps.given)
         return steps

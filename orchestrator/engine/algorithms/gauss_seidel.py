@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from ..coupling import Link
-from .master import Acts, Master
-from .records import TURN
+from collections.abc import Mapping
+
+from ...settings import MasterSettings
+from ..coupling import Coupling, Link
+from .algorithm import Algorithm
+from .network import Network
+from .records import READ, START
 
 
-class GaussSeidel(Master):
+class GaussSeidel(Algorithm):
     """Units step one after the other; inputs from earlier units are interpolated to their new values.
 
     The order is that of `order`. Where the scene gives none, a unit steps behind those that feed it, and units that feed one
@@ -21,22 +25,15 @@ class GaussSeidel(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
-    batched = True
+    def __init__(self, network: Network, settings: MasterSettings):
+        self.acts = [(act, [node]) for node in network.nodes for act in (START, READ)]
 
-    @property
-    def extrapolated_links(self) -> list[int]:
-        """Links from later units."""
-        ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
-        return [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
-
-    def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
+    @staticmethod
+    def order(coupling: Coupling, units: tuple[str, ...]) -> tuple[str, ...]:
         """Each group of the graph behind those that feed it."""
-        return self.coupling.order()
+        return coupling.order()
 
-    def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
-        """Links from later units first, so that both groups are contiguous."""
-        return sorted(links, key=lambda link: order.index(link.source[0]) < order.index(link.target[0]))
-
-    def acts(self) -> Acts:
-        """Each unit steps when those before it have been read."""
-        return [(TURN, self.nodes)]
+    @staticmethod
+    def extrapolated(link: Link, ranks: Mapping[str, int], coupling: Coupling) -> bool:
+        """From later units."""
+        return ranks[link.source[0]] >= ranks[link.target[0]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import permutations
 from math import inf
 from typing import Any
@@ -11,8 +11,11 @@ import numpy as np
 
 from ...units.interface import Interface
 from ..coupling import Endpoint, Link
-from .master import Acts, Master, Node
-from .records import READ, START, UPDATE
+from ..coupling.graph import groups, smooth
+from .machine import Machine
+from .network import Network
+from .node import Node
+from .records import FORESEE, READ, START, UPDATE
 
 TRIED = 6  # units of a circle all orders of which are tried; of a larger one every rotation is
 
@@ -29,6 +32,18 @@ def best_cut(names: Sequence[str], links: Iterable[Link]) -> tuple[str, ...]:
     return min(orders, key=guessed)
 
 
+def groups_of(network: Network) -> list[StronglyConnectedGroup]:
+    """Every circle, and between two of them all units in none as one group that is cut nowhere, each behind those that feed it."""
+    interfaces, links = network.coupling.interfaces, smooth(network.coupling.interfaces, network.coupling.links)
+    runs: list[list[str]] = [[]]
+    for group in groups(interfaces, links):
+        if len(group) > 1:
+            runs += [[*best_cut(group, links)], []]
+        else:
+            runs[-1] += group
+    return [StronglyConnectedGroup([network.node_of[name] for name in names], network) for names in runs if names]
+
+
 class StronglyConnectedGroup:
     """Units in an order such that most are fed by earlier ones; `cut`: places of the signals that feed backwards.
 
@@ -36,10 +51,10 @@ class StronglyConnectedGroup:
     and step at the same time where they run in processes of their own.
     """
 
-    def __init__(self, name: str, nodes: Sequence[Node], master: Master, interfaces: Mapping[str, Interface]):
-        """`name`: of its rows in the master's program."""
-        self.name, self.nodes, self._master = name, list(nodes), master
-        self._ends = list(master.positions)
+    def __init__(self, nodes: Sequence[Node], network: Network):
+        interfaces = network.coupling.interfaces
+        self.nodes = list(nodes)
+        self._ends = list(network.positions)
         owner = {k: i for i, node in enumerate(nodes) for k in range(node.place.start, node.place.stop)}
         depths: list[int] = []
         for i, node in enumerate(nodes):
@@ -58,6 +73,12 @@ class StronglyConnectedGroup:
         self._behind = [node for node in direct if not node.follows]
         self._direct = direct if all(interfaces[node.unit.name].gives_jacobian for node in direct) else []
         self._states: list[Any] = [None] * len(nodes)
+        self._foresee = network.rows((FORESEE, [node for node in nodes if node.sources]))
+        acts: list[tuple[int, Sequence[Node]]] = []
+        for level in self._levels:
+            behind = [node for node in level if node in self._behind]
+            acts += [(START, level), (READ, level), (UPDATE, behind), (READ, behind)]
+        self._sweep = network.rows(*acts)
 
     def save(self) -> None:
         """Keep the units' states, over those of the last time."""
@@ -68,12 +89,12 @@ class StronglyConnectedGroup:
         for node, state in zip(self.nodes, self._states, strict=True):
             node.unit.restore(state)
 
-    def predicted(self, h: float) -> np.ndarray:
+    def predicted(self, machine: Machine, h: float) -> np.ndarray:
         """Where the signals at the cut will be h later, from what their readers have got so far."""
-        self._master.perform("foresee", 0.0, h)
+        machine.perform(self._foresee, 0.0, h)
         guess = []
         for k, reader in zip(self.cut, self._readers, strict=True):
-            value = self._master.signals[k]
+            value = machine.signals[k]
             if reader is not None:
                 node, j = reader
                 link = node.links[j]
@@ -91,11 +112,11 @@ class StronglyConnectedGroup:
         """Sizes that misses of the signals at the cut are compared with, (n,): their values or nominal values."""
         return np.maximum(np.abs(values), self._least)
 
-    def respond(self, guess: np.ndarray, t: float, h: float) -> np.ndarray:
+    def respond(self, guess: np.ndarray, machine: Machine, t: float, h: float) -> np.ndarray:
         """Step from t to t + h with these values at the cut at the end, (n,), and give the values that come back."""
-        self._master.signals[self.cut] = guess
-        self.sweep(t, h)
-        return self._master.signals[self.cut]
+        machine.signals[self.cut] = guess
+        self.sweep(machine, t, h)
+        return machine.signals[self.cut]
 
     def derivatives(self) -> np.ndarray | None:
         """Of the response within the instant, (n, n), from the units' own; None where not all that answer at once give theirs.
@@ -119,17 +140,9 @@ class StronglyConnectedGroup:
             rows |= answers
         return np.array([rows[k] for k in self.cut])
 
-    def acts(self) -> Acts:
-        """Rows of the program: every unit steps once, towards what the table of signals says that its inputs will be."""
-        acts: list[tuple[int, Sequence[Node]]] = []
-        for level in self._levels:
-            behind = [node for node in level if node in self._behind]
-            acts += [(START, level), (READ, level), (UPDATE, behind), (READ, behind)]
-        return acts
-
-    def sweep(self, t: float, h: float) -> None:
-        """Step every unit once."""
-        self._master.perform(self.name, t, h)
+    def sweep(self, machine: Machine, t: float, h: float) -> None:
+        """Step every unit once, towards what the table of signals says that its inputs will be."""
+        machine.perform(self._sweep, t, h)
 
 
 def _answers_at_once(node: Node, interface: Interface) -> bool:

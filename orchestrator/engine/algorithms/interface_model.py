@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ...settings import MasterSettings
+from .algorithm import Algorithm
 from .contact import ContactSimulator, Side
-from .master import Acts, Master, Node
+from .machine import Machine
+from .network import Network
+from .node import Node
 from .records import READ, START
-
-STAGES = "leaders", "followers"
 
 
 class Pressed(NamedTuple):
@@ -20,7 +22,7 @@ class Pressed(NamedTuple):
     offset: float
 
 
-class InterfaceModel(Master):
+class InterfaceModel(Algorithm):
     """What is stiff between two units is solved with micro steps in the master; only what is smooth is extrapolated.
 
     At each contact the two bodies are reduced to m z'' = F + r or Z z' = F + r. r, all other forces on a body, is learnt from
@@ -41,15 +43,14 @@ class InterfaceModel(Master):
     Needs of a unit: linear inputs, or it gets the mean force.
     """
 
-    def own_acts(self) -> dict[str, Acts]:
-        """Bodies that lead, and those that follow what these have shown. Contacts never step, their outputs follow the bodies."""
-        self._contacts = [(node, node.unit) for node in self.nodes if isinstance(node.unit, ContactSimulator)]
+    def __init__(self, network: Network, settings: MasterSettings):
+        self._contacts = [(node, node.unit) for node in network.nodes if isinstance(node.unit, ContactSimulator)]
         self._with_leader = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}
         followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._with_leader if unit.leader is not None}
-        stages: list[list[Node]] = [[], []]
+        stages: list[list[Node]] = [[], []]  # bodies that lead, and those that follow what these have shown; contacts never step
         self._pressed: list[list[tuple[Node, Pressed]]] = [[], []]
-        for node in self.nodes:
+        for node in network.nodes:
             if not isinstance(node.unit, ContactSimulator):
                 pressed = [
                     Pressed(k, side, link.factor, link.offset)
@@ -59,15 +60,15 @@ class InterfaceModel(Master):
                 later = any(one.side.settings.force in followers for one in pressed)
                 stages[later].append(node)
                 self._pressed[later] += [(node, one) for one in pressed]
-        return {name: [(START, stage), (READ, stage)] for name, stage in zip(STAGES, stages, strict=True)}
+        self._leaders, self._followers = (network.rows((START, stage), (READ, stage)) for stage in stages)
 
-    def advance(self, t: float, h: float) -> None:
+    def advance(self, machine: Machine, t: float, h: float) -> None:
         for node, contact in self._contacts:
             contact.predict(node.inputs(), h)
-        for stage, pressed in zip(STAGES, self._pressed, strict=True):
+        for rows, pressed in zip((self._leaders, self._followers), self._pressed, strict=True):
             for node, one in pressed:
                 node.press(one.k, one.factor * one.side.line.value + one.offset, one.factor * one.side.line.slope)
-            self.perform(stage, t, h)
-            if stage is STAGES[0]:
+            machine.perform(rows, t, h)
+            if rows is self._leaders:
                 for node, contact in self._with_leader:
                     contact.correct(node.inputs())

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from math import inf
 from typing import Any
 
 import numpy as np
 
 from ....components.core.errors import StepFailed
-from ...settings import IterationSettings
-from ...units import Simulator
-from ..coupling import Coupling, Endpoint
-from ..coupling.graph import groups, smooth
-from .acceleration import Acceleration, Memory, accelerated
-from .groups import StronglyConnectedGroup, best_cut
-from .master import Acts, Master, Saved
+from ...settings import IterationSettings, MasterSettings
+from ..coupling import Coupling, Endpoint, Link
+from .acceleration import Acceleration, accelerated
+from .algorithm import Algorithm
+from .groups import StronglyConnectedGroup, groups_of
+from .machine import Machine
+from .network import Network
 
 
-@dataclass
-class SavedIterative(Saved):
-    """With what the methods have learned of how the circles answer, and what was missed in the steps that count."""
-
-    memories: list[Memory]
-    missed: tuple[int, float]  # steps, the largest
-
-
-class Iterative(Master):
+class Iterative(Algorithm):
     """Units step in circles: a macro step is repeated until what each got at its end is what the others gave.
 
     Inputs are interpolated through their values at the end of the step; held (degree 0), they have that value all along.
@@ -43,64 +34,39 @@ class Iterative(Master):
     Needs of a unit in a circle: to save and restore its state; polynomial inputs up to the degree, or it gets the mean.
     """
 
-    def __init__(
-        self,
-        units: Mapping[str, Simulator],
-        coupling: Coupling,
-        watched: Sequence[Endpoint] = (),
-        *,
-        iteration: IterationSettings | None = None,
-        **settings: Any,
-    ):
-        self.iteration = iteration or IterationSettings()
-        super().__init__(units, coupling, watched, **settings)
+    solves_loops = True  # with the rest of their circles
+
+    def __init__(self, network: Network, settings: MasterSettings):
+        self.iteration = settings.iteration or IterationSettings()
+        self._groups = [(group, accelerated(self.iteration.method, group.derivatives)) for group in groups_of(network)]
         self.iterations = self.restores = self.unconverged = 0
         self.worst = 0.0  # largest miss that was left, relative
 
-    solves_loops = False  # they are solved with the rest of their circles
-
-    @property
-    def extrapolated_links(self) -> list[int]:
+    @staticmethod
+    def extrapolated(link: Link, ranks: Mapping[str, int], coupling: Coupling) -> bool:
         """None: polynomials of inputs end at what others give, or are guessed to give."""
-        return [0] * len(self.nodes)
+        return False
 
-    def own_acts(self) -> dict[str, Acts]:
-        """A sweep of each circle, and of what stands between two of them."""
-        coupling, links = self.coupling, smooth(self.coupling.interfaces, self.coupling.links)
-        runs: list[list[str]] = [[]]  # every circle, and between two of them all units in none
-        for group in groups(coupling.interfaces, links):
-            if len(group) > 1:
-                runs += [[*best_cut(group, links)], []]
+    def advance(self, machine: Machine, t: float, h: float) -> None:
+        for group, method in self._groups:
+            if group.cut:
+                self._iterate(group, method, machine, t, h)
             else:
-                runs[-1] += group
-        chains = [
-            StronglyConnectedGroup(f"sweep {' '.join(names)}", [self.node_of[name] for name in names], self, coupling.interfaces)
-            for names in runs
-            if names
-        ]
-        self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
-        return {chain.name: chain.acts() for chain in chains}
+                group.sweep(machine, t, h)
 
-    def advance(self, t: float, h: float) -> None:
-        for chain, method in self._chains:
-            if chain.cut:
-                self._iterate(chain, method, t, h)
-            else:
-                chain.sweep(t, h)
-
-    def _iterate(self, chain: StronglyConnectedGroup, method: Acceleration, t: float, h: float) -> None:
+    def _iterate(self, group: StronglyConnectedGroup, method: Acceleration, machine: Machine, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""
 
         def respond(guess: np.ndarray) -> np.ndarray:
             self.restores += 1
-            chain.restore()
-            return chain.respond(guess, t, h)
+            group.restore()
+            return group.respond(guess, machine, t, h)
 
-        chain.save()
-        guess = chain.predicted(h)
-        response = chain.respond(guess, t, h)
-        method.begin(chain.sizes(guess))
-        missed, worst = chain.missed(guess, response)
+        group.save()
+        guess = group.predicted(machine, h)
+        response = group.respond(guess, machine, t, h)
+        method.begin(group.sizes(guess))
+        missed, worst = group.missed(guess, response)
         count, given = 1, self.iteration
         while given.tolerance < missed < inf and count < given.max_iterations:
             try:
@@ -113,7 +79,7 @@ class Iterative(Master):
                     "Give one of its units a state or a smaller gain",
                 ) from None
             response = respond(guess)
-            missed, worst = chain.missed(guess, response)
+            missed, worst = group.missed(guess, response)
             count += 1
         self.iterations += count
         if missed > given.tolerance:
@@ -135,38 +101,24 @@ class Iterative(Master):
         more: dict[str, float] = {"iterations": self.iterations, "restores": self.restores}
         if self.iteration.not_converged == "warn":
             more |= {"unconverged_steps": self.unconverged, "worst_miss": self.worst}
-        return super().counters() | more
+        return more
 
-    def warnings(self) -> list[str]:
-        texts = super().warnings()
+    def warnings(self, steps: int) -> list[str]:
         if not self.unconverged:
-            return texts
+            return []
         return [
-            *texts,
-            f"{self.unconverged} of {self.steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
+            f"{self.unconverged} of {steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
             f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
-            "master.iteration.method",
+            "master.iteration.method"
         ]
 
-    def save(self, reuse: Saved | None = None) -> SavedIterative:
-        saved = super().save(reuse)
-        memories = [method.memory for _, method in self._chains]
-        return SavedIterative(**vars(saved), memories=memories, missed=(self.unconverged, self.worst))
+    @property
+    def memory(self) -> Any:
+        """What the methods have learned of how the circles answer, and what was missed in the steps that count."""
+        return [[method.memory for _, method in self._groups], self.unconverged, self.worst]
 
-    def restore(self, saved: Saved) -> None:
-        super().restore(saved)
-        if isinstance(saved, SavedIterative):
-            self._take_memories(saved.memories, saved.missed)
-
-    def state(self) -> dict[str, Any]:
-        memories = [method.memory for _, method in self._chains]
-        return super().state() | {"memories": memories, "missed": (self.unconverged, self.worst)}
-
-    def take(self, state: Mapping[str, Any]) -> None:
-        super().take(state)
-        self._take_memories(state["memories"], state["missed"])
-
-    def _take_memories(self, memories: Sequence[Memory], missed: tuple[int, float]) -> None:
-        self.unconverged, self.worst = missed
-        for (_, method), memory in zip(self._chains, memories, strict=True):
-            method.memory = memory
+    @memory.setter
+    def memory(self, memory: Any) -> None:
+        learned, self.unconverged, self.worst = memory
+        for (_, method), of_method in zip(self._groups, learned, strict=True):
+            method.memory = of_method

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from .master import Acts, Master
+from ...settings import MasterSettings
+from .algorithm import Algorithm
+from .network import Network
 from .records import READ, START
 
 
-class Jacobi(Master):
+class Jacobi(Algorithm):
     """All units step over the same interval; none sees what another has reached. The order of units does not matter.
 
     Order of accuracy: degree of the extrapolation + 1, with immediate and with delayed feedthrough alike.
@@ -19,8 +21,6 @@ class Jacobi(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
-    batched = True
-
-    def acts(self) -> Acts:
-        """Outputs are read when all have begun to step, so that units in processes of their own step at the same time."""
-        return [(START, self.nodes), (READ, self.nodes)]
+    def __init__(self, network: Network, settings: MasterSettings):
+        # outputs are read when all have begun to step, so that units in processes of their own step at the same time
+        self.acts = [(START, network.nodes), (READ, network.nodes)]

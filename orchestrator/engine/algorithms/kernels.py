@@ -1,9 +1,9 @@
 """The loop: what a master does in a macro step, as kernels over its `records`. No other code does any of it.
 
-A row of the program is one act on some of the units: `START` them towards the end of the step, `READ` their outputs, or both for
-one after the other (`TURN`), `UPDATE` their outputs for the inputs of the instant, let those `FOLLOW` whose inputs have changed,
-`PUSH` the samples of the new instant. Where outputs follow inputs that jump, they do so twice, to the `LEFT` of the jump, which
-`LOOK` notes, and to its `RIGHT`; older samples `SHIFT` by what came between, so that slopes behind a jump are those before it.
+A row of the program is one act on one unit: `START` it towards the end of the step, `READ` its outputs, `UPDATE` its outputs for the
+inputs of the instant, let them `FOLLOW` if its inputs have changed, `PUSH` the samples of the new instant. Where outputs follow inputs
+that jump, they do so twice, to the `LEFT` of the jump, which `LOOK` notes, and to its `RIGHT`; older samples `SHIFT` by what came
+between, so that slopes behind a jump are those before it.
 `run_steps` executes the rows of a macro step one after the other, and many macro steps. An algorithm that decides inside a step has it
 execute the rows up to the decision.
 
@@ -47,7 +47,6 @@ from .records import (
     SHIFT,
     SHIFTED,
     START,
-    TURN,
     UNALTERED,
     UPDATE,
 )
@@ -404,7 +403,6 @@ def _keep(step, m):
 def run_steps(t, h, m):
     """Take the rows of the program that the request names, in each of its macro steps of length h; see `records.REQUEST`."""
     request, units, links, pasts, signals = m.request[0], m.units, m.links, m.pasts, m.signals
-    begin = request.begin
     request.unit, request.status, request.done, request.sampled_done = -1, 0, 0, 0
     for step in range(request.steps):
         if request.times != 0:
@@ -412,31 +410,27 @@ def run_steps(t, h, m):
         if request.whole != 0:
             request.updated = 0
         for row in range(request.first, request.last):
-            act, first = m.program[row, 0], m.program[row, 1]
-            for place in range(first + begin, m.program[row, 2]):
-                unit, status, reads = units[m.order[place]], 0, act in (READ, TURN)
-                if request.started != 0:
-                    request.started = 0
-                elif act in (START, TURN):
-                    status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
-                elif act == PUSH:
-                    _push(unit, links, pasts, signals, h, request.updated)
-                elif act == SHIFT:
-                    _shift(unit, links, signals)
-                elif act in (LOOK, FORESEE):
-                    _look(unit, links, pasts, signals, h, act == FORESEE)
-                elif act == UPDATE or (act in (FOLLOW, LEFT, RIGHT) and (unit.ends != INTERPOLATED or request.updated != 0)):
-                    inside = act == LEFT or (act == UPDATE and h > 0.0)
-                    moved = not _stands(unit, links, signals, inside)  # which notes what is known
-                    if moved or act == UPDATE or (act == RIGHT and request.updated != 0):
-                        status = _update_any(unit, units, links, m.buffer)
-                        request.updated, reads = 1, act != UPDATE
-                if status <= WARNING and reads:
-                    status = _read_any(unit, units, links, pasts, m.outputs_at, signals)
-                if status > WARNING:
-                    request.row, request.place, request.unit, request.status = row, place - first, m.order[place], status
-                    return 0
-            begin = 0
+            act, place = m.program[row, 0], m.program[row, 1]
+            unit, status, reads = units[place], 0, act == READ
+            if act == START:
+                status = _start(unit, units, links, pasts, signals, m.buffer, t, h)
+            elif act == PUSH:
+                _push(unit, links, pasts, signals, h, request.updated)
+            elif act == SHIFT:
+                _shift(unit, links, signals)
+            elif act in (LOOK, FORESEE):
+                _look(unit, links, pasts, signals, h, act == FORESEE)
+            elif act == UPDATE or (act in (FOLLOW, LEFT, RIGHT) and (unit.ends != INTERPOLATED or request.updated != 0)):
+                inside = act == LEFT or (act == UPDATE and h > 0.0)
+                moved = not _stands(unit, links, signals, inside)  # which notes what is known
+                if moved or act == UPDATE or (act == RIGHT and request.updated != 0):
+                    status = _update_any(unit, units, links, m.buffer)
+                    request.updated, reads = 1, act != UPDATE
+            if status <= WARNING and reads:
+                status = _read_any(unit, units, links, pasts, m.outputs_at, signals)
+            if status > WARNING:
+                request.row, request.unit, request.status = row, place, status
+                return 0
         if request.whole == 0:
             continue
         _keep(step, m)

@@ -8,52 +8,22 @@ from itertools import accumulate
 import numpy as np
 
 from ...units.call_names import NOTED
-from ..coupling import Link
 from .memory import Records
-from .node import Node, Samples
+from .network import Network
+from .node import Samples
 from .records import CONSTANT, JUMPS
-
-UNMOVED = 16 * 2.0**-52  # relative: an input this near to the end of its polynomial has not moved
-
-
-class Program:
-    """Rows of acts: what is done, and with which part of `order`, places of units."""
-
-    def __init__(self, nodes: Sequence[Node]):
-        self._places = {id(node): k for k, node in enumerate(nodes)}
-        self.rows: list[tuple[int, int, int]] = []
-        self.order: list[int] = []
-
-    def add(self, *acts: tuple[int, Sequence[Node]]) -> tuple[int, int]:
-        """The first row of some acts, and the one behind them."""
-        first = len(self.rows)
-        for act, nodes in acts:
-            place = len(self.order)
-            self.order += [self._places[id(node)] for node in nodes]
-            self.rows += [(act, place, len(self.order))] if nodes else []
-        return first, len(self.rows)
 
 
 def lay_out(
-    nodes: Sequence[Node],
-    n_extrapolated: Sequence[int],
-    program: Program,
-    weights: Sequence[float],
-    bonded: Sequence[tuple[Node, Link]],
-    table: int,
-    smoothing: bool,
-    end: float,
-    groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]],
-    faults: Sequence[int],
+    network: Network, smoothing: bool, end: float, groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]]
 ) -> Records:
-    """The records of nodes, each bound to its own.
+    """The records of the nodes of a network, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
-    of signals, and the one that gives its outputs between its steps. Maps of values stand behind
-    all of these cells. n_extrapolated: of each node, how many of its links are
-    extrapolated; these come first. bonded: links whose polynomials are noted; end: s, of the run;
-    groups, faults: as of `Records`.
+    of signals, and the one that gives its outputs between its steps. Maps of values stand behind all of these cells.
+    end: s, of the run; groups: as of `Records`.
     """
+    nodes, table, coupling = network.nodes, network.table, network.coupling
     rated = [node for node in nodes if node.own is not None]
     parts: list[tuple[int, tuple[Samples, ...]]] = [(len(node.links), node.samples) for node in nodes]
     for node in rated:
@@ -64,19 +34,19 @@ def lay_out(
     places = {id(node): k for k, node in enumerate(nodes)}
     mapped = [(first_links[k] + i, link.map) for k, node in enumerate(nodes) for i, link in enumerate(node.links) if link.map]
     pairs = [number for _, pairs in mapped for pair in pairs for number in pair]
-    bonds = [first_links[places[id(node)]] + node.links.index(link) for node, link in bonded]
+    owners = [(network.node_of[link.target[0]], link) for bond in coupling.bonds for link in bond.links]
+    bonds = [first_links[places[id(node)]] + node.links.index(link) for node, link in owners]
     records = Records(
         len(parts),
         first_links[-1],
         first_pasts[-1],
-        program.rows,
-        program.order,
-        weights,
+        network.program,
+        network.weights,
         bonds,
         table + sum(len(node.links) for node in rated) + len(pairs),
         first_links[len(nodes)],
         groups,
-        faults,
+        [len(ends) for ends in coupling.faults],
     )
     units, links, pasts = records.memory.units, records.memory.links, records.memory.pasts
     units["first_link"], units["links"] = first_links[:-1], [n for n, _ in parts]
@@ -88,11 +58,11 @@ def lay_out(
             for held, which in ((0, sample.places), (JUMPS, sample.jumping), (CONSTANT, sample.constant)):
                 links["held"][[first_link + place for place in which]] = held
             links["past"][[first_link + place for place in sample.places]] = k
-    for k, (node, behind) in enumerate(zip(nodes, n_extrapolated, strict=True)):
+    for k, node in enumerate(nodes):
         row, mine = units[k : k + 1], links[first_links[k] : first_links[k + 1]]
         row["n_extrapolated"], row["all_interpolated"], row["smooth"] = (
-            behind,
-            behind == 0 and bool(node.links) and node.follows and not node.held,
+            node.extrapolated,
+            network.consistent and node.extrapolated == 0 and bool(node.links) and node.follows and not node.held,
             smoothing,
         )
         row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start

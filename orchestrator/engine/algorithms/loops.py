@@ -7,15 +7,12 @@ the residual enough, so that a linear loop costs two evaluations a point.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
-
 import numpy as np
 
 from ....components.core.errors import StepFailed
-from ...units import Interface
 from ..coupling.graph import Loop
-from .node import Node
+from .machine import Machine
+from .network import Network
 from .records import READ, UPDATE
 
 CONVERGED = 1e-12  # residual of an output relative to its size
@@ -29,25 +26,23 @@ NUDGE = 2.0**-20  # of an output's size, for finite differences
 
 
 class LoopSolver:
-    """One loop of a master: `solve` at each communication point. `nodes`: its units as the master has them."""
+    """One loop of a network: `solve` at each communication point."""
 
-    def __init__(self, loop: Loop, nodes: Sequence[Node], master: Any, interfaces: Mapping[str, Interface]):
-        self.loop, self.nodes, self._master = loop, list(nodes), master
-        self._cells = [master.positions[end] for end in loop.outputs]
+    def __init__(self, loop: Loop, network: Network):
+        interfaces = network.coupling.interfaces
+        self.loop, self.nodes = loop, [network.node_of[name] for name in loop.units]
+        self._rows = network.rows((UPDATE, self.nodes), (READ, self.nodes))  # what the units give back
+        self._cells = [network.positions[end] for end in loop.outputs]
         self._nominals = np.array([interfaces[u].outputs[n].nominal for u, n in loop.outputs])
-        self._exact = all(interfaces[node.unit.name].gives_jacobian for node in nodes)
+        self._exact = all(interfaces[name].gives_jacobian for name in loop.units)
         self.jacobian: np.ndarray | None = None  # dG/dx, (n, n); never changed in place
         self.points = self.evaluations = self.jacobians = 0
         self.residual = 0.0  # the largest that was left
 
-    def acts(self) -> list[tuple[int, list[Node]]]:
-        """Rows of the program: what the units give back."""
-        return [(UPDATE, self.nodes), (READ, self.nodes)]
-
-    def solve(self, t: float) -> None:
+    def solve(self, machine: Machine, t: float) -> None:
         """Bring the loop's outputs and the inputs of its units together; raises `StepFailed` where that does not come about."""
         self.points += 1
-        self._t = t
+        self._machine, self._t = machine, t
         x = self._present()
         answer = self._answer(x)
         residual = self._residual(x, answer)
@@ -112,13 +107,13 @@ class LoopSolver:
         return tried, given, left if np.isfinite(left) else np.inf
 
     def _present(self) -> np.ndarray:
-        return self._master.signals[self._cells]
+        return self._machine.signals[self._cells]
 
     def _answer(self, x: np.ndarray) -> np.ndarray:
         """What the units give where the loop's outputs are x, (n,)."""
         self.evaluations += 1
-        self._master.signals[self._cells] = x
-        self._master.perform(self.loop.text, self._t, 0.0)
+        self._machine.signals[self._cells] = x
+        self._machine.perform(self._rows, self._t, 0.0)
         return self._present()
 
     def _sizes(self, x: np.ndarray, answer: np.ndarray) -> np.ndarray:

@@ -13,11 +13,10 @@ import numpy as np
 from ...units.call_table import Callback, calls_of, polynomials
 from ...units.interface import port_values
 from .memory import Records
+from .network import Rows
 from .node import Node
 from .records import BEYOND, GIVEN
 from .texts import Texts
-
-Rows = tuple[int, int]  # of the program: the first one, and the one behind the last
 
 
 class Steps(NamedTuple):
@@ -50,10 +49,10 @@ class Space:
 
 
 class Machine:
-    """Calls the kernels for the nodes of a master."""
+    """Calls the kernels for the nodes of a network. signals: the table that they share."""
 
     def __init__(self, nodes: Sequence[Node], records: Records, texts: Texts | None):
-        self._nodes, self.records = nodes, records
+        self._nodes, self.records, self.signals = nodes, records, records.memory.signals
         self._begin = [Callback(partial(_begin, node, texts)) for node in nodes]
         for node, callback in zip(nodes, self._begin, strict=True):
             node.unit_record["initialize"] = callback.function
@@ -67,7 +66,7 @@ class Machine:
         """Initialize the groups; raises what a unit raises."""
         for node in self._nodes:
             node.of_called[0]["input_mode"] = 0  # memory is laid out anew: nothing has an address yet
-        self.records.initialize(t)
+        self.records.call("initialize_groups", t)
         if (unit := self.records.answer("unit")) >= 0:
             self._begin[unit].raise_error()
 
@@ -114,10 +113,8 @@ class Machine:
             begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self.note()
             self._called[unit][0].stopped(records.answer("status"), begin, length)
-            records.ask(
-                first=records.answer("row"), begin=records.answer("place"), started=1, steps=1, times=0, rows=0, sampled_count=0
-            )
-            records.run_steps(t, h)
+            records.ask(first=records.answer("row") + 1, steps=1, times=0, rows=0, sampled_count=0)
+            records.call("run_steps", t, h)
 
     @property
     def in_python(self) -> tuple[str, ...]:
@@ -142,7 +139,7 @@ class Machine:
                 integers[warned] = 0
 
     def space(self, times: np.ndarray, sampled: np.ndarray) -> Space:
-        """Room for macro steps from each of `times`, s; sampled: as of `Master.run_steps`."""
+        """Room for macro steps from each of `times`, s; sampled: as of `Master.take_steps`."""
         n, memory = times.size, self.records.memory
         return Space(
             times,
@@ -155,7 +152,7 @@ class Machine:
             ),
         )
 
-    def run_steps(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
+    def take_batch(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
         """The macro steps up to the `last`, in one call; returns why there are fewer."""
         records, steps, first = self.records, space.steps, space.done
         before = int(np.searchsorted(space.sampled, first))
@@ -175,7 +172,6 @@ class Machine:
                 first=rows[0],
                 last=rows[1],
                 steps=times.size,
-                begin=0,
                 whole=1,
                 sampled_count=sampled.size,
                 driven=records.driven,
@@ -183,7 +179,7 @@ class Machine:
                 **{n: a.ctypes.data for n, a in into.items()},
             )
             self._under_way = space
-            records.run_steps(0.0, h)
+            records.call("run_steps", 0.0, h)
             self._under_way = None
             records.ask(rows=0, sampled_count=0)  # nothing is wanted of single steps
             space.done += records.answer("done")

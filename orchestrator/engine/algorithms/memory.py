@@ -30,7 +30,7 @@ from .records import (
     Memory,
 )
 
-HEAD = 7  # fields at the beginning of `REQUEST`, up to `whole`
+HEAD = 5  # fields at the beginning of `REQUEST`, up to `whole`
 KERNELS: dict[str, Any] = {"run_steps": run_steps, "initialize_groups": initialize_groups}
 OF_FAULTS: dict[str, Any] = {"begin_change": begin_change, "end_change": end_change}
 _ENTRIES: dict[tuple[Any, ...], Entry] = {}  # of the kernels, for each layout in this process
@@ -47,8 +47,7 @@ class Records:
         units: int,
         links: int,
         pasts: int,
-        program: Sequence[tuple[int, int, int]],
-        order: Sequence[int],
+        program: Sequence[tuple[int, int]],
         weights: Sequence[float],
         bonded: Sequence[int],
         signals: int,
@@ -56,7 +55,7 @@ class Records:
         groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]],
         faults: Sequence[int] = (),
     ):
-        """units, links, pasts: numbers of records; program: rows of what is done and the part of `order` it is done with;
+        """units, links, pasts: numbers of records; program: rows of (act, unit);
         weights: 1 / nominal of every output; bonded: links; signals: cells of the table; driven: inputs of all units;
         groups: units of each in the order of their initialization, and its outputs, as of `records.ANSWER`; faults: inputs of
         each."""
@@ -68,8 +67,7 @@ class Records:
         records = (zeros(n, dtype) for n, dtype in ((1, REQUEST), (units, UNIT), (links, LINK), (pasts, PAST)))
         begin = Memory(
             *records,
-            whole(program, -1, 3),
-            whole(order, -1),
+            whole(program, -1, 2),
             zeros(inverse.size, np.int64),
             inverse,
             whole(bonded, -1),
@@ -113,32 +111,16 @@ class Records:
     def take_rows(self, rows: tuple[int, int], t: float, h: float, whole: int = 0) -> None:
         """Call the kernel for some rows of the program, in the step from t to t + h; whole: whether they are a macro step."""
         if (head := self._heads.get((rows, whole))) is None:  # one write of all takes a fifth of the time
-            head = self._heads[rows, whole] = _cells(np.array([*rows, 1, 0, 0, 0, whole], dtype=np.int64))
+            head = self._heads[rows, whole] = _cells(np.array([*rows, 1, 0, whole], dtype=np.int64))
         self.integers[self._head : self._head + HEAD] = head
-        self.run_steps(t, h)
+        self.call("run_steps", t, h)
 
     def answer(self, field: str) -> int:
         """A field of the request."""
         return self.integers[self._requested[field]]
 
-    def run_steps(self, t: float, h: float) -> None:
-        """Call the kernel of the loop."""
-        self._call("run_steps", t, h)
-
-    def initialize(self, t: float) -> None:
-        """Call the kernel that initializes the groups."""
-        self._call("initialize_groups", t, 0.0)
-
-    def begin_change(self, t: float) -> None:
-        """Call the kernel that lets faults end and begin."""
-        self._call("begin_change", t, 0.0)
-
-    def end_change(self, t: float) -> None:
-        """Call the kernel that lets inputs that have jumped begin anew."""
-        self._call("end_change", t, 0.0)
-
-    def _call(self, name: str, t: float, h: float) -> None:
-        """Call a kernel: compiled, the first time, if need be."""
+    def call(self, name: str, t: float, h: float = 0.0) -> None:
+        """Call a kernel of `KERNELS` or `OF_FAULTS`: compiled, the first time, if need be."""
         if (call := self._calls.get(name)) is None:
             memory, address, kernel = self.memory, self.block.address, (KERNELS | OF_FAULTS)[name]
             if COMPILED:

@@ -40,7 +40,8 @@ def samples_of(degree: int, places: Sequence[int], every: int, held: Sequence[in
 class Node:
     """One unit in the graph.
 
-    place: of its outputs in the table of signals; sources: cells there of what its links take; held: places of inputs that jump
+    place: of its outputs in the table of signals; extrapolated: so many of its links are, the first ones; sources: cells there of
+    what its links take; held: places of inputs that jump
     between steps and never change inside one; follows: the others end where their polynomials do, which the unit takes; direct:
     inputs that outputs depend on at once, and the relative change that is none; every: macro steps to one of its own. Of a unit
     with a rate of its own, own: samples of its inputs and outputs at its own instants; estimates: cells of what others go by.
@@ -50,6 +51,7 @@ class Node:
     unit: Simulator
     place: slice
     links: tuple[Link, ...]
+    extrapolated: int
     sources: tuple[int, ...]
     held: tuple[int, ...]
     follows: bool

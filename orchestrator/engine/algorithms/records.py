@@ -19,9 +19,7 @@ CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump betwee
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 OVERRIDE, OFFSET, FROZEN, DROPPED, LOST = range(5)  # kinds of faults
 BEGINS, ENDS = 1, 2  # what becomes of a fault at an instant
-START, READ, TURN, UPDATE, FOLLOW, PUSH, LOOK, FORESEE, LEFT, RIGHT, SHIFT = range(
-    11
-)  # what a row of the program does, see `kernels`
+START, READ, UPDATE, FOLLOW, PUSH, LOOK, FORESEE, LEFT, RIGHT, SHIFT = range(10)  # what a row of the program does, see `kernels`
 GIVEN = "value", "slope", "quadratic", "degree", "jump"  # of a link, over a step and behind it
 BEYOND = -2  # in the place of a unit: signals have left the limit
 NOT_CONVERGED = -3  # in the place of a unit: the initial values of a group
@@ -117,8 +115,6 @@ REQUEST, _ = _record("""
     last             i  to before this one
     steps            i  macro steps
     times            i  address of the times at which they begin; 0: the one that is handed over
-    begin            i  units of the first row that are done already
-    started          i  whether the next unit has started already
     whole            i  whether the rows are a macro step
     updated          i  whether outputs have moved
     rows             i  address for the signals behind each, (steps, S); 0: none of what follows is wanted
@@ -136,7 +132,6 @@ REQUEST, _ = _record("""
     unit             i  answer: the unit whose call failed, -1, or `BEYOND`
     status           i  answer: of the call
     row              i  answer: row of the program in which it failed
-    place            i  answer: units of it that were done
 """)
 
 GROUP, _ = _record("""
@@ -172,10 +167,11 @@ FAULT_END, FAULT_END_STATE = _record("""
     held    f* what takes the place of the input, or is added to it
 """)
 
-# outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output, or 0; bonded: links that are noted; buffer: what
-# FMUs are handed; initial_order: units of the groups; space, pivots: workspace of the initialization
+# program: rows of (act, unit); outputs_at: addresses of components' outputs; inverse: 1 / nominal of every output, or 0; bonded:
+# links that are noted; buffer: what FMUs are handed; initial_order: units of the groups; space, pivots: workspace of the
+# initialization
 FIELDS = (
-    "request units links pasts program order outputs_at inverse bonded signals buffer groups initial_order answers space pivots "
+    "request units links pasts program outputs_at inverse bonded signals buffer groups initial_order answers space pivots "
     "faults fault_ends"
 )
 Memory = kernel_tuple(namedtuple("Memory", FIELDS))  # type: ignore[misc]

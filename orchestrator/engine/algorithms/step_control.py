@@ -17,7 +17,8 @@ from ..coupling import Coupling
 from ..coupling.arrays import is_element
 from ..coupling.graph import is_discrete
 from .energy import EnergyAccount
-from .master import Master, Node
+from .master import Master
+from .node import Node
 
 SAFETY = 0.9  # of the step that would just meet the tolerance
 SHRINK, GROW = 0.2, 2.0  # limits of one change
@@ -59,7 +60,7 @@ class Milne:
 
     def prepare(self, h: float) -> None:
         self._predicted = []
-        self._master.perform("foresee", 0.0, h)
+        self._master.foresee(h)
         for node, at, _ in self._nodes:
             extrapolated, interpolated = shares(h, *node.spans)
             if node.unit_record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
@@ -107,7 +108,7 @@ class Doubling:
     def __init__(self, master: Master, coupling: Coupling, settings: ControlSettings):
         self._master, self._settings = master, settings
         known = [(end, k, coupling.interfaces[end[0]].outputs[end[1]]) for end, k in master.positions.items()]
-        ends = [(k, one) for end, k, one in known if end in master.handed_over or counts_alone(end[1], one)]
+        ends = [(k, one) for end, k, one in known if end in master.network.handed_over or counts_alone(end[1], one)]
         self._at = np.array([k for k, signal in ends if not is_discrete(signal)], dtype=int)
         self._nominal = np.array([signal.nominal for _, signal in ends if not is_discrete(signal)])
         self._counts = 1

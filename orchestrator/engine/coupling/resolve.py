@@ -252,8 +252,8 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
             _check_loop(loop, coupling)
     if master.smoothing:
         _check_smoothing(scene, coupling)
-    if master.abilities.iterates:
-        _check_iterative(scene, coupling)
+    if master.abilities.rollback:
+        _check_rollback(scene, coupling)
     for name in coupling.rates:
         _check_rate(name, scene)
     check_stepping(scene.master, coupling.interfaces, coupling.links, coupling.bonds, coupling.rates)
@@ -297,8 +297,8 @@ def _check_loop(loop: Loop, coupling: Coupling) -> None:
             )
 
 
-def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
-    """Only circles of units with values that change inside a step are iterated, and their units must be able to repeat one."""
+def _check_rollback(scene: SceneSettings, coupling: Coupling) -> None:
+    """Only circles of units with values that change inside a step repeat one, and their units must be able to."""
     interfaces, where, actual = coupling.interfaces, "master.algorithm", repr(scene.master.algorithm)
     circles = [group for group in groups(interfaces, smooth(interfaces, coupling.links)) if len(group) > 1]
     if not circles:
@@ -316,17 +316,11 @@ def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
                 f"units that save their state, so that a step can be repeated; {name} cannot",
                 'Take "jacobi" or "gauss-seidel".',
             )
-    if scene.master.feedthrough == "delayed":
-        raise BadInput(
-            "master.feedthrough",
-            "'delayed'",
-            f"'immediate' with {scene.master.algorithm}, where outputs fit the inputs of their instant",
-        )
 
 
 def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
     master, where = scene.master, "master.smoothing"
-    if master.abilities.iterates:
+    if master.abilities.rollback:
         raise BadInput(where, "true", f"none; {master.algorithm} interpolates, and its inputs do not jump", "Remove it.")
     if master.extrapolation == 0:
         raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")

@@ -50,7 +50,7 @@ class Faults:
         if self.from_start:
             change = self._master.records.memory.faults["change"]
             change[self.from_start] = BEGINS
-            self._master.records.begin_change(self._start)
+            self._master.records.call("begin_change", self._start)
             change[:] = 0
 
     def stops(self) -> dict[int, list[Action]]:
@@ -65,9 +65,9 @@ class Faults:
         records = self._master.records
         for i, change in changes:
             records.memory.faults["change"][i] = change
-        records.begin_change(t)
+        records.call("begin_change", t)
         self._master.follow(t)
-        records.end_change(t)
+        records.call("end_change", t)
 
 
 def acts_from_start(fault: FaultSettings, start: float) -> bool:

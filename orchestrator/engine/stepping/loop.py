@@ -85,8 +85,8 @@ class Steppable(Protocol):
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state` of the same scene; raises `ValueError` or `KeyError` where it does not fit."""
 
-    def run_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
-        """Steps from each of `times` (n,), s, of length h; see `Master.run_steps`."""
+    def take_steps(self, times: np.ndarray, h: float, sampled: np.ndarray = NONE, saved: Sequence[int] = ()) -> Steps:
+        """Steps from each of `times` (n,), s, of length h; see `Master.take_steps`."""
 
 
 class Stepping:
@@ -224,7 +224,7 @@ class Stepping:
         sampled = np.array(sorted({k for o in observers for k in o.sampled_steps(n)}), dtype=np.int64)
         saved_steps = sorted({k for o in observers for k in o.saved_steps(n - 1)})
         self._under_way = ticks, times
-        taken = self.master.run_steps(times[:-1], h, sampled, saved_steps)
+        taken = self.master.take_steps(times[:-1], h, sampled, saved_steps)
         self._under_way = None
         self._pace = max((perf_counter() - started) / n, 1e-7)
         done = len(taken.rows)
@@ -284,7 +284,7 @@ def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[
     """What of a scene keeps its macro steps from being one call of the kernels, in the scene's own words."""
     present = {
         "connections of texts": master.texts is not None,
-        "master.algorithm": not master.batched,
+        "master.algorithm": not master.algorithm.acts,
         "master.energy_correction": account is not None and account.correction,
     }
     yield from (words for words, there in present.items() if there)

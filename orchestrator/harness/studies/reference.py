@@ -228,7 +228,11 @@ def _finer(
     how = f"internal steps / {round(1.0 / factor)}"
     if scene.coupling.links:
         changes |= coupling_changes(scene, algorithm, degree)
-        changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if ALGORITHMS[algorithm].iterates else {}
+        changes |= (
+            {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}}
+            if "iteration" in ALGORITHMS[algorithm].options
+            else {}
+        )
         how = f"{algorithm}, {DEGREES[degree]} inputs, macro step {step:.3g} s, {how}"
     return how, changes
 

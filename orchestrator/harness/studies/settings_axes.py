@@ -76,7 +76,7 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
         return
     circles = any(len(group) > 1 for group in coupling.groups)
     algorithms = [
-        name for name, of in ALGORITHMS.items() if (circles or not of.iterates) and (scene.contacts or not of.reduces_contacts)
+        name for name, of in ALGORITHMS.items() if (circles or not of.rollback) and (scene.contacts or not of.reduces_contacts)
     ]
     for algorithm in algorithms:
         for degree, name in enumerate(DEGREES):

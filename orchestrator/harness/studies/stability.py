@@ -154,7 +154,7 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
     algorithm, degree = scheme
     changes = {"algorithm": algorithm, "extrapolation": degree, "control": None, "events": ()}
     changes |= {} if ALGORITHMS[algorithm].sequential else {"order": ()}
-    changes |= {} if ALGORITHMS[algorithm].iterates else {"iteration": None}
+    changes |= {} if "iteration" in ALGORITHMS[algorithm].options else {"iteration": None}
     changes |= {} if scene.master.energy_correction else {"bonds": ()}
     return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
 

@@ -125,7 +125,7 @@ def circle(masses: TwoMasses, step: float, degree: int, method: str = "newton"):
     """A master with the force between two free masses as the one signal at the cut, and its circle."""
     scene = masses.scene("FF", step, stop=100.0 * step, algorithm="iterative", extrapolation=degree)
     master = open_master(scene, iteration=IterationSettings(method=method))
-    ((chain, _),) = master._chains
+    ((chain, _),) = master.algorithm._groups
     return master, chain
 
 
@@ -147,7 +147,7 @@ def test_factor_of_the_plain_fixed_point(degree):
         answers = []
         for force in (0.0, 1.0):
             chain.restore()
-            answers.append(chain.respond(np.array([force]), 0.0, step)[0])
+            answers.append(chain.respond(np.array([force]), master.machine, 0.0, step)[0])
         expected = FACTORS[degree](step**2 * kc / 0.75, step * cc / 0.75)
         # numbers of size kc * x with x up to step: their difference loses digits
         assert answers[1] - answers[0] == pytest.approx(-expected, rel=1e-9)
@@ -166,7 +166,7 @@ def test_methods_converge_where_the_fixed_point_does_not(degree, limit):
         force, misses = np.zeros(1), []
         for _ in range(4):
             chain.restore()
-            answer = chain.respond(force, 0.0, step)
+            answer = chain.respond(force, master.machine, 0.0, step)
             misses.append(abs(answer[0] - force[0]))
             force = answer
         assert misses[3] / misses[2] == pytest.approx(share**2, rel=1e-6)
@@ -176,7 +176,7 @@ def test_methods_converge_where_the_fixed_point_does_not(degree, limit):
         for k in range(5):
             master.step(k * step, step)
         # a linear circle cut at one signal: one correction a step, and one more where the degree and so the gain changes
-        assert master.iterations <= 2 * master.steps + 1 + degree
+        assert master.algorithm.iterations <= 2 * master.steps + 1 + degree
 
 
 def test_lagged_added_mass():
@@ -193,12 +193,12 @@ def test_lagged_added_mass():
     }
     for method in METHODS:
         master = open_master(scene, [("a", "x_out")], IterationSettings(method=method))
-        ((chain, _),) = master._chains
+        ((chain, _),) = master.algorithm._groups
         chain.save()
-        guess = chain.predicted(0.02)
-        answer = chain.respond(guess, 0.0, 0.02)
+        guess = chain.predicted(master.machine, 0.02)
+        answer = chain.respond(guess, master.machine, 0.0, 0.02)
         chain.restore()
-        moved = chain.respond(guess + 1.0, 0.0, 0.02)
+        moved = chain.respond(guess + 1.0, master.machine, 0.0, 0.02)
         chain.restore()
         # the mass answers at once, and by w²/6 = 7e-5 of that by having moved to the end of the step
         assert (moved - answer)[0] == pytest.approx(-100.0, rel=1e-3)

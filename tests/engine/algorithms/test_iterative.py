@@ -123,7 +123,7 @@ def test_a_circle_is_cut_where_the_fewest_signals_are():
     scene = LIM.scene("FD", 1e-2, algorithm="iterative")
     for units in (scene["units"], dict(reversed(scene["units"].items()))):
         master = open_master({**scene, "units": units})
-        ((chain, _),) = master._chains
+        ((chain, _),) = master.algorithm._groups
         assert [list(master.positions)[k] for k in chain.cut] == [("b", "force")]
 
 
@@ -242,11 +242,11 @@ def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monk
             interface_of("a", gives_jacobian=True)
             interface_of("b", gives_jacobian=True)
         master = open_master(scene, ())
-        ((chain, _),) = master._chains
+        ((chain, _),) = master.algorithm._groups
         known = chain.derivatives()
         assert known == pytest.approx(np.array([[-0.55 / 0.45]]), rel=1e-15) if gives else known is None
         master.step(0.0, 0.01)
-        restores.append(master.restores)
+        restores.append(master.algorithm.restores)
         for k in range(1, 100):
             master.step(0.01 * k, 0.01)
         assert master.signals[master.positions["a", "x_out"]] == pytest.approx(np.cos(1.0), abs=1e-4)

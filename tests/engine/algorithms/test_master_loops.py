@@ -176,9 +176,10 @@ class Given:
 
 
 class Circle:
-    """A master of units with one input and one output each, in a circle; `perform` updates all and reads what they give."""
+    """Network and machine of units with one input and one output each, in a circle; `perform` updates all and reads them."""
 
-    def __init__(self, units: list[Given], links: list[Link]):
+    def __init__(self, units: list[Given], links: list[Link], interface: Interface):
+        self.coupling = SimpleNamespace(interfaces={unit.name: interface for unit in units})
         self.positions = {(unit.name, "y"): k for k, unit in enumerate(units)}
         self.signals = np.zeros(len(units))
         self.nodes = [
@@ -187,68 +188,72 @@ class Circle:
             )
             for k, (unit, link) in enumerate(zip(units, links, strict=True))
         ]
+        self.node_of = {node.unit.name: node for node in self.nodes}
+
+    def rows(self, *acts):
+        return acts
 
     def perform(self, rows, t, h):
         inputs = [n.links[0].factor * self.signals[n.sources[0]] + n.links[0].offset for n in self.nodes]
         self.signals[:] = [node.unit.answer(u) for node, u in zip(self.nodes, inputs, strict=True)]
 
 
-def solver_of(units: list[Given], *connections: tuple[float, float], exact: bool = True) -> tuple[LoopSolver, np.ndarray]:
-    """The solver of units of which each gets the output of the next, and the table of signals; connections: factor, offset."""
+def solver_of(units: list[Given], *connections: tuple[float, float], exact: bool = True) -> tuple[LoopSolver, Circle]:
+    """The solver of units of which each gets the output of the next, and their circle; connections: factor, offset."""
     ends = [(unit.name, "y") for unit in units]
     links = [
         Link(source, (unit.name, "u"), *connection)
         for unit, source, connection in zip(units, (*ends[1:], ends[0]), connections, strict=True)
     ]
-    master = Circle(units, links)
     interface = Interface("", {"u": Signal("u", "")}, {"y": Signal("y", "", feedthrough=("u",))}, {}, gives_jacobian=exact)
     loop = Loop(tuple(ends), tuple(unit.name for unit in units))
-    return LoopSolver(loop, master.nodes, master, {unit.name: interface for unit in units}), master.signals
+    circle = Circle(units, links, interface)
+    return LoopSolver(loop, circle), circle
 
 
 @pytest.mark.parametrize("wrong", [1.0, 1.02])
 def test_derivatives_of_the_units_are_used_where_they_have_them(wrong):
-    solver, table = solver_of([Given("p", 5.0, 5.0 * wrong), Given("q", 3.0, 3.0)], (-2.0, 0.5), (1.0, 0.0))
-    solver.solve(0.0)
+    solver, units = solver_of([Given("p", 5.0, 5.0 * wrong), Given("q", 3.0, 3.0)], (-2.0, 0.5), (1.0, 0.0))
+    solver.solve(units, 0.0)
     p = -6.5 / 31.0  # p = 5 (-2 q + 0.5) + 1 and q = 3 p + 1, so 31 p = 5 (-2 + 0.5) + 1
-    np.testing.assert_allclose(table, [p, 3.0 * p + 1.0], rtol=1e-11)
+    np.testing.assert_allclose(units.signals, [p, 3.0 * p + 1.0], rtol=1e-11)
     assert solver.jacobians == 1
     assert (solver.evaluations == 2) == (wrong == 1.0)  # one look, one correction that is right at once
 
 
 def test_derivatives_of_the_units_are_not_used_where_a_fault_changes_an_input():
-    solver, table = solver_of([Given("p", 5.0, np.nan), Given("q", 3.0, np.nan)], (-2.0, 0.5), (1.0, 0.0))
+    solver, units = solver_of([Given("p", 5.0, np.nan), Given("q", 3.0, np.nan)], (-2.0, 0.5), (1.0, 0.0))
     solver.nodes[1].altered = True
-    solver.solve(0.0)
-    np.testing.assert_allclose(table, [-6.5 / 31.0, 1.0 - 19.5 / 31.0], rtol=1e-11)
+    solver.solve(units, 0.0)
+    np.testing.assert_allclose(units.signals, [-6.5 / 31.0, 1.0 - 19.5 / 31.0], rtol=1e-11)
 
 
-def circle(answer) -> tuple[LoopSolver, np.ndarray]:
-    """The loop of one unit whose output, 0 at first, is `answer` of itself, and the table that holds it."""
+def circle(answer) -> tuple[LoopSolver, Circle]:
+    """The loop of one unit whose output, 0 at first, is `answer` of itself."""
     return solver_of([Given("p", 1.0, 0.0, answer)], (1.0, 0.0), exact=False)
 
 
 def test_a_kept_jacobian_that_leads_astray_is_taken_anew():
     """The first correction leads from 0 to 1 and leaves a tenth, but behind it the slope has the other sign."""
-    solver, table = circle(lambda x: 1.0 - 2.3 * x**2 + 2.4 * x**3)
-    solver.solve(0.0)
+    solver, units = circle(lambda x: 1.0 - 2.3 * x**2 + 2.4 * x**3)
+    solver.solve(units, 0.0)
     roots = np.roots([2.4, -2.3, -1.0, 1.0])
-    assert np.abs(roots - table[0]).min() < 1e-10
+    assert np.abs(roots - units.signals[0]).min() < 1e-10
     assert solver.jacobians > 1
 
 
 def test_an_output_near_zero_makes_no_loop_singular():
     """p = 1e9 (q - 1) + 1 and q = 1: no loop in truth, but I - dG/dx has entries of 1 and 1e9."""
-    solver, table = solver_of([Given("p", 1e9, 1e9), Given("q", 0.0, 0.0)], (1.0, -1.0), (1.0, 0.0))
-    solver.solve(0.0)
-    assert table.tolist() == [1.0, 1.0]
+    solver, units = solver_of([Given("p", 1e9, 1e9), Given("q", 0.0, 0.0)], (1.0, -1.0), (1.0, 0.0))
+    solver.solve(units, 0.0)
+    assert units.signals.tolist() == [1.0, 1.0]
 
 
 def test_a_loop_that_cannot_be_solved_is_an_error_with_its_residual():
     """y = u + 1 where u = y + |y| + 1: always larger than what it started from."""
-    solver, _ = circle(lambda x: 2.0 + x + abs(x))
+    solver, units = circle(lambda x: 2.0 + x + abs(x))
     with pytest.raises(StepFailed, match=r"loop of p\.y .*residual of"):
-        solver.solve(0.0)
+        solver.solve(units, 0.0)
 
 
 def test_loops_of_units_with_rates_of_their_own_are_refused():

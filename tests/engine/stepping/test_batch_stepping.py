@@ -21,13 +21,13 @@ BATCH = "cosimo.orchestrator.engine.stepping.loop"
 
 def both_ways(data, monkeypatch, **options):
     """The same scene in batches, of which there must be some, and step by step; and the lengths of the batches in steps."""
-    lengths, steps = [], Master.run_steps
+    lengths, steps = [], Master.take_steps
 
     def noted(self, times, *arguments):
         lengths.append(times.size)
         return steps(self, times, *arguments)
 
-    monkeypatch.setattr(Master, "run_steps", noted)
+    monkeypatch.setattr(Master, "take_steps", noted)
     scene = data if not isinstance(data, dict) else read_scene(data)
     together = run(scene, **options)
     batches = lengths.copy()
@@ -296,7 +296,7 @@ def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
     batches = []
     data = two_masses("gauss-seidel", 1e-3, 1) | {"stop_time": 20.0, "record": {"signals": ["b.x_out"], "interval": interval}}
     monkeypatch.setattr(f"{BATCH}.BATCH_SECONDS", 1e3)
-    monkeypatch.setattr(Master, "run_steps", counted(Master.run_steps, batches))
+    monkeypatch.setattr(Master, "take_steps", counted(Master.take_steps, batches))
     assert run(read_scene(data), in_process=True).outcome == "done"
     assert len(batches) <= 2 + 20_000 // (LOOKS * InstabilityMonitor.EVERY * InstabilityMonitor.RARELY)
 

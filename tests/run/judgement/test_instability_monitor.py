@@ -82,7 +82,7 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
 def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
     """Counted: one look in 29 steps, and as many batches more than without it, at most."""
     batches, looks = [], []
-    taken, looked = Master.run_steps, InstabilityMonitor.__call__
+    taken, looked = Master.take_steps, InstabilityMonitor.__call__
 
     def counted(self, times, *more):
         batches.append(len(times))
@@ -94,7 +94,7 @@ def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
 
     scene = spring(0.01, 1, steps=6000)
     monkeypatch.setattr("cosimo.orchestrator.engine.stepping.loop.BATCH_SECONDS", 1e6)  # no batch ends for its duration
-    monkeypatch.setattr(Master, "run_steps", counted)
+    monkeypatch.setattr(Master, "take_steps", counted)
     monkeypatch.setattr(InstabilityMonitor, "__call__", seen)
     run(scene)
     with_it, batches[:] = len(batches), []
