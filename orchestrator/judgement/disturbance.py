@@ -21,7 +21,7 @@ from ...components.core.errors import BadInput, StepFailed
 from ..engine.coupling import Endpoint
 from ..engine.coupling.checks import free
 from ..scene.scene import Scene
-from ..session.open_scene import Course, OpenScene
+from ..session.open_scene import started
 from ..settings import IterationSettings
 from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 
@@ -116,10 +116,8 @@ class Disturbed:
         ):
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
-        self.scene, self.open_scene = scene, OpenScene(scene, stack, in_process=True, watched=())
-        self._course = Course(self.open_scene)
-        self._course.start()
-        self._start = self._course.save()
+        self.scene, self._course = scene, stack.enter_context(started(scene, watched=()))
+        self.open_scene, self._start = self._course.open_scene, self._course.save()
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.open_scene.signals])
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
 from math import inf, isinf
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ from ..engine.coupling.graph import Loop
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
 from ..scene.scene import Scene
-from ..session.open_scene import Course, OpenScene
+from ..session.open_scene import started
 from . import work
 from .probing import Advice, PairLimit
 from .thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
@@ -201,9 +200,7 @@ class SteppingPath(NamedTuple):
 
 def stepping_path(scene: Scene) -> SteppingPath:
     """Opens and initializes the scene's units, in process where they are components; raises what a run of it would."""
-    with ExitStack() as stack:
-        course = Course(OpenScene(scene, stack, in_process=True))
-        course.start()
+    with started(scene) as course:
         reasons = [words for key, words in ADAPTIVE.items() if getattr(scene.master, key)]
         if isinstance(course.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]

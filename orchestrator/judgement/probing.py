@@ -17,7 +17,7 @@ and the answer says so.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, inf, log, pi, sqrt
 from time import perf_counter
@@ -30,7 +30,7 @@ from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
 from ..run.run_info import CompileTime
 from ..scene.scene import Scene
-from ..session.open_scene import Course, OpenScene
+from ..session.open_scene import Course, OpenScene, started
 from . import work
 from .closed_form import longest_step, radii
 from .thresholds import TOLERABLE
@@ -164,28 +164,20 @@ def _percent(share: float) -> str:
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
     with CompileTime() as compiling:
-        with ExitStack() as stack:  # in process, where components count what they do
-            open_scene, course = _started(scene, stack, in_process=True)
-            limits, unknown = pair_limits(open_scene)
-            costs, counted = _costs(open_scene), 0.0
+        with started(scene, watched=()) as course:  # in process, where components count what they do
+            limits, unknown = pair_limits(course.open_scene)
+            costs, counted = _costs(course.open_scene), 0.0
             for name, (cost, every) in costs.items():
-                counted += work.HAND_OVER + work.of_calls(open_scene.units[name], max(cost.calls, 1) / cost.share / every)
+                counted += work.HAND_OVER + work.of_calls(course.open_scene.units[name], max(cost.calls, 1) / cost.share / every)
             cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
             seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
             if not cut and (here := work.as_repeated(scene, in_process)):
                 seconds = _timed(course)
         if not cut and not here:
-            with ExitStack() as stack:
-                seconds = _timed(_started(scene, stack, in_process=False)[1])
+            with started(scene, in_process=False, watched=()) as course:
+                seconds = _timed(course)
     steps = ceil(scene.duration / scene.master.step * (1.0 - 1e-12))
     return Advice(limits, unknown, steps, seconds, counted, compiling.seconds, cut)
-
-
-def _started(scene: Scene, stack: ExitStack, in_process: bool) -> tuple[OpenScene, Course]:
-    open_scene = OpenScene(scene, stack, in_process, watched=())
-    course = Course(open_scene)
-    course.start()
-    return open_scene, course
 
 
 def _costs(open_scene: OpenScene) -> dict[str, tuple[StepCost, int]]:
@@ -358,8 +350,6 @@ def remedy(scene: Scene) -> str:
 
 def _limits(scene: Scene) -> tuple[PairLimit, ...]:
     """The scene is started anew to ask its units, in this process; nothing where it does not start."""
-    with ExitStack() as stack:
-        try:
-            return pair_limits(_started(scene, stack, in_process=True)[0])[0]
-        except (BadInput, StepFailed):
-            return ()
+    with suppress(BadInput, StepFailed), started(scene, watched=()) as course:
+        return pair_limits(course.open_scene)[0]
+    return ()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -46,7 +46,7 @@ class Course:
     """What begins anew with every run of an open scene: the account of energy, the faults, and the stepping; with its states."""
 
     def __init__(self, open_scene: OpenScene):
-        self._open_scene = open_scene
+        self.open_scene = open_scene
         scene, self.master, clock = open_scene.scene, open_scene.master, open_scene.clock
         coupling, correction = scene.coupling, scene.master.energy_correction
         self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
@@ -65,7 +65,7 @@ class Course:
     def keep(self, tick: int, saved: Any, inputs: Sequence[Any] = (), to_bytes: Callable[[State], bytes] | None = None) -> State:
         """The state of what was saved at a tick; FMUs hold their parts of it until it is released, or they are closed."""
         state = State(saved, tick, self.stepping.state(), inputs, [node.unit for node in self.master.nodes], to_bytes)
-        states = self._open_scene.states
+        states = self.open_scene.states
         states[:] = [*(one for one in states if one() is not None), weakref.ref(state)]
         return state
 
@@ -245,3 +245,12 @@ class OpenScene:
         for unit, settings in units.items():
             self.units[unit].component.refuse_unused(settings.parameters)  # type: ignore[attr-defined]
         return self.scene.model_copy(update={"units": units})
+
+
+@contextmanager
+def started(scene: Scene, *, in_process: bool = True, watched: Sequence[Endpoint] | None = None) -> Iterator[Course]:
+    """A scene outside of a run, opened and initialized; arguments as of `OpenScene`. Raises `BadInput` and `StepFailed`."""
+    with ExitStack() as stack:
+        course = Course(OpenScene(scene, stack, in_process, watched=watched))
+        course.start()
+        yield course

@@ -1,10 +1,8 @@
 """What judges a run from the states of an open scene: stretches of another step, units by themselves, pushed inputs."""
 
-from contextlib import ExitStack
-
 import numpy as np
 import pytest
-from cosimo.orchestrator.session.open_scene import Course, OpenScene
+from cosimo.orchestrator.session.open_scene import started
 from cosimo.orchestrator.systems import load_scene
 
 SCENE = load_scene("mass-on-spring")
@@ -13,11 +11,8 @@ H = SCENE.master.step
 
 @pytest.fixture
 def opened():
-    with ExitStack() as stack:
-        open_scene = OpenScene(SCENE, stack, in_process=True)
-        course = Course(open_scene)
-        course.start()
-        yield open_scene, course
+    with started(SCENE) as course:
+        yield course.open_scene, course
 
 
 def test_a_stretch_has_the_bits_of_the_steps_and_moves_no_clock(opened):
@@ -35,9 +30,7 @@ def test_a_stretch_has_the_bits_of_the_steps_and_moves_no_clock(opened):
 def test_a_stretch_of_half_the_steps_is_a_run_with_them(opened):
     _, course = opened
     finer = course.stretch(0.5 * H, range(40)).rows
-    with ExitStack() as stack:
-        other = Course(OpenScene(SCENE.with_changes({"master.step": 0.5 * H}), stack, in_process=True))
-        other.start()
+    with started(SCENE.with_changes({"master.step": 0.5 * H})) as other:
         assert other.stretch(0.5 * H, range(40)).rows.tobytes() == finer.tobytes()
 
 
