@@ -10,7 +10,7 @@ What stands here is the public interface; whatever it needs is imported when it 
 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
 `summary`, `write_report`, `delivered`.
-A scene in the hand: `open`, to set, step, read, save and take back.
+A scene in the hand: `open`, to set, step, read, save and take back; `gym`, as an environment of Gymnasium.
 Many runs: `function`, `run_many`, `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `compare`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from .orchestrator.systems import (
         build_scene,
         compare,
+        gym,
         load_scene,
         open,
         read_result,
@@ -76,6 +77,7 @@ _PLACES = {
     "orchestrator.systems": (
         "build_scene",
         "compare",
+        "gym",
         "load_scene",
         "open",
         "read_result",
@@ -122,6 +124,7 @@ __all__ = [
     "fit",
     "flag",
     "function",
+    "gym",
     "hold_inputs",
     "input_",
     "integer",

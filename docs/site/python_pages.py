@@ -74,6 +74,16 @@ EXAMPLES = {
     "function": """
         with cosimo.function("mass-on-spring", ["spring.stiffness"], ["mass.base_x, maximum"]) as f:
             print(f(f.start), f([[80.0], [120.0]]))""",
+    "gym": """
+        env = cosimo.gym(
+            "double-pendulum",
+            actions={"chain.first_torque": (-20.0, 20.0)},
+            observations=["chain.first_angle [deg]", "chain.first_rate"],
+            reward=lambda observation, action: -abs(observation[0] - 180.0),
+        )
+        env.reset(seed=1)
+        print(env.step([5.0]))
+        env.close()""",
     "build_scene": """
         scene = cosimo.build_scene(
             {"mass": cosimo.unit("PlanarLink", mass=2.0), "spring": cosimo.unit("CompliantJoint", stiffness=5e3)},

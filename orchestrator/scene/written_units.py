@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from ...components.catalogue import component_class
+from ...components.core.columns import name_and_unit
 from ...components.core.errors import BadInput
-from ...components.core.measure import is_quantity, number_in
+from ...components.core.measure import conversion_of, is_quantity, number_in, plain
 from ..settings.names import split_name
 from ..units.fmu import declared_signals
-from .names import TIMES
+from .names import TIMES, declared, place_of
 
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
@@ -115,3 +118,23 @@ def _of_fmu(path: str, where: str) -> Convert:
         return number_in(text, signal.unit, place, signal.measure, signal.relative)
 
     return convert
+
+
+def scaled_names(scene: Any, texts: Iterable[str], where: str) -> tuple[tuple[str, ...], np.ndarray]:
+    """(names as a `Scene` has them, (2, n) factors and offsets to its units from those behind the names, "unit.variable [km/h]").
+
+    Raises `BadInput` for a unit of another dimension, and for a name that comes twice.
+    """
+    names, scales = [], []
+    for text in texts:
+        name, unit = name_and_unit(text)
+        place = place_of(scene, name)
+        variable = declared(scene, place.unit).get(place.parameter.partition("[")[0]) if place.parameter else None
+        own = "s" if name in TIMES else getattr(variable, "unit", "")
+        if unit and not own:
+            raise BadInput(f"{where}: {text}", f"unit {unit!r}", f"a name alone, as the unit of {name} is not known")
+        names.append(name)
+        scales.append(conversion_of(plain(unit), own, f"{where}: {text}", repr(unit)) if unit else (1.0, 0.0))
+    if len(set(names)) < len(names):
+        raise BadInput(where, ", ".join(names), "each name once")
+    return tuple(names), np.array(scales).reshape(-1, 2).T

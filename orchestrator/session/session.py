@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
+from functools import cached_property
 from html import escape
+from math import isfinite
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +30,7 @@ from ..run.tables import MemoryTable
 from ..scene.names import declared, elements, variable_of
 from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
-from ..units.interface import SimulationEnded
+from ..units.interface import Signal, SimulationEnded
 from ..verified_file import verified_bytes, verified_content
 from .open_scene import Course, OpenScene, remarks_of
 from .state import Inputs, State
@@ -52,9 +55,9 @@ class Session:
     def __init__(self, scene: Scene, *, in_process: bool = True, native: bool = False):
         """in_process: components run in this process, else as FMUs.  native: as native FMUs. Units are opened by `initialize`."""
         self._scene, self._in_process, self._native = scene, in_process, native
+        self._where = f"session of {scene.name}"
         self._stack = ExitStack()
         self._open_scene: OpenScene | None = None
-        self._begun = False  # whether the open scene has been started
         self._changes: dict[str, Any] = {}  # numbers that an open scene begins anew with
         self._inputs = Inputs()
         self._initialized, self._closed = False, False
@@ -63,6 +66,7 @@ class Session:
         self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
         self._observers: list[Any] = []
         self._spool: Spool | None = None
+        self._free: dict[str, tuple[str, str, Signal]] = {}  # inputs that were set, by name
 
     # -- from the beginning to the end -------------------------------------------------------------------------------
     @property
@@ -80,10 +84,10 @@ class Session:
             raise BadInput(self._where, "initialize() of a scene that runs", "a session before its start", "reset() comes first.")
         if self._open_scene is None or not self._open_scene.takes(self._changes):
             self._open()
-        elif self._changes or self._begun:
-            self._scene = self._open_scene.begin_anew(self._changes)
         assert self._open_scene is not None
-        self._begun, self._course = True, Course(self._open_scene)
+        if self._open_scene.takes(self._changes):  # the first start, too, so that later ones find what there was before it
+            self._scene = self._open_scene.begin_anew(self._changes)
+        self._course = Course(self._open_scene)
         self._master, self._stepping = self._open_scene.master, self._course.stepping
         for (unit, name), value in self._inputs.items():
             self._open_scene.units[unit].put(name, value)
@@ -162,12 +166,18 @@ class Session:
         if self._open_scene is not None and not self._open_scene.takes({}):
             self._close_units()
         if seed is not None:
-            for unit, settings in self._scene.units.items():
-                variables = component_class(settings.component, unit).variables if settings.component else {}
-                on = {*settings.effects, ""}
-                for name, v in variables.items():
-                    if v.structural == SEED and name.rpartition(".")[0] in on:
-                        self[f"{unit}.{name}"] = seed
+            for name in self.seeds:
+                self[name] = seed
+
+    @property
+    def seeds(self) -> list[str]:
+        """Parameters of the scene that are a seed, by name; of effects that are on."""
+        return [
+            f"{unit}.{name}"
+            for unit, settings in self._scene.units.items()
+            for name, v in (component_class(settings.component, unit).variables if settings.component else {}).items()
+            if v.structural == SEED and name.rpartition(".")[0] in {*settings.effects, ""}
+        ]
 
     def close(self) -> None:
         """Close the units; a session that is closed can be asked nothing."""
@@ -176,7 +186,7 @@ class Session:
 
     def _close_units(self) -> None:
         self._stack.close()
-        self._open_scene, self._begun, self._unseen = None, False, False
+        self._open_scene, self._unseen = None, False
         self._readers.clear()
 
     def __enter__(self) -> Session:
@@ -207,13 +217,17 @@ class Session:
 
         Raises `BadInput` for a name, a value or a moment that cannot be.
         """
+        if self._initialized and name in self._free:
+            self._put(*self._free[name], value)
+            return
         self._alive()
         unit, variable = variable_of(self._scene, name, self._where)
         interface = self._scene.coupling.interfaces[unit]
         if variable in interface.outputs:
             raise BadInput(f"{self._where}: {name}", repr(value), "a parameter or an input", "It is an output.")
         if variable in interface.inputs and (self._initialized or not interface.inputs[variable].is_text):
-            self._put(unit, variable, value)
+            self._put(unit, variable, interface.inputs[variable], value)
+            self._free[name] = unit, variable, interface.inputs[variable]
             return
         if self._initialized:
             raise BadInput(
@@ -288,15 +302,14 @@ class Session:
         driven = self._open_scene.inputs(unit)
         return driven[variable] if variable in driven else self._scene.coupling.interfaces[unit].inputs[variable].start
 
-    def _put(self, unit: str, variable: str, value: Any) -> None:
+    def _put(self, unit: str, variable: str, signal: Signal, value: Any) -> None:
         """Set an input from now on, and let what depends on it within the instant follow."""
-        where, signal = f"{self._where}: {unit}.{variable}", self._scene.coupling.interfaces[unit].inputs[variable]
-        links = (*self._scene.coupling.links, *self._scene.coupling.texts)
-        if source := next((link.source for link in links if link.target == (unit, variable)), None):
+        where = f"{self._where}: {unit}.{variable}"
+        if source := self._sources.get((unit, variable)):
             raise BadInput(where, repr(value), "an input that nothing drives", f"It is connected to {'.'.join(source)}.")
         if is_quantity(value) and not signal.is_text:
             value = number_in(value, signal.unit, where, signal.measure, signal.relative)
-        if signal.is_text != isinstance(value, str) or (not signal.is_text and not np.isfinite(value)):
+        if not (isinstance(value, str) if signal.is_text else isinstance(value, Real | np.bool_) and isfinite(value)):
             raise BadInput(where, repr(value), "a text" if signal.is_text else f"a finite number in {signal.unit or '1'}")
         self._inputs[unit, variable] = value if signal.is_text else float(value)
         if not self._initialized:
@@ -311,13 +324,19 @@ class Session:
         except StepFailed as error:
             self._fail(error)
             raise
-        if not (moved := np.flatnonzero(master.signals != before)).size:
+        if not (moved := set(np.flatnonzero(master.signals != before).tolist())):
             return
         for other in master.nodes:  # what jumps tells nothing of where inputs go
-            if np.isin(other.sources, moved).any():
+            if not moved.isdisjoint(other.sources):
                 other.restart()
         if self._course.account is not None:
             self._course.account.restart()
+
+    @cached_property
+    def _sources(self) -> dict[Endpoint, Endpoint]:
+        """What drives each input that is driven."""
+        coupling = self._scene.coupling
+        return {link.target: link.source for link in (*coupling.links, *coupling.texts)}
 
     @property
     def _units(self) -> dict[str, Any]:
@@ -410,10 +429,6 @@ class Session:
         return verified_result(result_of(self._scene, self._spool.table, {}, measures, info, None), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------
-    @property
-    def _where(self) -> str:
-        return f"session of {self._scene.name}"
-
     def _alive(self) -> None:
         if self._closed:
             raise BadInput(self._where, "a session that is closed", "one that is open", "cosimo.open gives another one.")

@@ -19,7 +19,10 @@ from ..scene.kinds import refuse_other
 from ..units.description import default_experiment
 
 if TYPE_CHECKING:
+    from gymnasium.vector import SyncVectorEnv
+
     from ..harness.compare import Comparison
+    from ..harness.environment import Condition, Names, Reward, SceneEnvironment
     from ..harness.summary import SummaryTable
     from ..harness.system import System, Systems
     from ..harness.validation.case import Case, CaseResult
@@ -146,6 +149,41 @@ def open(scene: Scene | str | Path, *, in_process: bool = True, native: bool = F
     from ..session.session import Session
 
     return Session(scene_of(scene), in_process=in_process, native=native)
+
+
+def gym(
+    scene: Scene | str | Path,
+    *,
+    actions: Names,
+    observations: Names,
+    reward: Reward,
+    terminated: Condition | None = None,
+    start: Mapping[str, Any] | None = None,
+    steps: int = 1,
+    copies: int | None = None,
+) -> SceneEnvironment | SyncVectorEnv:
+    """A scene as an environment of Gymnasium (`pip install cosimo[gym]`): `reset`, `step`, spaces with limits.
+
+    actions: inputs that nothing drives, {"unit.input": (low, high)}, or a list where they declare limits.  observations: outputs,
+    likewise; without limits they may have any value. Behind a name may stand the unit of measure of its numbers, "unit.output [deg]".
+    reward: of the arrays (observation, action).  terminated: of an observation, whether the episode ends.  start: parameters that
+    each episode begins with, {"unit.parameter": value} or a range (low, high) to draw from.  steps: macro steps of a step.
+    copies: so many environments as one vector environment, stepped one after the other. Raises `BadInput`.
+    """
+    try:
+        from gymnasium.vector import SyncVectorEnv
+    except ImportError:
+        raise BadInput("gym", "no Gymnasium", "an installed gymnasium", "pip install cosimo[gym]") from None
+    from ..harness.environment import SceneEnvironment
+
+    read = scene_of(scene)
+
+    def make() -> SceneEnvironment:
+        return SceneEnvironment(read, actions, observations, reward, terminated=terminated, start=start, steps=steps)
+
+    if copies is not None and (not isinstance(copies, int) or copies < 1):
+        raise BadInput("gym: copies", repr(copies), "a whole number, 1 at least")
+    return make() if copies is None else SyncVectorEnv([make] * copies)
 
 
 def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress: bool = False) -> Comparison:

@@ -21,7 +21,7 @@ from cosimo.orchestrator.scene.scene import scene_files
 
 CONTRAST = (Path(__file__).parents[1] / "contrast.js").read_text(encoding="utf-8")
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-NEEDED = ("sphinx", "myst_nb", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn", "emcee")
+NEEDED = ("sphinx", "myst_nb", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn", "emcee", "gymnasium")
 pytestmark = [
     pytest.mark.full,
     pytest.mark.skipif(

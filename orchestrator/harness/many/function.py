@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ....components.core.columns import name_and_unit
 from ....components.core.errors import BadInput
-from ....components.core.measure import conversion_of, plain
 from ...run.progress import Stop
-from ...scene.names import measure_of, place_of
+from ...scene.names import place_of
 from ...scene.scene import Scene
+from ...scene.written_units import scaled_names
 from ...session.session import Session
 from ...settings.plan import KeepSettings
 from ...settings.study import wanted
@@ -52,7 +51,9 @@ class Function:
             raise BadInput("function: threads", str(threads), "at least 1")
         self._single = isinstance(parameters, str), isinstance(figures, str)
         self.figures = tuple([figures] if isinstance(figures, str) else figures)
-        self._names, self._scales = _inputs(scene, [parameters] if isinstance(parameters, str) else parameters)
+        self._names, self._scales = scaled_names(
+            scene, [parameters] if isinstance(parameters, str) else parameters, "function: parameters"
+        )
         self.parameters = self._names
         if not self.parameters or not self.figures:
             raise BadInput("function", "no parameter or no figure", "one or more of both")
@@ -162,22 +163,6 @@ def _reason(row: Row, values: np.ndarray, figures: Sequence[str]) -> str:
         return row.reason or row.outcome
     missing = [name for name, value in zip(figures, values, strict=True) if np.isnan(value)]
     return f"no number: {', '.join(missing)}" if missing else ""
-
-
-def _inputs(scene: Scene, texts: Sequence[str]) -> tuple[tuple[str, ...], np.ndarray]:
-    """(names as the scene has them, (2, k) factors and offsets from the units that stand behind them); raises `BadInput`."""
-    names, scales = [], []
-    for text in texts:
-        name, unit = name_and_unit(text)
-        own = measure_of(scene, name)
-        where = f"function: {text}"
-        if unit and not own:
-            raise BadInput(where, f"unit {unit!r}", f"a name alone, as the unit of {name} is not known")
-        names.append(name)
-        scales.append(conversion_of(plain(unit), own, where, repr(unit)) if unit else (1.0, 0.0))
-    if len(set(names)) < len(names):
-        raise BadInput("function: parameters", ", ".join(names), "each name once")
-    return tuple(names), np.array(scales).reshape(-1, 2).T
 
 
 def _start(scene: Scene, names: Sequence[str]) -> np.ndarray:
