@@ -24,7 +24,7 @@ Condition = Callable[[np.ndarray], bool]  # of an observation
 class SceneEnvironment(gymnasium.Env[Any, Any]):
     """A scene that an agent acts in. One step of it is `steps` macro steps with a held action.
 
-    actions, observations: names, in the order of the arrays.  session: the scene, see `cosimo.open`. An episode is truncated at
+    actions, observations: names, in the order of the arrays.  session: the scene, a `Session`. An episode is truncated at
     the scene's stop_time, and where a step fails: `info["failure"]` has the reason then.
     """
 
