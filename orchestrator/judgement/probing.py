@@ -268,8 +268,6 @@ def _obstacle(scene: Scene, forces: Sequence[Link], movers: Sequence[str]) -> st
     for link in forces:
         if not _is_force(_unit(link, coupling)):
             return f"{link.target[0]} gets {link.target[1]} beside forces"
-    if scene.master.smoothing:
-        return "smoothed inputs have other limits"
     if scene.master.feedthrough == "delayed" and scene.master.abilities.sequential:
         return f"delayed feedthrough with {scene.master.algorithm} have other limits"
     return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -27,16 +28,20 @@ class IterationSettings(Model):
 class ControlSettings(Model):
     """The macro step follows an error estimate instead of being fixed."""
 
-    method: Literal["milne", "doubling", "energy"] = Field(
-        description=(
-            "milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback; "
-            "energy: power that the coupling creates at the bonds (ECCO)"
-        )
+    method: Literal["milne", "doubling"] = Field(
+        description="milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback"
     )
     relative: Positive = Field(default=1e-4, description="error allowed in a step, relative to a value")
     absolute: Positive = Field(default=1e-4, description="and relative to the nominal value, for values near zero")
     min_step: Seconds | None = Field(default=None, description="s; default: a thousandth of master.step; all steps are multiples")
     max_step: Seconds | None = Field(default=None, description="s; default: the whole run")
+
+    @field_validator("method", mode="before")
+    @classmethod
+    def _former_method(cls, value: Any) -> Any:
+        if value == "energy":
+            raise BadInput("", "'energy'", "'milne' or 'doubling'", "It went with 0.8; 'milne' needs as little of the units.")
+        return value
 
     @model_validator(mode="after")
     def _ordered(self) -> ControlSettings:
@@ -59,7 +64,6 @@ class MasterSettings(Model):
             "with extrapolation = 0: places that move on, such as a contact's, follow a line; or are held, as other masters do"
         ),
     )
-    smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
     feedthrough: Literal["immediate", "delayed"] = Field(
         default="immediate", description="outputs follow their inputs within an instant, or one step later"
     )
@@ -74,6 +78,15 @@ class MasterSettings(Model):
         description=('"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'),
     )
     energy_correction: Truth = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _former_setting(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "smoothing" in data:
+            raise BadInput(
+                "smoothing", repr(data["smoothing"]), "no such setting", "It went with 0.8: remove it, or shorten the step."
+            )
+        return data
 
     @field_validator("feedthrough", mode="before")
     @classmethod
@@ -103,6 +116,4 @@ class MasterSettings(Model):
             raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
         if not self.bonds and self.energy_correction:
             raise BadInput("energy_correction", "true without bonds", "bonds = [...] as well")
-        if not self.bonds and self.control is not None and self.control.method == "energy":
-            raise BadInput("control.method", "'energy' without bonds", "bonds = [...] as well")
         return self

@@ -114,7 +114,7 @@ BOND = {"master.bonds": ["spring.second_force_x * mass.base_velocity_x"]}
 
 @compiled
 @pytest.mark.parametrize(("changes", "obstacle"), [
-    ({}, ""), ({"master.algorithm": "jacobi"}, ""), (BOND, ""), ({"master.smoothing": True}, ""), ({"units.spring.every": 2}, ""),
+    ({}, ""), ({"master.algorithm": "jacobi"}, ""), (BOND, ""), ({"units.spring.every": 2}, ""),
     ({"master.algorithm": "iterative"}, "master.algorithm"),
     ({**BOND, "master.energy_correction": True}, "master.energy_correction"),
     ({"master.control": {"method": "milne", "relative": 1e-4}}, "master.control"),

@@ -70,14 +70,14 @@ def contact():
 
 SCENES = {
     "jacobi": lambda: oscillator(degree=2),
-    "gauss-seidel smoothed": lambda: oscillator("gauss-seidel", smoothing=True),
+    "gauss-seidel": lambda: oscillator("gauss-seidel"),
     "iterative": lambda: oscillator("iterative"),
     "a rate of its own": lambda: oscillator(every=4),
     "intervals": lambda: oscillator(record={"interval": 0.0125}),
     "milne": lambda: oscillator(control={"method": "milne", "absolute": 0.01}),
     "doubling and events": lambda: oscillator(control={"method": "doubling"}, events=["a.v_out"]),
     "energy, corrected": lambda: read_scene(
-        bonded("Link", "jacobi", 0.05, 0, energy_correction=True, control={"method": "energy", "relative": 0.05})
+        bonded("Link", "jacobi", 0.05, 0, energy_correction=True, control={"method": "milne", "relative": 0.05})
     ),
     "events": lambda: read_scene(relay(0.07, 1, ["mass.x_out"], slope=0.3)),
     "faults": lambda: oscillator(

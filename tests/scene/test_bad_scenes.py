@@ -34,7 +34,7 @@ FULL = {
     "analysis": {"transient": 0.1, "section": {"signal": "a.x_out", "angle": "a.v_out", "turns": 2}},
 }
 FULL["units"] = {**FULL["units"], "p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 2.0}}}
-FULL["master"] = {**FULL["master"], "smoothing": True, "order": ["b", "a", "p"], "bonds": ["a.v_out * b.force"]}
+FULL["master"] = {**FULL["master"], "order": ["b", "a", "p"], "bonds": ["a.v_out * b.force"]}
 ITERATED = {
     **FULL,
     "units": two_masses()["units"],
@@ -256,7 +256,8 @@ def cosimo(*arguments: object) -> tuple[int, str]:
         ("units.p", {"fmu": "x" * 300}, "units.p.fmu"),
         ("units.p", {"fmu": "a\0b"}, "units.p.fmu"),
         ("units.p", {"scene": "x" * 300 + ".toml"}, "name too long"),
-        ("master.smoothing", 1, "true or false"),
+        ("master.smoothing", True, "went with 0.8"),
+        ("master.control", {"method": "energy"}, "'milne' or 'doubling'"),
         ("connections", [{"source": "b.force"}], "connections[1].target"),
         ("connections", [5], "or a table"),
         ("faults", [{"signal": "a.x_out", "kind": "offset", "value": "1"}], "faults[1].value"),

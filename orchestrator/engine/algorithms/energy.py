@@ -1,4 +1,4 @@
-"""The energy account: what a co-simulation creates or loses at its power bonds, as diagnosis, error estimate and correction.
+"""The energy account: what a co-simulation creates or loses at its power bonds, as diagnosis and correction.
 
 Both units of a bond integrate the power of their own output and of the input they were given in place of the other's output.
 The difference is energy that the coupling has created: Sadjina, Kyllingstad, Skjong, Pedersen, "Energy conservation and
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..coupling import Coupling
-from .energy_steps import POINTS, WEIGHTS, enter_steps
+from .energy_steps import POINTS, enter_steps
 from .machine import Steps, singly
 from .master import NONE, Master, Saved
 
@@ -62,12 +62,11 @@ class EnergyAccount:
         self._kept = master.network.degree + 2
         self.correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
-        self._work, self._alone = np.zeros((2, len(ends), len(POINTS))), np.zeros((2, len(self.bonds)))
+        self._work = np.zeros((2, len(ends), len(POINTS)))
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
         self.elapsed = 0.0  # s, of all steps so far
         self._course = np.zeros((1, 1 + len(ends)))  # sums before and behind each of the steps that were entered together last
-        self.last = self.created, self.exchanged  # J, of the last step alone, without what it has returned of earlier ones
 
     def initialize(self, t: float) -> None:
         """As `Master.initialize`."""
@@ -100,7 +99,7 @@ class EnergyAccount:
         outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places] - shifts[1:]
         self._course = course = np.empty((n + 1, 1 + 2 * len(self.bonds)))
         course[0] = np.concatenate(((self.elapsed,), self.created, self.exchanged))
-        returned, self.integrals = self.integrals, self.integrals.copy()
+        self.integrals = self.integrals.copy()
         while first < n:
             times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
             even = times.tobytes() == self.times.tobytes()  # and will be from here on
@@ -116,16 +115,12 @@ class EnergyAccount:
                 self._watts,
                 self._work,
                 self.integrals,
-                self._alone,
                 course[first : last + 1],
             )
             self.times, first = times, last
         self.samples = outputs[: -self.times.size - 1 : -1] + shifts[-1]
         self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
-        self.last = self._alone[0].copy(), self._alone[1].copy()
         if self.correction:
-            mean = (WEIGHTS * self._work[0]).sum(axis=1)
-            self.last[0][:] += self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
             self._owe()
 
     def _owe(self) -> None:
@@ -145,11 +140,6 @@ class EnergyAccount:
         """The sums behind one of the steps that were entered together last, counted from 0."""
         elapsed, powers = float(self._course[step + 1, 0]), self._course[step + 1, 1:].reshape(2, -1)
         return Sums(elapsed, powers[0], powers[1])
-
-    @property
-    def order(self) -> int:
-        """Power of H that the residual power of the last step falls with."""
-        return max(len(self.times) - 1, 1)
 
     def save(self, reuse: SavedAccount | None = None) -> SavedAccount:
         """As `Master.save`, with the account."""

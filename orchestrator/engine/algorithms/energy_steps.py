@@ -12,13 +12,13 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 @kernel
-def enter_steps(h, basis, outputs, shifts, given, degrees, factors, watts, work, integrals, alone, course):
+def enter_steps(h, basis, outputs, shifts, given, degrees, factors, watts, work, integrals, course):
     """Equal steps of an account, for I inputs and I / 2 bonds, of which the k-th has the inputs 2 k and 2 k + 1.
 
     basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first, without
     the jumps so far; shifts: (n, I), their sums before each step; given: (n, I, 5), value, slope, half of the second derivative and degree;
-    work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added to; alone: (2, I / 2),
-    J, created and exchanged in the last step; course: (n + 1, 1 + I), the sums behind each step, of which the first are given.
+    work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added to;
+    course: (n + 1, 1 + I), the sums behind each step, of which the first are given.
     """
     kept, bonds = basis.shape[1], watts.size
     for i in range(len(given)):
@@ -42,6 +42,5 @@ def enter_steps(h, basis, outputs, shifts, given, degrees, factors, watts, work,
                 out_of = watts[b] * work[1, 2 * b, p] * work[0, 2 * b + 1, p]
                 created += WEIGHTS[p] * (into - out_of)
                 exchanged += WEIGHTS[p] * abs(into + out_of)
-            alone[0, b], alone[1, b] = h * created, h * exchanged / 2.0
-            course[i + 1, 1 + b] = course[i, 1 + b] + alone[0, b]
-            course[i + 1, 1 + bonds + b] = course[i, 1 + bonds + b] + alone[1, b]
+            course[i + 1, 1 + b] = course[i, 1 + b] + h * created
+            course[i + 1, 1 + bonds + b] = course[i, 1 + bonds + b] + h * exchanged / 2.0

@@ -84,8 +84,7 @@ def _drive(unit, links, pasts, signals, buffer, h):
     degree = 0  # that of the most bent input
     for k in range(unit.first_past, unit.first_past + unit.pasts):
         degree = max(degree, _degree(unit, pasts[k]))
-    held, smooth = degree == 0, unit.smooth != 0 and unit.ends == EXTRAPOLATED
-    if smooth or unit.pressed != 0:
+    if unit.pressed != 0:
         degree = max(degree, 1)
     given = 2 if unit.corrected != 0 else degree
     in_memory = unit.input_mode == IN_MEMORY and unit.lost == 0
@@ -101,9 +100,6 @@ def _drive(unit, links, pasts, signals, buffer, h):
             v, s, c = link.force, link.rate, 0.0
         else:
             v, s, c = _extrapolate(past, link)
-        if smooth and link.held != JUMPS:  # from where it ended to where it should end
-            back = (v - link.reached) / h
-            v, s = link.reached, back if held else s + back
         link.reached = end_of(v, s, c, degree, h)
         if given > degree:  # what is owed, as a parabola that vanishes at both ends of the step, where inputs stay true
             s += 6.0 * link.owed / (h * h)

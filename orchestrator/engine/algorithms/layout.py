@@ -14,9 +14,7 @@ from .node import Samples
 from .records import CONSTANT, JUMPS
 
 
-def lay_out(
-    network: Network, smoothing: bool, end: float, groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]]
-) -> Records:
+def lay_out(network: Network, end: float, groups: Sequence[tuple[Sequence[int], Sequence[tuple[int, bool, float]]]]) -> Records:
     """The records of the nodes of a network, each bound to its own.
 
     A unit with a rate of its own has two more behind all units: the one that steps, whose inputs have cells behind the `table`
@@ -60,10 +58,9 @@ def lay_out(
             links["past"][[first_link + place for place in sample.places]] = k
     for k, node in enumerate(nodes):
         row, mine = units[k : k + 1], links[first_links[k] : first_links[k + 1]]
-        row["n_extrapolated"], row["all_interpolated"], row["smooth"] = (
+        row["n_extrapolated"], row["all_interpolated"] = (
             node.extrapolated,
             network.consistent and node.extrapolated == 0 and bool(node.links) and node.follows and not node.held,
-            smoothing,
         )
         row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start
         mine["source"] = node.sources

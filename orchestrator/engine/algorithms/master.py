@@ -87,7 +87,7 @@ class Master:
         for node in network.nodes:
             node.look_rows = network.rows((LOOK, [node]))
         self._groups = Groups(network)
-        self.records = self._groups.records = lay_out(network, settings.smoothing, end, self._groups.layout)
+        self.records = self._groups.records = lay_out(network, end, self._groups.layout)
         self.signals: np.ndarray = self.records.memory.signals[: network.table]
         self.sample = self.signals[: len(network.positions)].tolist
         self.machine = Machine(network.nodes, self.records, self.texts)

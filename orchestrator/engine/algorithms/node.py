@@ -122,8 +122,6 @@ class Node:
         links = self.link_records
         links["now"] = links["present"] = links["looked"]
         self.sample_records["samples"], self.sample_records["elapsed"] = 1, 0.0
-        if self.unit_record["smooth"][0]:
-            self.jump()
         if self.own is not None:
             self._own["samples"] = 0
         if (restart := getattr(self.unit, "restart", None)) is not None:

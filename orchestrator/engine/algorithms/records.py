@@ -49,7 +49,6 @@ UNIT, UNIT_STATE = _record(
     first_past       i  its samples
     pasts            i  their number
     n_set_on_change  i  links that an FMU is handed only when they change
-    smooth           i  whether inputs begin where they ended
     pressed          i  whether some are the force of a contact
     corrected        i  whether something may be owed to some
     every            i  macro steps to one of the unit

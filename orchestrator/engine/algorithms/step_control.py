@@ -16,7 +16,6 @@ from ...units.interface import Signal
 from ..coupling import Coupling
 from ..coupling.arrays import is_element
 from ..coupling.graph import is_discrete
-from .energy import EnergyAccount
 from .master import Master
 from .node import Node
 
@@ -62,10 +61,7 @@ class Milne:
         self._predicted = []
         self._master.foresee(h)
         for node, at, _ in self._nodes:
-            extrapolated, interpolated = shares(h, *node.spans)
-            if node.unit_record["smooth"][0]:  # begins where it ended wrong, and loses that over the step
-                extrapolated += 0.5
-            self._predicted.append((node.foreseen()[at], node.n_samples, (extrapolated, interpolated)))
+            self._predicted.append((node.foreseen()[at], node.n_samples, shares(h, *node.spans)))
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
         worst, order = 0.0, 3
@@ -128,27 +124,6 @@ class Doubling:
 def counts_alone(name: str, signal: Signal) -> bool:
     """Whether an output is a number of its own: no text, and no element of an array."""
     return not signal.is_text and not is_element(name)
-
-
-class Residual:
-    """From the energy that a step has created at the bonds (ECCO); needs nothing of the units.
-
-    The power created over the step, against the power exchanged in it or on average so far, whichever is larger: a motion that
-    turns back exchanges none. Root mean square over the bonds.
-    """
-
-    def __init__(self, account: EnergyAccount, settings: ControlSettings):
-        self._account, self._settings, self._h = account, settings, 0.0
-
-    def prepare(self, h: float) -> None:
-        self._h = h
-
-    def measure(self, again: Callable[[], None]) -> tuple[float, int]:
-        account, settings, h = self._account, self._settings, self._h
-        created, exchanged = account.last
-        power = np.maximum(exchanged / h, account.exchanged / account.elapsed)
-        error = created / h / (settings.absolute * account.nominal + settings.relative * power)
-        return float(np.sqrt(np.mean(error**2))), account.order
 
 
 class Controller:

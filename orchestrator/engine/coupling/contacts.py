@@ -71,10 +71,6 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
         raise BadInput(
             "master.feedthrough", f"'delayed' with {master.algorithm}", "'immediate'; a contact's force follows its bodies"
         )
-    if master.smoothing:
-        raise BadInput(
-            "master.smoothing", f"true with {master.algorithm}", "none; the impulse of a contact would not be preserved"
-        )
     if master.control is not None and master.control.method != "doubling":
         raise BadInput(
             "master.control.method",

@@ -241,7 +241,7 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(coupling.interfaces):
         raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(coupling.interfaces)}")
-    needless = given & {"extrapolation", "moving_places", "smoothing", "feedthrough", "order"}
+    needless = given & {"extrapolation", "moving_places", "feedthrough", "order"}
     if not coupling.links and needless:
         option = min(needless)
         raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
@@ -250,8 +250,6 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     if master.feedthrough == "immediate":
         for loop in (step for step in coupling.feedthrough_schedule if isinstance(step, Loop)):
             _check_loop(loop, coupling)
-    if master.smoothing:
-        _check_smoothing(scene, coupling)
     if master.abilities.rollback:
         _check_rollback(scene, coupling)
     for name in coupling.rates:
@@ -316,19 +314,6 @@ def _check_rollback(scene: SceneSettings, coupling: Coupling) -> None:
                 f"units that save their state, so that a step can be repeated; {name} cannot",
                 'Take "jacobi" or "gauss-seidel".',
             )
-
-
-def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
-    master, where = scene.master, "master.smoothing"
-    if master.abilities.rollback:
-        raise BadInput(where, "true", f"none; {master.algorithm} interpolates, and its inputs do not jump", "Remove it.")
-    if master.extrapolation == 0:
-        raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")
-    ranks = {name: k for k, name in enumerate(coupling.order(master.order))}
-    if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.abilities.sequential:
-        raise BadInput(
-            where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before", "Remove it."
-        )
 
 
 def _check_rate(name: str, scene: SceneSettings) -> None:

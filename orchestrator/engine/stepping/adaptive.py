@@ -11,7 +11,7 @@ from ...units.interface import SimulationEnded
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.node import Node
-from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
+from ..algorithms.step_control import Controller, Doubling, Estimate, Milne
 from ..coupling import Coupling
 from ..coupling.graph import Endpoint, is_discrete
 from .clock import Clock
@@ -307,7 +307,7 @@ def stepping_of(
         control = Controller(
             stride, clock.ticks(smallest) if smallest else stride // SMALLEST, end if longest is None else clock.ticks(longest)
         )
-        estimate = _estimate(given.control, coupling, master, account)
+        estimate = _estimate(given.control, coupling, master)
     crossings = Crossings(master, coupling.events, coupling) if coupling.events else None
     rollback = all(interface.saves_state for interface in coupling.interfaces.values())
     return AdaptiveStepping(
@@ -326,9 +326,7 @@ def stepping_of(
     )
 
 
-def _estimate(settings: ControlSettings, coupling: Coupling, master: Master, account: EnergyAccount | None) -> Estimate:
+def _estimate(settings: ControlSettings, coupling: Coupling, master: Master) -> Estimate:
     if settings.method == "doubling":
         return Doubling(master, coupling, settings)
-    if settings.method == "energy" and account is not None:
-        return Residual(account, settings)
     return Milne(master, coupling, settings)

@@ -180,8 +180,6 @@ def _remarks(scene: Scene, own: IntrinsicGrowth) -> Iterator[str]:
         )
     if master.control is not None or master.events:
         yield "all macro steps were of one length: without step control and located events"
-    if master.smoothing:
-        yield "closed forms are for inputs that are not smoothed"
 
 
 def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: IntrinsicGrowth, steps: int) -> Limit:

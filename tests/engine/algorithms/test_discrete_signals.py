@@ -176,12 +176,6 @@ def test_discrete_outputs_of_a_slow_unit_are_held_between_its_steps(algorithm, d
     np.testing.assert_array_equal(result["b.now"], result["c.ticks"])
 
 
-def test_smoothing_leaves_jumps_that_are_meant(described):
-    described(("c", "ticks"), discrete=True)
-    result = run(read_scene({**scene("jacobi", 1, smoothing=True), "record": {"signals": ["b.sums"]}}))
-    assert result["b.sums[1]"][-1] == pytest.approx(STEP * 45.0, rel=1e-12)
-
-
 @pytest.mark.parametrize("feedthrough", ["immediate", "delayed"])
 def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(feedthrough, described):
     both = {"component": f"{HERE}:Both"}

@@ -139,21 +139,12 @@ def test_correction_of_the_quarter_car():
     assert quarter_car(1e-3, 0, energy_correction=True)[0] < 0.06 * quarter_car(1e-3, 0)[0]
 
 
-@pytest.mark.parametrize("degree", [0, 1])
-def test_steps_controlled_by_energy_beat_as_many_equal_steps(degree):
-    control = {"method": "energy", "relative": 0.03, "absolute": 0.03}
-    error, counters = quarter_car(1e-3, degree, control=control)
-    equal, _ = quarter_car(2.0 / counters["steps"], degree)
-    assert error < 0.4 * equal
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"bonds": ["a.v_out"]}, r'master.bonds: \'a.v_out\'; expected "unit.output \* unit.output"'),
         ({"bonds": ["a.v_out * b.x_out"]}, "b.x_out, which feeds no inputs of a; expected one connection each way"),
         ({"bonds": ["a.v * b.force"]}, "a.v; expected an output of a. there is x_out, v_out"),
-        ({"control": {"method": "energy"}, "bonds": []}, "'energy' without bonds"),
         ({"energy_correction": True, "bonds": []}, "true without bonds"),
     ],
 )

@@ -404,7 +404,6 @@ def test_contacts_that_cannot_be(place, value, words):
     [
         ({"contacts": []}, "without contacts"),
         ({"master.feedthrough": "delayed"}, "feedthrough"),
-        ({"master.smoothing": True, "master.extrapolation": 1}, "smoothing"),
         ({"master.control": {"method": "milne"}}, "milne"),
         ({"master.bonds": ["a.velocity * touch.force"]}, "bonds"),
     ],

@@ -282,7 +282,6 @@ def refused(**master) -> str:
 
 def test_options_without_effect_are_refused():
     assert "master.feedthrough" in refused(feedthrough="delayed")
-    assert "master.smoothing" in refused(smoothing=True)
     assert "master.order" in refused(order=["a", "b"]) or "order" in refused(order=["a", "b"])
     assert "iteration" in refused(algorithm="jacobi", iteration={"method": "newton"})
 

@@ -165,7 +165,7 @@ def test_a_thruster_fails_in_the_fmu_as_in_process(tmp_path):
 
 
 @pytest.mark.first(2)
-@pytest.mark.parametrize("changes", [{"master.extrapolation": 0}, {"master.smoothing": True}, {"master.algorithm": "jacobi"}])
+@pytest.mark.parametrize("changes", [{"master.extrapolation": 0}, {"master.algorithm": "jacobi"}])
 def test_settings_of_the_master(changes, tmp_path):
     scene = load_scene("mass-on-spring").with_changes(changes)
     reference = run(short(scene, STEPS), in_process=True)

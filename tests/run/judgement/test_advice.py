@@ -182,7 +182,6 @@ def test_a_step_that_is_too_long_is_warned_of_with_the_limit():
 
 def test_what_cannot_be_told_is_said():
     told = {
-        "smoothed": spring(smoothing=True),
         "delayed": spring(feedthrough="delayed", algorithm="gauss-seidel"),
         "rate": {**spring(), "units": {**spring()["units"], "s": {**spring()["units"]["s"], "every": 2}}},
     }
