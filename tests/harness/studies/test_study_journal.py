@@ -104,7 +104,7 @@ def test_an_accuracy_study_keeps_runs_times_and_the_reference(tmp_path, monkeypa
     """What was measured before stands in a further call with the same times to the last bit."""
 
     def study():
-        return accuracy(SCENE, budget=2.0, repeats=1)
+        return accuracy(SCENE, budget=60.0, repeats=1)  # plenty, on a busy machine, too
 
     stopped_at(study, trials, "_trial", 6, tmp_path, monkeypatch, resume=False)
     first = pieces(tmp_path)
