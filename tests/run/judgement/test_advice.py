@@ -238,7 +238,7 @@ def test_a_macro_step_of_millions_of_internal_steps_is_probed_over_a_part_of_it(
         ({"master.step": 2e-3, "start_time": 0.005}, True),  # steps end at odd milliseconds, samples are at even ones
         ({"master.step": 4e-3}, True),
         ({"master.step": 1.5e-3}, True),
-        ({"controller.period": 3e-3}, True),
+        ({"units.controller.parameters.period": 3e-3}, True),
         ({"master.step": 1e-3, "units.controller.every": 2}, False),
         ({"master.step": 1e-3, "units.controller.every": 4}, True),
         ({"master.control.method": "doubling", "master.control.relative": 1e-3}, True),
