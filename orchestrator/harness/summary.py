@@ -146,11 +146,12 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         return f"Not verified: {verification.get('why') or 'no run was repeated'}. The numbers have no known error."
     step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"
     if windows := verification.get("windows"):
+        inner = "half of the" if verification.get("inside") else "the same"
         slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
         slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
         return (
             f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
-            f"repeated with a macro step of {step:g} s and the same internal steps{slower}. "
+            f"repeated with a macro step of {step:g} s and {inner} internal steps{slower}. "
             f"{verification['why'][:1].upper()}{verification['why'][1:]}. {covered_text(verification.get('mesh', {}))}"
         )
     shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"

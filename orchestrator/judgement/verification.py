@@ -2,7 +2,7 @@
 
 The run is repeated with half of every step, the macro step and the internal steps of the units, and with a quarter if the two differ by
 much. Where an error is large, a further run with half the macro step alone tells which of them makes it. A run that is too long for this
-is repeated over windows, with half the macro step alone. Meshes are coarsened, see `mesh`. With "full", tolerances of the units are
+is repeated over windows, see `windows`. Meshes are coarsened, see `mesh`. With "full", tolerances of the units are
 refined as well, one after the other.
 """
 
@@ -350,6 +350,7 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
         length=seen.length,
         slower=seen.slower,
         growing=seen.growing,
+        inside=substeps(scene) if seen.inside else {},
     )
 
 

@@ -1,4 +1,4 @@
-"""Verification of a run that is too long to repeat: windows of it are repeated with the macro step and with half of it.
+"""Verification of a run that is too long to repeat: windows of it are repeated with its steps, and with half of them, inside, too.
 
 Both start from a state that was saved during the run, so a window shows the error of its own steps only. This is the error of the run
 if the system forgets its past within a window. A difference that still grows at the end of a window, such as a drifting phase, is
@@ -12,16 +12,18 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Collection, Iterable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...components.core.errors import StepFailed
+from ...components.core.errors import BadInput, StepFailed
 from ..engine.coupling import Endpoint
 from ..engine.stepping.loop import BatchObserver
 from ..scene.scene import Scene
-from ..session.open_scene import Course
+from ..scene.shorter_steps import refined
+from ..session.open_scene import Course, OpenScene
 from ..session.state import State
 from . import work
 from .comparison import Difference, difference
@@ -37,7 +39,8 @@ Chunks = Iterable[tuple[np.ndarray, np.ndarray, Any]]  # of recorded rows: times
 class WindowsResult(NamedTuple):
     """differences: by signal, over all windows.  length: s, of one.  begins: s.  slower: signals slower than a window.
 
-    growing: signals whose difference still grows there, and counts as many times as windows fit into the run.
+    growing: signals whose difference still grows there, and counts as many times as windows fit into the run.  inside: whether
+    internal steps were halved, too.
     """
 
     differences: dict[str, Difference]
@@ -45,6 +48,7 @@ class WindowsResult(NamedTuple):
     begins: tuple[float, ...]
     slower: tuple[str, ...]
     growing: tuple[str, ...]
+    inside: bool
 
 
 def obstacle(scene: Scene) -> str:
@@ -131,12 +135,13 @@ class Windows(BatchObserver):
         begins = np.array([clock.time(state.tick) for state in self._saved])
         judged = np.where(begins > clock.time(0), JUDGED * self._steps, 0).astype(int)  # steps of a window before what is judged
         chosen = places(bends(recorded, begins + judged * h, begins + self._steps * h))
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), ExitStack() as stack:
             warnings.simplefilter("ignore")
+            finer = self._finer(stack)
             try:
                 for state in (self._saved[k] for k in chosen):
-                    one = self._stepped(state, h, self._steps)
-                    rows.append((one, self._stepped(state, 0.5 * h, 2 * self._steps)[1::2]))
+                    one = self._stepped(self._course, state, h, self._steps)
+                    rows.append((one, self._stepped(finer, state, 0.5 * h, 2 * self._steps)[1::2]))
             finally:
                 self._stepping.tick = end  # the run has ended, whatever was repeated of it
                 for state in self._saved:
@@ -159,12 +164,31 @@ class Windows(BatchObserver):
                 factor = max(min(longer, UNRELATED / gap.rms), 1.0)
                 gap = replace(gap, rms=factor * gap.rms, largest=factor * gap.largest)
             differences[name] = gap
-        return WindowsResult(differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing))
+        return WindowsResult(
+            differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing), finer is not self._course
+        )
 
-    def _stepped(self, state: State, h: float, n: int) -> np.ndarray:
-        """The signals behind each of n steps from a state, (n, signals)."""
+    def _finer(self, stack: ExitStack) -> Course:
+        """What makes steps with half of the internal steps; the run's own course where no unit has some, or states cannot go there."""
+        scene = self._course.open_scene.scene
+        inner = refined(scene, 0.5)
+        fixed = scene.master.energy_correction or not all(i.packs_state for i in scene.coupling.interfaces.values())
+        if not inner or fixed:
+            return self._course
+        try:
+            course = Course(OpenScene(scene.with_changes(inner), stack, in_process=True))
+            course.start()
+        except (BadInput, StepFailed):  # such as an internal step that fits no longer
+            return self._course
+        return course
+
+    def _stepped(self, course: Course, state: State, h: float, n: int) -> np.ndarray:
+        """The signals behind each of n steps of a course from a state of the run, (n, signals)."""
         self._course.restore(state)
-        steps = self._course.stretch(h, range(n))
+        if course is not self._course:
+            course.master.take(self._course.master.state())
+            course.stepping.tick = state.tick
+        steps = course.stretch(h, range(n))
         if steps.failure is not None:
             raise steps.failure
         return steps.rows

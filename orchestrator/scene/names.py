@@ -40,11 +40,16 @@ class Place(NamedTuple):
         return bool(self.unit) and (len(self.keys) == 2 or self.keys[2] in STRUCTURAL)
 
 
+def is_setting(name: str) -> bool:
+    """Whether it is the name of a setting outside of [units], which stands there whatever units a scene has."""
+    return name.partition(".")[0] in SceneSettings.model_fields.keys() - {"units"}
+
+
 def place_of(scene: SceneSettings, name: str) -> Place:
     """Where a name stands in the settings of a scene; raises `BadInput` for one that cannot be there, with the near names."""
     where = f"{scene.name}: change"
     head, _, rest = name.partition(".")
-    if head != "units" and head in SceneSettings.model_fields:
+    if is_setting(name):
         return Place(tuple(name.split(".", 2 if rest.startswith(TABLES) else 1)))
     path = rest if head == "units" else name
     unit = path if head == "units" and path in scene.units else _unit_of(scene, path, scene.units, where)

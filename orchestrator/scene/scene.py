@@ -27,7 +27,7 @@ from ..settings.study import wanted
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
-from .names import changed_settings, check_effects
+from .names import changed_settings, check_effects, is_setting
 from .written_units import with_numbers
 
 if TYPE_CHECKING:
@@ -162,12 +162,15 @@ class Scene(SceneSettings):
 def load_scene(name_or_path: str | Path, analysis: Models | None = None, changes: Mapping[str, Any] | None = None) -> Scene:
     """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`.
 
-    changes: as of `with_settings`, judged with what the file says.
+    changes: by name, as of `Scene.with_changes`; those outside of units are judged with what the file says.
     """
     path = scene_path(name_or_path)
-    data, remarks = read_file(path, changes or ())
+    own = {name: value for name, value in (changes or {}).items() if is_setting(name)}
+    others = {name: value for name, value in (changes or {}).items() if name not in own}
+    data, remarks = read_file(path, own)
     with loading(str(path), "a scene"):
-        return read_scene(with_settings(data, changes or {}), path.stem, path.parent, remarks, analysis)
+        scene = read_scene(with_settings(data, own), path.stem, path.parent, remarks, analysis)
+    return scene.with_changes(others) if others else scene
 
 
 def with_settings(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Mapping[str, Any]:

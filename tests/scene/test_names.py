@@ -121,3 +121,8 @@ def test_a_session_takes_the_names_of_a_change():
         assert sim.scene.with_changes({}) == RAILWAY.with_changes({"pantograph.static_force": 130.0})
         with pytest.raises(BadInput, match="'pantograph'"):
             sim["pantograf.static_force"]
+
+
+def test_a_scene_is_loaded_with_changes_by_their_names():
+    changes = {"stop_time": 0.5, "spring.stiffness": 50.0, "units.mass.every": 2}
+    assert load_scene("mass-on-spring", changes) == load_scene("mass-on-spring").with_changes(changes)

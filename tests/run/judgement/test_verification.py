@@ -159,6 +159,25 @@ def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
     assert some["signals"]["m.x_out"]["rms"] == pytest.approx(whole["signals"]["m.x_out"]["rms"], rel=0.1 + factor - 2.0)
 
 
+def test_windows_show_the_error_of_internal_steps(monkeypatch):
+    """Bristles of a robot in its own short steps: half the macro step alone says 2e-6 where half of the internal steps says 3e-3."""
+    changes = {
+        "master.algorithm": "iterative",
+        "master.extrapolation": 1,
+        "stop_time": 6.0,
+        "record.signals": ["lugre.friction_force"],
+    }
+    scene = load_scene("pipe-robot-climb").with_changes(changes)
+    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
+    monkeypatch.setattr(work, "BUDGET", 0.0)
+    some = cosimo.run(scene, in_process=True).info["verification"]
+    assert (whole["how"], some["how"]) == ("whole", "windows")
+    assert some["inside"] == whole["inside"] != {}
+    stated, true = (v["signals"]["lugre.friction_force"]["rms"] for v in (some, whole))
+    assert true > 1e-3
+    assert 0.4 * true < stated < 3.0 * true
+
+
 class Driven(OfTime):
     """A spring of 10 N/m to a ground that moves with 2 rad/s."""
 
