@@ -17,12 +17,16 @@ FORMER_FEEDTHROUGH = {"fresh": "immediate", "stale": "delayed"}  # spelling unti
 class IterationSettings(Model):
     """Of algorithm = "iterative": repeating a macro step until the inputs fit the outputs."""
 
-    method: Literal["aitken", "quasi-newton", "newton"] = Field(
-        default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian"
-    )
     tolerance: Positive = Field(default=1e-8, description="largest miss of a coupled signal, relative to its size or nominal")
     max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = Field(default=20, description="of one macro step")
     not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _former_setting(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "method" in data:
+            raise BadInput("method", repr(data["method"]), "no such setting", "All iterate by quasi-Newton since 0.8: remove it.")
+        return data
 
 
 class ControlSettings(Model):

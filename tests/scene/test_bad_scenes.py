@@ -42,7 +42,7 @@ ITERATED = {
     "master": {
         "algorithm": "iterative",
         "step": 1e-2,
-        "iteration": {"method": "newton", "tolerance": 1e-9, "max_iterations": 5, "not_converged": "warn"},
+        "iteration": {"tolerance": 1e-9, "max_iterations": 5, "not_converged": "warn"},
     },
 }
 CONTROLLED = {
@@ -256,6 +256,7 @@ def cosimo(*arguments: object) -> tuple[int, str]:
         ("units.p", {"fmu": "x" * 300}, "units.p.fmu"),
         ("units.p", {"fmu": "a\0b"}, "units.p.fmu"),
         ("units.p", {"scene": "x" * 300 + ".toml"}, "name too long"),
+        ("master.iteration", {"method": "newton"}, "since 0.8"),
         ("master.smoothing", True, "went with 0.8"),
         ("master.control", {"method": "energy"}, "'milne' or 'doubling'"),
         ("connections", [{"source": "b.force"}], "connections[1].target"),

@@ -71,7 +71,6 @@ class StronglyConnectedGroup:
         direct = [node for node in nodes if _answers_at_once(node, interfaces[node.unit.name])]
         # units that answer with what they held over the step; what they hand on belongs to its end
         self._behind = [node for node in direct if not node.follows]
-        self._direct = direct if all(interfaces[node.unit.name].gives_jacobian for node in direct) else []
         self._states: list[Any] = [None] * len(nodes)
         self._foresee = network.rows((FORESEE, [node for node in nodes if node.sources]))
         acts: list[tuple[int, Sequence[Node]]] = []
@@ -117,28 +116,6 @@ class StronglyConnectedGroup:
         machine.signals[self.cut] = guess
         self.sweep(machine, t, h)
         return machine.signals[self.cut]
-
-    def derivatives(self) -> np.ndarray | None:
-        """Of the response within the instant, (n, n), from the units' own; None where not all that answer at once give theirs.
-
-        What the states add in the course of a step is not in them: it falls with the step.
-        """
-        if not self._direct or any(node.altered for node in self.nodes):
-            return None
-        n = len(self.cut)
-        rows = dict(zip(self.cut, np.eye(n), strict=True))  # of signals, by their places
-        for level in self._levels:
-            answers: dict[int, np.ndarray] = {}
-            for node in level:
-                answer = np.zeros((node.place.stop - node.place.start, n))
-                if node in self._direct:
-                    own = node.unit.jacobian()
-                    for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
-                        if k in rows:
-                            answer += np.outer(own[:, j], link.factor * rows[k])
-                answers |= zip(range(node.place.start, node.place.stop), answer, strict=True)
-            rows |= answers
-        return np.array([rows[k] for k in self.cut])
 
     def sweep(self, machine: Machine, t: float, h: float) -> None:
         """Step every unit once, towards what the table of signals says that its inputs will be."""

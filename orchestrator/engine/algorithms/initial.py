@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ....components.core.errors import StepFailed
-from .initial_kernels import ABOUT_ZERO
 from .memory import Records
 from .network import Network
 from .node import Node
-from .records import NOT_CONVERGED
+from .records import ABOUT_ZERO, NOT_CONVERGED
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,9 @@ from ....components.core.kernels import kernel
 from ...units.call_names import FAILED, IN_MEMORY, NOTED
 from ...units.calls import call_entry, store
 from .kernels import _given, _read, _show
-from .records import BEYOND, NOT_CONVERGED, SECANTS
+from .records import ABOUT_ZERO, BEYOND, CONVERGED, NOT_CONVERGED, SECANTS, STALLED
 
 SWEEPS = 30
-CONVERGED = 1e-12  # relative change of an output from one sweep to the next
-STALLED = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
-ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
 RETURNED = 1e-7  # change of a miss relative to the change of an answer; below it a circle gives back what it gets
 NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it is rounding

@@ -6,16 +6,14 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
-import numpy as np
-
 from ....components.core.errors import StepFailed
 from ...settings import IterationSettings, MasterSettings
 from ..coupling import Coupling, Endpoint, Link
-from .acceleration import Acceleration, accelerated
 from .algorithm import Algorithm
 from .groups import StronglyConnectedGroup, groups_of
 from .machine import Machine
 from .network import Network
+from .solve import QuasiNewton
 
 
 class Iterative(Algorithm):
@@ -30,7 +28,7 @@ class Iterative(Algorithm):
     and for w H < √12 with linear inputs (w² = contact stiffness / reduced mass), and limited about as without iteration with
     quadratic ones. With motion on a side, held inputs fail for stiff contacts; undamped, quadratic ones always grow slowly.
     Convergence: the plain fixed point leaves H² k/(6 m) + H d/(2 m) of an error (linear inputs, contact k, d on the reduced
-    mass m) and needs it below 1; quasi-Newton and Newton have no such limit, and relaxation none for one signal at the cut.
+    mass m) and needs it below 1; the quasi-Newton method has no such limit.
     Needs of a unit in a circle: to save and restore its state; polynomial inputs up to the degree, or it gets the mean.
     """
 
@@ -38,7 +36,7 @@ class Iterative(Algorithm):
 
     def __init__(self, network: Network, settings: MasterSettings):
         self.iteration = settings.iteration or IterationSettings()
-        self._groups = [(group, accelerated(self.iteration.method, group.derivatives)) for group in groups_of(network)]
+        self._groups = [(group, QuasiNewton()) for group in groups_of(network)]
         self.iterations = self.restores = self.unconverged = 0
         self.worst = 0.0  # largest miss that was left, relative
 
@@ -54,13 +52,8 @@ class Iterative(Algorithm):
             else:
                 group.sweep(machine, t, h)
 
-    def _iterate(self, group: StronglyConnectedGroup, method: Acceleration, machine: Machine, t: float, h: float) -> None:
+    def _iterate(self, group: StronglyConnectedGroup, method: QuasiNewton, machine: Machine, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""
-
-        def respond(guess: np.ndarray) -> np.ndarray:
-            self.restores += 1
-            group.restore()
-            return group.respond(guess, machine, t, h)
 
         group.save()
         guess = group.predicted(machine, h)
@@ -69,18 +62,12 @@ class Iterative(Algorithm):
         missed, worst = group.missed(guess, response)
         count, given = 1, self.iteration
         while given.tolerance < missed < inf and count < given.max_iterations:
-            try:
-                guess = method.following(guess, response - guess, respond)
-            except np.linalg.LinAlgError:
-                raise StepFailed(
-                    worst[0],
-                    t,
-                    f"no value of {worst[1]} solves the algebraic loop: its output equals its input",
-                    "Give one of its units a state or a smaller gain",
-                ) from None
-            response = respond(guess)
+            guess = method.following(guess, response - guess)
+            group.restore()
+            response = group.respond(guess, machine, t, h)
             missed, worst = group.missed(guess, response)
             count += 1
+        self.restores += count - 1
         self.iterations += count
         if missed > given.tolerance:
             self._not_converged(missed, worst, count, t)
@@ -92,7 +79,7 @@ class Iterative(Algorithm):
                 t,
                 f"the step did not converge in {count} iterations; {worst[1]} still misses by "
                 f"{missed:.2g} of its size, where {self.iteration.tolerance:g} is allowed",
-                "Reduce the macro step, or take another master.iteration.method",
+                "Reduce the macro step",
             )
         self.unconverged += 1
         self.worst = max(self.worst, missed)
@@ -108,8 +95,7 @@ class Iterative(Algorithm):
             return []
         return [
             f"{self.unconverged} of {steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
-            f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
-            "master.iteration.method"
+            f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step"
         ]
 
     @property

@@ -255,7 +255,7 @@ class Master:
     def save(self, reuse: Saved | None = None) -> Saved:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
-        jacobians = [loop.jacobian for loop in self.loops]
+        jacobians = [loop.newton.jacobian for loop in self.loops]
         return Saved(units, self.records.block.memory.copy(), self.steps, jacobians, self.algorithm.memory)
 
     def restore(self, saved: Saved) -> None:
@@ -274,7 +274,7 @@ class Master:
                 units.append(node.unit.pack(saved))
             finally:
                 node.unit.release(saved)
-        jacobians = [loop.jacobian for loop in self.loops]
+        jacobians = [loop.newton.jacobian for loop in self.loops]
         memory = self.algorithm.memory
         return {"units": units, "records": self.records.state(), "steps": self.steps, "jacobians": jacobians, "memory": memory}
 
@@ -290,7 +290,7 @@ class Master:
     def _remember(self, steps: int, jacobians: Sequence[np.ndarray | None], memory: Any) -> None:
         self.steps, self.algorithm.memory = steps, memory
         for loop, jacobian in zip(self.loops, jacobians, strict=True):
-            loop.jacobian = jacobian
+            loop.newton.jacobian = jacobian
 
     def check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run.

@@ -24,6 +24,9 @@ GIVEN = "value", "slope", "quadratic", "degree", "jump"  # of a link, over a ste
 BEYOND = -2  # in the place of a unit: signals have left the limit
 NOT_CONVERGED = -3  # in the place of a unit: the initial values of a group
 SECANTS = 30  # quasi-Newton steps of an initialization
+CONVERGED = 1e-12  # residual relative to the size, or change of an output from one sweep to the next
+STALLED = 1e-9  # and where it no longer falls: gains above 1, or stiff units, amplify the rounding
+ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 
 
 def _record(fields: str) -> tuple[np.dtype, tuple[str, ...]]:

@@ -168,7 +168,7 @@ class TwoMasses:
 
 
 STATES = [("a", "x_out"), ("a", "v_out"), ("b", "x_out"), ("b", "v_out")]
-TIGHT = IterationSettings(method="newton", tolerance=1e-12)
+TIGHT = IterationSettings(tolerance=1e-11, max_iterations=60)
 
 
 def open_master(scene: dict, watched=STATES, iteration: IterationSettings | None = None) -> Master:

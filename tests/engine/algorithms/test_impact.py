@@ -60,16 +60,14 @@ def error_and_steps(damping: float, step: float, **master) -> tuple[float, int]:
 
 @pytest.mark.parametrize("damping", [0.0, 200.0])
 @pytest.mark.parametrize("step", full_but((1e-3,), (1e-3, 2.5e-4)))
-def test_methods_agree_where_the_contact_closes_and_opens(damping, step):
-    found = [
-        error_and_steps(damping, step, algorithm="iterative", iteration={"method": method, "tolerance": 1e-6})
-        for method in ("aitken", "quasi-newton", "newton")
-    ]
-    errors, work = zip(*found, strict=True)
+def test_one_correction_suffices_unless_the_contact_closes_or_opens(damping, step):
+    errors, work = zip(
+        *(error_and_steps(damping, step, algorithm="iterative", iteration={"tolerance": t}) for t in (1e-6, 1e-9)), strict=True
+    )
     # the force is known to 1e-6 of its size in every step, and a stiff contact hands on errors of a step undamped
-    np.testing.assert_allclose(errors[1:], errors[0], rtol=1e-3)
+    assert errors[0] == pytest.approx(errors[1], rel=1e-3)
     # one correction a step, and a second where the contact has changed: at most in a quarter of the steps
-    assert max(work) <= 2 * (STOP / step) * 2.25
+    assert work[0] <= 2 * (STOP / step) * 2.25
 
 
 def test_iteration_pays_for_a_stiff_contact():

@@ -8,16 +8,13 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.systems import read_scene
-from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.tests.engine.algorithms.oscillators import STATES, TwoMasses, open_master
 from cosimo.tests.support import Linear, exact_two_masses
 from scipy.linalg import expm
 
 LIM = TwoMasses()
 HERE = "cosimo.tests.engine.algorithms.test_iterative"
-METHODS = ["aitken", "quasi-newton", "newton"]
 
 
 class MeanOscillator(Linear):
@@ -72,8 +69,7 @@ def counters(result):
     return result.info["counters"]
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_only_circles_are_repeated(method):
+def test_only_circles_are_repeated():
     """A mass that drives two circles by its motion, one after the other, and one that listens at the end."""
     mass, oscillator = {"component": "cosimo.tests.support:Mass"}, {"component": "cosimo.tests.support:Oscillator"}
     between = {"component": "cosimo.tests.engine.algorithms.oscillators:Between"}
@@ -92,12 +88,7 @@ def test_only_circles_are_repeated(method):
         "b.v_out -> f2.v1",
         "f2.force -> listener.force",
     ]
-    scene = {
-        "stop_time": 1.0,
-        "units": units,
-        "connections": connections,
-        "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": method}},
-    }
+    scene = {"stop_time": 1.0, "units": units, "connections": connections, "master": {"algorithm": "iterative", "step": 0.01}}
     result = run(read_scene(scene))
     assert result.outcome == "done"
     work, master = counters(result)["units"], counters(result)["master"]
@@ -139,7 +130,7 @@ def test_order_of_units_matters_no_more_than_the_tolerance(split):
 
 
 def test_what_does_not_settle_stops_the_run_and_says_what_is_missed():
-    iteration = {"method": "aitken", "max_iterations": 2}
+    iteration = {"max_iterations": 2}
     result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     assert result.outcome == "failed"
     assert "did not converge in 2 iterations" in result.message
@@ -148,24 +139,23 @@ def test_what_does_not_settle_stops_the_run_and_says_what_is_missed():
 
 
 def test_what_does_not_settle_is_counted_where_the_scene_allows_it():
-    iteration = {"method": "aitken", "max_iterations": 3, "not_converged": "warn"}
+    iteration = {"max_iterations": 2, "not_converged": "warn"}
     result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     assert result.outcome == "done"
     found = counters(result)["master"]
     assert 0 < found["unconverged_steps"] <= 100
     assert found["worst_miss"] > 1e-8
     (warning,) = result.info["warnings"]
-    assert f"{found['unconverged_steps']} of 100 steps did not converge in 3 iterations" in warning
+    assert f"{found['unconverged_steps']} of 100 steps did not converge in 2 iterations" in warning
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_circle_that_gives_back_more_than_it_gets_is_said(method):
+def test_a_circle_that_gives_back_more_than_it_gets_is_said():
     """Two gains of 1 and a time in between: at the start anything fits, afterwards nothing does."""
     scene = {
         "stop_time": 1.0,
         "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
         "units": {"one": {"component": f"{HERE}:Ramp", "parameters": {"speed": 0.0}}, "two": {"component": f"{HERE}:Ramp"}},
-        "master": {"algorithm": "iterative", "step": 0.1, "iteration": {"method": method}},
+        "master": {"algorithm": "iterative", "step": 0.1},
     }
     result = run(read_scene(scene))
     assert result.outcome == "failed"
@@ -173,11 +163,10 @@ def test_a_circle_that_gives_back_more_than_it_gets_is_said(method):
     assert "did not converge" in result.message or "output equals its input" in result.message
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_repeated_stretch_is_the_same_to_the_last_bit(method):
+def test_a_repeated_stretch_is_the_same_to_the_last_bit():
     """`save` holds what the methods have learned, too."""
     scene = LIM.scene("DD", 1e-2, algorithm="iterative", extrapolation=2)
-    master = open_master(scene, iteration=IterationSettings(method=method))
+    master = open_master(scene)
     for k in range(5):
         master.step(0.01 * k, 0.01)
     saved = master.save()
@@ -190,15 +179,14 @@ def test_a_repeated_stretch_is_the_same_to_the_last_bit(method):
     assert ends[0] == ends[1]
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_resumed_run_is_the_same_to_the_last_bit(tmp_path, method):
-    iteration = {"method": method, "max_iterations": 3, "not_converged": "warn"}
+def test_a_resumed_run_is_the_same_to_the_last_bit(tmp_path):
+    iteration = {"max_iterations": 3, "not_converged": "warn"}
     scene = read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration))
     whole = run(scene, checkpoint_every=0.4, checkpoint_to=tmp_path / "there")  # the last one is written at 0.8 s
     rest = run(scene, resume=tmp_path / "there")
     for name, column in whole.columns.items():
         assert rest[name].tobytes() == column.tobytes()
-    for key in ("steps", *(("unconverged_steps", "worst_miss") if method == "aitken" else ())):
+    for key in ("steps", "unconverged_steps", "worst_miss"):
         assert counters(rest)["master"][key] == counters(whole)["master"][key]
 
 
@@ -206,8 +194,8 @@ def test_tolerance_is_kept_and_costs_iterations():
     """What a looser tolerance gets wrong stays near it."""
     errors, work = [], []
     for tolerance in (1e-3, 1e-6, 1e-10):
-        iteration = {"method": "aitken", "tolerance": tolerance, "max_iterations": 50}
-        result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
+        iteration = {"tolerance": tolerance, "max_iterations": 50}
+        result = run(read_scene(LIM.scene("DD", 4e-2, algorithm="iterative", iteration=iteration)))
         errors.append(np.array([result[f"{u}.{n}"][-1] for u, n in STATES]))
         work.append(counters(result)["master"]["iterations"])
     assert work[0] < work[1] < work[2]
@@ -224,33 +212,6 @@ def test_a_unit_that_holds_the_mean_of_its_inputs_answers_with_their_end(interfa
         result = run(read_scene(scene))
         errors.append(np.abs([result[f"{u}.{n}"][-1] for u, n in STATES] - exact_two_masses(1.0)).max())
     assert abs(np.polyfit(np.log(steps), np.log(errors), 1)[0] - 2.0) < 0.15
-
-
-def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monkeypatch):
-    """A mass in two parts: what acts within the instant is -0.55/0.45, and what a short step adds is little."""
-    here = "cosimo.tests.engine.algorithms.oscillators"
-    scene = {
-        "stop_time": 1.0,
-        "units": {"a": {"component": f"{here}:Accelerated"}, "b": {"component": f"{here}:Carried"}},
-        "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
-        "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": "newton"}},
-    }
-    restores = []
-    for gives in (False, True):
-        if gives:  # all inputs and outputs are connected, in their order
-            monkeypatch.setattr(ComponentSimulator, "jacobian", lambda self: self.component.D)
-            interface_of("a", gives_jacobian=True)
-            interface_of("b", gives_jacobian=True)
-        master = open_master(scene, ())
-        ((chain, _),) = master.algorithm._groups
-        known = chain.derivatives()
-        assert known == pytest.approx(np.array([[-0.55 / 0.45]]), rel=1e-15) if gives else known is None
-        master.step(0.0, 0.01)
-        restores.append(master.algorithm.restores)
-        for k in range(1, 100):
-            master.step(0.01 * k, 0.01)
-        assert master.signals[master.positions["a", "x_out"]] == pytest.approx(np.cos(1.0), abs=1e-4)
-    assert restores == [2, 1]  # in the first step: one response for the difference, one for the correction
 
 
 def test_outputs_fit_where_a_fault_makes_a_signal_jump():
@@ -283,7 +244,7 @@ def refused(**master) -> str:
 def test_options_without_effect_are_refused():
     assert "master.feedthrough" in refused(feedthrough="delayed")
     assert "master.order" in refused(order=["a", "b"]) or "order" in refused(order=["a", "b"])
-    assert "iteration" in refused(algorithm="jacobi", iteration={"method": "newton"})
+    assert "iteration" in refused(algorithm="jacobi", iteration={"tolerance": 1e-6})
 
 
 def test_iteration_without_a_circle_is_refused(interface_of):

@@ -92,7 +92,7 @@ def test_iterations_are_told_a_step_with_the_worst_residual():
     text, count = facts(result)["iterations"], result.info["counters"]["master"]["iterations"]
     assert text.startswith(f"{count} in 100 steps, {count / 100:.3g} a step")
     assert "at most 1e-09" in text
-    hasty = {"method": "aitken", "tolerance": 1e-9, "max_iterations": 2, "not_converged": "warn"}
+    hasty = {"tolerance": 1e-9, "max_iterations": 2, "not_converged": "warn"}
     result = run(read_scene(two_masses() | {"master": master | {"step": 0.1, "iteration": hasty}}), in_process=True)
     counters = result.info["counters"]["master"]
     assert counters["unconverged_steps"] > 0
