@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from .components.core.sampled import SampledComponent, sampled_kernels
     from .components.core.stateless import StatelessComponent, stateless_kernels
     from .components.core.variables import choice, count, flag, input_, integer, output, parameter
-    from .fmus.build import build
     from .fmus.check import check
     from .orchestrator.delivery import delivered
     from .orchestrator.harness.studies.accuracy import accuracy
@@ -60,16 +59,17 @@ if TYPE_CHECKING:
         validate,
         write_report,
     )
+    from .orchestrator.systems.building import build
     from .orchestrator.systems.many import design, fit, function, run_many, sensitivity, sweep, uncertainty
 
 _PLACES = {
     "components.catalogue": ("component_class",),
-    "fmus.build": ("build",),
     "fmus.check": ("check",),
     "orchestrator.delivery": ("delivered",),
     "orchestrator.harness.studies.accuracy": ("accuracy",),
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
+    "orchestrator.systems.building": ("build",),
     "orchestrator.systems.many": ("design", "fit", "function", "run_many", "sensitivity", "sweep", "uncertainty"),
     "orchestrator.run.results": ("Result",),
     "orchestrator.scene.build": ("unit",),

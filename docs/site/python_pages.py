@@ -9,9 +9,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any, get_args
 
 import cosimo
-from cosimo.orchestrator.harness.many import design, fitting, sensitivity, uncertainty
 from cosimo.orchestrator.judgement import verification
-from cosimo.orchestrator.run import run
 from cosimo.orchestrator.settings import Model
 from prose import code, docstring, joined, plain, table
 
@@ -37,13 +35,6 @@ GROUPS = {
     "Errors": ("BadInput", "StepFailed"),
 }
 OTHERS = "Components of your own"
-OPTIONS = {  # what stands behind **options: the function that takes them, and another one that explains some
-    "run": (verification.run, run.run),
-    "sensitivity": (sensitivity.sensitivity, None),
-    "uncertainty": (uncertainty.uncertainty, None),
-    "fit": (fitting.fit, None),
-    "design": (design.design, None),
-}
 ALIASES = {
     "Wish": " | ".join(map(repr, get_args(verification.Wish))),
     "PlanLike": "PlanSettings | Mapping[str, Any] | str | Path",
@@ -53,7 +44,7 @@ COMMON = {  # what a name means wherever the docstring does not say it
     "in_process": "run components in this process, not as FMUs: the same bits, several times faster",
     "native": "run components as native FMUs, which are built where the cache has none",
     "progress": "show a bar with the time left",
-    "directory": "where results are written; what is there is read, not run again",
+    "output": "where results are written; what is there is read, not run again",
     "jobs": "workers; 1: this process alone, None: one for each core",
     "scheduler": "address of a Dask cluster",
     "verify": "find the numerical error of each number, as in `run`",
@@ -188,7 +179,7 @@ def _method(name: str, value: Any) -> str:
 
 
 def _parameters(value: Any, name: str = "") -> list[inspect.Parameter]:
-    """Those of a function, with what its **options are; the fields of a class of data; of other classes those of its constructor."""
+    """Those of a function, the fields of a class of data; of other classes those of its constructor."""
     if inspect.isclass(value) and (issubclass(value, Model) or is_dataclass(value)):
         if not issubclass(value, Model):
             return [inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, annotation=f.type) for f in fields(value)]
@@ -201,9 +192,6 @@ def _parameters(value: Any, name: str = "") -> list[inspect.Parameter]:
         own = list(inspect.signature(value).parameters.values())
     except (ValueError, TypeError):
         return []
-    if name in OPTIONS:
-        more = [p for p in inspect.signature(OPTIONS[name][0]).parameters.values() if p.kind is p.KEYWORD_ONLY]
-        own = [p for p in own if p.kind is not p.VAR_KEYWORD] + more
     return [p for p in own if p.name not in HIDDEN]
 
 
@@ -212,19 +200,8 @@ def _body(value: Any, parameters: list[inspect.Parameter]) -> str:
     text = inspect.getdoc(value) or ""
     head, _, rest = text.partition("\n\n")
     names = {p.name for p in parameters}
-    behind = OPTIONS.get(getattr(value, "__name__", ""), ()) if inspect.isfunction(value) else ()
-    more = [inspect.getdoc(function) or "" for function in behind if function]
     raised = [m[0].strip() for m in RAISES.finditer(rest)]
     rest, meanings = _meanings(RAISES.sub("", rest), names)
-    if more:
-        rest = re.sub(r"options, with their defaults:.*", "", rest, flags=re.DOTALL)
-        for text in more:
-            known = {p.name for function in behind if function for p in inspect.signature(function).parameters.values()}
-            text = re.sub(
-                r"The other arguments are those of .*?\.\s", "", RAISES.sub("", text.partition("\n\n")[2]), flags=re.DOTALL
-            )
-            meanings = _meanings(text, known)[1] | meanings
-        raised = raised or [m[0].strip() for m in RAISES.finditer(more[0])]
     data = inspect.isclass(value) and (issubclass(value, Model) or is_dataclass(value))
     meanings = ({} if data else COMMON) | {p.name: p.default for p in parameters if isinstance(p.default, Described)} | meanings
     rows = [

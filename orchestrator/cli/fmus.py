@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
@@ -17,8 +17,6 @@ from .completion import components as component_names
 from .options import AsJson, Changes, Native, Presets, SceneName, listed, parameters_of, preset_of, refuse, share
 
 if TYPE_CHECKING:
-    from ...components.core.component import Component
-    from ...fmus.evidence import Evidence
     from ..scene.scene import Scene
 
 
@@ -66,15 +64,14 @@ def build(
     if native:
         _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives, evidence)
         return
-    from ...components.catalogue import CATALOGUE, component_class
-    from ...fmus.build import build as build_fmu
+    from ...components.catalogue import CATALOGUE
+    from ..systems.building import OTHERS, pythonfmu
 
     only_native: dict[str, object] = {"--target": target}
     only_native |= {"--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
-    refuse(only_native, "none without --native: other FMUs are configured by their host", "Add --native, or leave it out.")
+    refuse(only_native, f"none without --native: {OTHERS}", "Add --native, or leave it out.")
     for name in names or CATALOGUE:
-        measured = _evidence_of(evidence, name, component_class(name, "build"))
-        print(build_fmu(name, output, derivatives=derivatives, evidence=measured))
+        print(pythonfmu(name, output, derivatives, evidence, status_spinner))
 
 
 def _refuse_one_file(names: Iterable[str]) -> None:
@@ -104,90 +101,55 @@ def _build_native(
     evidence: bool,
 ) -> None:
     """Build FMUs without Python, of components by their names or of a scene's units, and print their paths."""
-    from ...components.catalogue import CATALOGUE, component_class
-    from ...fmus.native.build import build_native, own_target
-    from ...fmus.native.machine_code import TARGETS
+    from ...components.catalogue import CATALOGUE
+    from ..systems.building import natives
 
-    targets = listed("--target", [target]) if target else [own_target()]
-    if not targets[0]:
-        raise BadInput("build --native", "this machine, which is no target", "one of " + ", ".join(TARGETS), "Give --target.")
+    targets = listed("--target", [target]) if target else []
     versions = listed("--fmi", [fmi]) if fmi else ["2"]
     if unknown := [v for v in versions if v not in ("2", "3")]:
         raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")
-    scenes = [name for name in names if not scene and is_scene(name)]
-    if scenes:
-        in_vain = {"--effects": effects, "--derivatives": derivatives}
-        refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
-    for name in scenes:
-        from ..scene_fmu import build_scene_fmu
+    standards = [int(v) for v in versions]
 
-        whole = scene_of(name, values, presets)
-        measured = _evidence_of_scene(evidence, whole)
-        for path in build_scene_fmu(whole, output, targets, [int(v) for v in versions], measured):
+    def write(what: str | Scene, on: Sequence[str] = (), preset: str = "", unit: str = "", given: Mapping[str, Any] = {}) -> None:
+        for path in natives(what, output, targets, standards, on, given, preset, unit, derivatives, evidence, status_spinner):
             print(path)
-    if scenes and not (names := [name for name in names if name not in scenes]):
-        return
-    if scene:
-        from ..session.native import makers
 
+    works: dict[str, Callable[[], None]] = {}
+    if scene:
         if effects or values:
             raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
         loaded = scene_of(scene, None, presets)
         components = [unit for unit, settings in loaded.units.items() if settings.component]
-        for unit in names:
-            if unit not in components:
-                raise BadInput(
-                    "build --scene", f"unit {unit!r}", f"a component of the scene {loaded.name}", nearest(unit, components)
-                )
-        units = makers(loaded, names)
-        _refuse_one_file(units)
+        _refuse_one_file(names or components)
+        works = {unit: partial(write, loaded, unit=unit) for unit in names or components}
     else:
+        scenes = [name for name in names if is_scene(name)]
+        if scenes:
+            in_vain = {"--effects": effects, "--derivatives": derivatives}
+            refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
+        for name in scenes:
+            write(scene_of(name, values, presets))
         on = listed("--effects", [effects]) if effects else []
-
-        def maker(name: str) -> Component:
-            return component_class(name, "build")(on, parameters_of(values), preset=preset_of(presets))
-
-        units = {name.rpartition(":")[2]: partial(maker, name) for name in names or CATALOGUE}
+        others = [name for name in names if name not in scenes]
+        if others or not names:
+            given, preset = parameters_of(values), preset_of(presets)
+            works = {name: partial(write, name, on, preset, given=given) for name in others or CATALOGUE}
     refused = 0
-    for name, make in units.items():
+    for work in works.values():
         try:
-            measured = _evidence_of(evidence, name, make)
-            for path in build_native(name, make, output, targets, [int(v) for v in versions], derivatives, measured):
-                print(path)
+            work()
         except BadInput as error:
-            if len(units) == 1 or error.where == "build --native":
+            if len(works) == 1 or error.where == "build --native":
                 raise
             refused += 1
             print(f"refused: {error}")
     if refused:
         raise BadInput(
             "build --native",
-            f"{refused} of {len(units)} components that have no native form",
+            f"{refused} of {len(works)} components that have no native form",
             "components whose steps are kernels",
             "The lines above name what prevents it.",
         )
-
-
-def _evidence_of(wished: bool, name: str, make: Callable[[], Component]) -> Evidence | None:
-    """The evidence of a component, if it is wished for."""
-    if not wished:
-        return None
-    from ..harness.evidence import component_evidence
-
-    with status_spinner(f"measuring what steps of {name} cost in accuracy"):
-        return component_evidence(make)
-
-
-def _evidence_of_scene(wished: bool, scene: Scene) -> Evidence | None:
-    """The evidence of a scene that can be an FMU, if it is wished for."""
-    if not wished:
-        return None
-    from ..harness.evidence import scene_evidence
-    from ..scene_fmu import refuse_what_needs_python
-
-    refuse_what_needs_python(scene)
-    with status_spinner(f"measuring what steps of {scene.name} cost in accuracy"):
-        return scene_evidence(scene)
 
 
 @app.command()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.errors import BadInput, nearest
+from ..renamed import OUTPUT
 from ..scene import scene as scenes
 from ..scene.build import scene_data, snake_case
 from ..scene.kinds import refuse_other
@@ -105,15 +106,28 @@ def build_scene(
     name: str = "scene",
     folder: Path | None = None,
     master: Mapping[str, Any] | None = None,
-    **tables: Any,
+    title: str = "",
+    start_time: float = 0.0,
+    record: Mapping[str, Any] | None = None,
+    interface: Mapping[str, Any] | None = None,
+    contacts: Iterable[Mapping[str, Any]] = (),
+    faults: Iterable[Mapping[str, Any]] = (),
+    limits: Mapping[str, Any] | str | None = None,
+    sweep: Mapping[str, Any] | None = None,
+    analysis: Mapping[str, Any] | None = None,
+    study: Mapping[str, Any] | None = None,
+    explore: Mapping[str, Any] | None = None,
 ) -> Scene:
     """A scene written in Python, checked down to every connection. Faults are one `BadInput`.
 
     units: by name, of `unit(...)`, or a class, a name of a component or a path.
     connections: "unit.output -> unit.input", or {"unit.output": "unit.input"}.
     stop_time, step: s; step: the macro step.  master: what else its table says, such as {"algorithm": "jacobi"}.
-    tables: whatever else a scene may say: title, record, contacts, faults, analysis ...
+    title, start_time (s), record, interface, contacts, faults, limits, sweep, analysis, study, explore: as in a scene's file.
     """
+    tables: dict[str, Any] = {"title": title, "start_time": start_time, "record": record, "interface": interface}
+    tables |= {"contacts": list(contacts), "faults": list(faults), "limits": limits, "sweep": sweep, "analysis": analysis}
+    tables = {key: value for key, value in {**tables, "study": study, "explore": explore}.items() if value}
     return read_scene(scene_data(units, connections, stop_time, step, master or {}, tables), name, folder)
 
 
@@ -129,16 +143,43 @@ def scene_of(scene: Scene | str | Path) -> Scene:
     return scene if isinstance(scene, scenes.Scene) else load_scene(scene)
 
 
-def run(scene: Scene | str | Path, **options: Any) -> Result:
+def run(
+    scene: Scene | str | Path,
+    *,
+    verify: Wish = "auto",
+    in_process: bool = False,
+    native: bool = False,
+    progress: bool = False,
+    checkpoint_every: float | None = None,
+    checkpoint_to: str | Path | None = None,
+    resume: str | Path | None = None,
+    output: str | Path | None = None,
+    real_time: bool = False,
+    fmu_log: str = "warning",
+) -> Result:
     """Simulate a scene, given as such, by its name or by its path, to its stop_time, and find the error of each number.
 
-    options, with their defaults: those of `judgement.verification.run`: verify ("auto", "whole", "full", "no"), in_process, native,
-    progress, checkpoint_every (s), checkpoint_to, resume, output (a directory), real_time. Raises `BadInput` for what cannot start.
+    verify: as of `judgement.verification.run`: "auto", "whole", "full", "steps" or "no".  output: a directory for the result, written as
+    it comes.  checkpoint_every: s of simulated time, after which the file `checkpoint_to` is written.  resume: such a file.
+    real_time: no macro step ends before its time on the clock.  fmu_log: the level from which on messages of foreign FMUs are kept.
+    Raises `BadInput` for what cannot start.
     """
     from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_verified
 
-    return run_verified(with_limits(scene_of(scene)), **options)
+    return run_verified(
+        with_limits(scene_of(scene)),
+        verify=verify,
+        in_process=in_process,
+        native=native,
+        progress=progress,
+        checkpoint_every=checkpoint_every,
+        checkpoint_to=checkpoint_to,
+        resume=resume,
+        output=output,
+        real_time=real_time,
+        fmu_log=fmu_log,
+    )
 
 
 def open(scene: Scene | str | Path, *, in_process: bool = True, native: bool = False) -> Session:
@@ -229,10 +270,11 @@ def papers() -> list[str]:
     return [name for name in cases() if name.startswith("paper-")]
 
 
+@OUTPUT
 def validate(
-    names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False, verify: Wish = "auto"
+    names: Iterable[str], output: str | Path, in_process: bool = False, progress: bool = False, verify: Wish = "auto"
 ) -> list[CaseResult]:
-    """Run cases by name, write `report.html`, `validation.json` and `validation.csv` to `directory`.
+    """Run cases by name, write `report.html`, `validation.json` and `validation.csv` to `output`.
 
     No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
     verify: "auto" finds the errors of all numbers where the counted work of the runs allows to repeat them, "whole" always, "no" never.
@@ -243,7 +285,7 @@ def validate(
 
     names = [n for name in list(names) or cases() for n in (papers() if name == "papers" else [name])]
     return run_cases(
-        [_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress, verify=verify
+        [_case(name) for name in names], Path(output), SYSTEMS, in_process=in_process, progress=progress, verify=verify
     )
 
 
@@ -262,11 +304,12 @@ def summary(result: Result) -> SummaryTable:
     return SummaryTable((*with_errors(numbers, result.info), *pacing_rows(result.info)))
 
 
-def write_report(result: Result, directory: str | Path) -> Path:
-    """Write `report.html` of a run to the directory: figures of its system, recorded signals, settings; returns its path."""
+@OUTPUT
+def write_report(result: Result, output: str | Path) -> Path:
+    """Write `report.html` of a run to the directory `output`: figures of its system, recorded signals, settings; returns its path."""
     from ..harness.report import for_run
 
-    return for_run(result, directory, SYSTEMS)
+    return for_run(result, output, SYSTEMS)
 
 
 def explore_page(scene: Scene, path: str | Path, **options: Any) -> Path:

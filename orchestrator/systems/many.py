@@ -2,32 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..harness import sweep as sweeps
 from ..harness.many.plan import from_columns
 from ..harness.sweep import Sweep
+from ..renamed import OUTPUT
 from ..scene.scene import Scene
 from ..settings.plan import KeepSettings, PlanSettings
 from . import scene_of, summary
 
 if TYPE_CHECKING:
     from ..harness.many.design import Design
+    from ..harness.many.evaluations import SearchOptions
     from ..harness.many.fitting import SceneFit
     from ..harness.many.function import Function
     from ..harness.many.sensitivity import Sensitivity
     from ..harness.many.uncertainty import Uncertainty
+    from ..harness.sweep import AnswerOptions
     from ..settings.answers import DesignSettings, FitSettings
 
 PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
 
+@OUTPUT
 def sweep(
     scene: Scene | str | Path,
     plan: PlanLike | None = None,
-    directory: str | Path | None = None,
+    output: str | Path | None = None,
     *,
     jobs: int | None = 1,
     scheduler: str = "",
@@ -40,7 +44,7 @@ def sweep(
 ) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
-    `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `directory`: where the points,
+    `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `output`: where the points,
     the table and the data set go; what is there of the same scene is not run again. `jobs`: workers, 1: this thread alone, None:
     one for each core where it pays; they are threads, or processes where a step of the scene needs Python. `scheduler`: address
     of a Dask cluster. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or
@@ -52,7 +56,7 @@ def sweep(
     return sweeps.sweep(
         scene_of(scene),
         plan,
-        directory,
+        output,
         jobs=jobs,
         scheduler=scheduler,
         add=add,
@@ -65,10 +69,11 @@ def sweep(
     )
 
 
+@OUTPUT
 def run_many(
     scene: Scene | str | Path,
     table: Mapping[str, Iterable[Any]],
-    directory: str | Path | None = None,
+    output: str | Path | None = None,
     *,
     threads: int | None = None,
     keep: KeepSettings | Mapping[str, Any] | None = None,
@@ -81,7 +86,7 @@ def run_many(
     The rest is that of `sweep`. Raises `BadInput`.
     """
     plan = from_columns(table) | ({} if keep is None else {"keep": keep})
-    return sweep(scene, plan, directory, jobs=threads, verify=verify)
+    return sweep(scene, plan, output, jobs=threads, verify=verify)
 
 
 def function(
@@ -99,39 +104,105 @@ def function(
     return Function(scene_of(scene), parameters, figures, summarize=summary, threads=threads)
 
 
-def sensitivity(scene: Scene | str | Path, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:
-    """Which parameters matter: as `harness.many.sensitivity`, with the figures of the scene's system among the quantities."""
+@OUTPUT
+def sensitivity(
+    scene: Scene | str | Path,
+    plan: PlanLike,
+    output: str | Path | None = None,
+    *,
+    quantities: Sequence[str] = (),
+    method: str = "sobol",
+    samples: int = 128,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    progress: bool = False,
+    verify: bool = True,
+) -> Sensitivity:
+    """Which parameters matter: indices of quantities over what a plan varies, `samples` blocks of d + 2 (Sobol) or d + 1 (Morris) runs.
+
+    method: "sobol" or "morris".  quantities: columns of a sweep; default: those of the plan or of the scene's [study]. The plan's
+    own method and number of points do not count. Raises `BadInput`, also for correlated parameters, of which shares of the variance
+    mean nothing.
+    """
     from ..harness.many.sensitivity import sensitivity as answer
 
-    return answer(scene_of(scene), plan, directory, summarize=summary, **options)
+    how: AnswerOptions = {"jobs": jobs, "scheduler": scheduler, "progress": progress, "verify": verify, "summarize": summary}
+    return answer(scene_of(scene), plan, output, quantities=quantities, method=method, samples=samples, **how)
 
 
-def uncertainty(scene: Scene | str | Path, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Uncertainty:
-    """Distributions of quantities: as `harness.many.uncertainty`, with the figures of the scene's system among them."""
+@OUTPUT
+def uncertainty(
+    scene: Scene | str | Path,
+    plan: PlanLike,
+    output: str | Path | None = None,
+    *,
+    quantities: Sequence[str] = (),
+    effects: bool = False,
+    share: float = 1.0,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    jobs: int | None = 1,
+    scheduler: str = "",
+    progress: bool = False,
+    verify: bool = True,
+) -> Uncertainty:
+    """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
+
+    quantities: columns of a sweep; default: those of the plan or of the scene's [study].  effects: look which effects of the full model
+    are needed so that leaving out the others changes no quantity by more than `share` of its standard deviation over the samples.
+    limits: a validation table whose rows are limits as well, under these `conditions`. Raises `BadInput`.
+    """
     from ..harness.many.uncertainty import uncertainty as answer
 
-    return answer(scene_of(scene), plan, directory, summarize=summary, **options)
+    how: AnswerOptions = {"jobs": jobs, "scheduler": scheduler, "progress": progress, "verify": verify, "summarize": summary}
+    of = {"quantities": quantities, "effects": effects, "share": share, "limits": limits, "conditions": conditions}
+    return answer(scene_of(scene), plan, output, **of, **how)  # type: ignore[arg-type]
 
 
+@OUTPUT
 def fit(
     scene: Scene | str | Path,
     settings: FitSettings | Mapping[str, Any] | str | Path,
-    directory: str | Path | None = None,
-    **options: Any,
+    output: str | Path | None = None,
+    *,
+    folder: str | Path = ".",
+    verify: bool = True,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    observe: Callable[[int], None] = lambda n: None,
 ) -> SceneFit:
-    """Parameters from measurements: as `harness.many.fitting`, with the figures of the scene's system among the targets."""
+    """Parameters from measurements: curves, spectra and numbers, by least squares over their standard deviations.
+
+    folder: of the measured files, where the settings are no file.  verify: the fitted run is made again with half of every step.
+    observe: is told how many runs there were. Runs that are kept in `output` are not made again.
+    Raises `BadInput`, also where the start cannot be run.
+    """
     from ..harness.many.fitting import fit as answer
 
-    return answer(scene_of(scene), settings, directory, summarize=summary, **options)
+    how: SearchOptions = {"jobs": jobs, "scheduler": scheduler, "observe": observe, "summarize": summary}
+    return answer(scene_of(scene), settings, output, folder=folder, verify=verify, **how)
 
 
+@OUTPUT
 def design(
     scene: Scene | str | Path,
     settings: DesignSettings | Mapping[str, Any] | str | Path,
-    directory: str | Path | None = None,
-    **options: Any,
+    output: str | Path | None = None,
+    *,
+    limits: str = "",
+    conditions: Sequence[str] = (),
+    verify: bool = True,
+    jobs: int | None = 1,
+    scheduler: str = "",
+    observe: Callable[[int], None] = lambda n: None,
 ) -> Design:
-    """Parameters for a small or large quantity: as `harness.many.design`, with the figures of the scene's system."""
+    """Parameters for the least or largest value of a quantity within bounds and limits; of several quantities a front.
+
+    limits: a validation table whose rows are constraints as well, under these `conditions`.  verify: the best run, of a front some of its
+    runs, are made again with half of every step.  observe: is told how many runs there were. Runs that are kept in `output` are not
+    made again. Raises `BadInput`, also where the start cannot be run.
+    """
     from ..harness.many.design import design as answer
 
-    return answer(scene_of(scene), settings, directory, summarize=summary, **options)
+    how: SearchOptions = {"jobs": jobs, "scheduler": scheduler, "observe": observe, "summarize": summary}
+    return answer(scene_of(scene), settings, output, limits=limits, conditions=conditions, verify=verify, **how)
