@@ -25,6 +25,7 @@ FLOORS = (
         "orchestrator.cache",
         "orchestrator.kept",
         "orchestrator.loading",
+        "orchestrator.renamed",
         "orchestrator.working_directory",
         "orchestrator.settings",
     ),
