@@ -66,9 +66,9 @@ def place_of(scene: SceneSettings, name: str) -> Place:
     elif not within:
         raise BadInput(where, repr(name), '"unit.parameter"', f"As {f'units.{name}'!r} it is the whole unit.")
     elif scene.units[unit].component and within.startswith("effects."):
-        effect, known = within.removeprefix("effects."), component_class(scene.units[unit].component, f"units.{unit}").effects
-        if effect not in known:
-            raise BadInput(where, repr(name), f"an effect of {unit}", nearest(effect, known))
+        effect, effects = within.removeprefix("effects."), component_class(scene.units[unit].component, f"units.{unit}").effects
+        if effect not in effects:
+            raise BadInput(where, repr(name), f"an effect of {unit}", nearest(effect, effects))
         return Place(("units", unit, "effects"), unit, effect=effect)
     return Place(("units", unit, "parameters", within), unit, within)
 
