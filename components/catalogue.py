@@ -6,7 +6,7 @@ import importlib
 import traceback
 from pathlib import Path
 
-from .core.component import Component
+from .core.component import TABLES, Component
 from .core.declaration import check_declaration, line_of
 from .core.errors import BadInput, nearest
 
@@ -60,6 +60,12 @@ CATALOGUE = {
 
 def component_class(name: str, where: str = "component") -> type[Component]:
     """The class of a catalogue name or of "module:Class"; raises `BadInput` with the near names, or with file and line."""
+    if name.startswith(TABLES):
+        from .core.signals import KNOWN
+
+        if name not in KNOWN:
+            raise BadInput(where, f"component {name!r}", "the table of signals of a scene that this process has read")
+        return KNOWN[name]
     module, own, class_name = name.partition(":")
     if not own:
         if name not in CATALOGUE:

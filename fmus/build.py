@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class, component_name
 from ..components.core import folders, store
 from ..components.core.closure import closure, imports
+from ..components.core.component import TABLES
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description, shared_files
@@ -73,7 +78,10 @@ def built(name: str) -> Path:
 
 
 def file_stem(name: str) -> str:
-    """What the FMU of a component is called: by its class."""
+    """What the FMU of a component is called: by its class, of a table by its file."""
+    if name.startswith(TABLES):
+        stem = re.sub(r"\W", "_", Path(component_class(name).file).stem, flags=re.ASCII)  # type: ignore[attr-defined]
+        return stem if stem[:1].isalpha() else f"table_{stem}"
     return name.rpartition(":")[2]
 
 
@@ -95,6 +103,30 @@ def sources(module: str) -> dict[str, bytes]:
     return files
 
 
+TABLE = """from pathlib import Path
+
+import numpy as np
+
+from .signals import signals_class
+
+{stem} = signals_class({names!r}, {units!r}, np.load(Path(__file__).with_suffix(".npy")), {file!r}, hosted=True)
+"""
+
+
+def _table_sources(name: str) -> tuple[str, dict[str, bytes]]:
+    """Module of a table and the files that it needs, with its rows beside it."""
+    cls: Any = component_class(name)
+    stem, rows = file_stem(name), BytesIO()
+    np.save(rows, cls.table)
+    columns = cls.columns()
+    module = TABLE.format(stem=stem, names=list(columns), units=list(columns.values()), file=cls.file)
+    return f"core.table_{stem}", {
+        **sources("core.signals"),
+        f"core/table_{stem}.py": module.encode(),
+        f"core/table_{stem}.npy": rows.getvalue(),
+    }
+
+
 def slave_script() -> str:
     """What every slave script starts with: where the caches are, and how an FMU finds its code."""
     place, loading = (Path(str(m.__file__)).read_text(encoding="utf-8") for m in (folders, loader))
@@ -104,7 +136,10 @@ def slave_script() -> str:
 def _members(name: str, derivatives: bool = True) -> tuple[str, dict[str, bytes]]:
     """(digest, path in the FMU -> content) of a component of the catalogue, or of "module:Class"."""
     component = component_class(name, "build")
-    where = own_sources(name, COMPONENTS) if ":" in name else (CATALOGUE[name], sources(CATALOGUE[name]))
+    if name.startswith(TABLES):
+        where = _table_sources(name)
+    else:
+        where = own_sources(name, COMPONENTS) if ":" in name else (CATALOGUE[name], sources(CATALOGUE[name]))
     return fmu_members(file_stem(name), component, *where, derivatives)
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from ..components.core.errors import BadInput
 from ..components.core.measure import BASES, parse
 from ..components.core.variables import Declared, gathered
 from .interface import Scalar, interface
@@ -91,10 +92,14 @@ def model_description(name: str, component: Any, guid: str, derivatives: bool = 
 
 def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: int = 2) -> None:
     """Units with those to show them in, types, categories of messages and default experiment."""
-    units = {s.unit for s in scalars if s.type == "Real"} | ({"s"} if fmi == 3 else set())
+    units = {s.unit for s in scalars if s.type == "Real" and s.unit} | ({"s"} if fmi == 3 else set())
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(units):
-        unit = parse(name)
+        try:
+            unit = parse(name)
+        except BadInput:  # of a column of a table: what nobody defines has a name
+            ET.SubElement(definitions, "Unit", {"name": name})
+            continue
         base = {b: str(e) for b, e in zip(BASES, unit.exponents, strict=True) if e}
         if unit.factor != 1.0:
             base["factor"] = repr(unit.factor)
@@ -145,7 +150,7 @@ def real_attributes(scalar: Scalar) -> dict[str, str]:
     of = quantity(scalar)
     return {
         **({"declaredType": of.type} if of.type else {}),
-        "unit": scalar.unit,
+        **({"unit": scalar.unit} if scalar.unit else {}),
         **({"displayUnit": of.display} if of.display else {}),
         "nominal": repr(typical_size(scalar)),
         **({"relativeQuantity": "true"} if scalar.relative else {}),

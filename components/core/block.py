@@ -57,9 +57,9 @@ class Block:
     `s` holds arrays, whose contents are those that the block begins with.
     """
 
-    def __init__(self, s: Any, p: Any, e: Any, entries: Mapping[str, tuple[str, ...]] = ENTRIES):
-        """entries: what each hands on besides the block."""
-        self.entries = entries
+    def __init__(self, s: Any, p: Any, e: Any, entries: Mapping[str, tuple[str, ...]] = ENTRIES, constant: tuple[str, ...] = ()):
+        """entries: what each hands on besides the block.  constant: fields of `s` that nothing changes, which lie last."""
+        self.entries, self._constant = entries, constant
         self.cells, self._leaves = TIME + 1, dict[tuple[str | int, ...], Leaf]()
         first = [name for name in ("u", "y", "x", "counts") if name in s._fields]
         for name in first:
@@ -73,13 +73,16 @@ class Block:
         self.addresses_at = self.cells
         self.cells += len(entries)
         for name in s._fields:
-            if name not in first:
+            if name not in (*first, *constant):
                 self._place(("s", name), getattr(s, name))
+        changing = self.cells
+        for name in constant:
+            self._place(("s", name), getattr(s, name))
         self.memory = np.zeros(self.cells)
         self.address = self.memory.ctypes.data
         self._fields = s._fields
         self.s = type(s)(*(self._with_contents(("s", n), getattr(s, n)) for n in s._fields))
-        self._initial = self.memory.copy()
+        self._initial = self.memory[:changing].copy()
         self._anew: dict[tuple[str, ...], list[slice]] = {}  # what begins anew, by what does not
 
     def _place(self, path: tuple[str | int, ...], value: Any) -> None:
@@ -150,7 +153,7 @@ class Block:
     def begin_anew(self, but: tuple[str, ...] = ()) -> None:
         """All as it was at the beginning, tables with their contents; inputs stay, and the arrays named in `but`."""
         if but not in self._anew:
-            ends = [r for n in self._fields if n not in ("u", "y", *but) for r in self.ranges(n)]
+            ends = [r for n in self._fields if n not in ("u", "y", *but, *self._constant) for r in self.ranges(n)]
             self._anew[but] = [slice(*r) for r in joined(ends)]
         for part in self._anew[but]:
             self.memory[part] = self._initial[part]

@@ -48,8 +48,9 @@ def read_table(path: str | Path, where: str = "table", separator: str = "") -> C
     return table_of(decoded(read_bytes(path, where), str(path)), str(path), separator)
 
 
-def table_of(text: str, where: str, separator: str = "") -> Columns:
-    """The table of a text. separator: of cells, where the header does not show it."""
+def table_of(text: str, where: str, separator: str = "", skipped: int = 0) -> Columns:
+    """The table of a text. separator: of cells, where the header does not show it; skipped: rows of the file that are left out
+    behind the header, for the numbers of lines."""
     text = text.removeprefix("\ufeff")
     if mark := re.match(r"sep=(.)\r?\n", text):  # of spreadsheets
         separator, text = separator or mark[1], f"#\n{text[mark.end() :]}"
@@ -60,9 +61,9 @@ def table_of(text: str, where: str, separator: str = "") -> Columns:
     separator = separator or next((d for d in (";", "\t") if d in unquoted), ",")
     source = csv.reader(("\n" if line.startswith("#") else line for line in lines), delimiter=separator)
     try:
-        rows = [(source.line_num, cells) for cells in source if any(cell.strip() for cell in cells)]
+        rows = [(source.line_num + skipped, cells) for cells in source if any(cell.strip() for cell in cells)]
     except csv.Error as error:
-        raise BadInput(f"{where}, line {source.line_num}", f"no CSV ({error})", "a CSV table") from None
+        raise BadInput(f"{where}, line {source.line_num + skipped}", f"no CSV ({error})", "a CSV table") from None
     if rows and comment and all(_is_number(cell) for cell in rows[0][1]):  # the names stand behind a #
         rows.insert(0, (rows[0][0] - 1, next(csv.reader(comment, delimiter=separator))))
     if not rows:

@@ -24,6 +24,7 @@ from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .variables import Causality, Declared, Kind, Variable
 
+TABLES = "Signals_"  # what the names of classes begin with that are made of a table, see `signals`
 INITIALIZATION = ("initialize", "_initialize", "kernels")  # they decide on the initial state
 
 
@@ -202,6 +203,10 @@ class Component:
         """Whether the variable exists in this instance, that is, belongs to no effect that is off."""
         effect, dot, _ = variable.partition(".")
         return not dot or effect in self.on
+
+    def is_discrete(self, output: str) -> bool:
+        """Whether an output changes at instants only."""
+        return type(self).variables[output].discrete
 
     # -- values ------------------------------------------------------------------------------------------------------
     def _unknown(self, name: str) -> BadInput:

@@ -70,6 +70,7 @@ class KernelComponent(Component):
     # Arrays that follow from the parameters alone. An initialization for other inputs, and one of another instance, find them as
     # they are if the first of them says so, which is other than 0 then
     kept: ClassVar[tuple[str, ...]] = ()
+    fixed_arrays: ClassVar[tuple[str, ...]] = ()  # arrays that come with their contents, which no kernel writes; perhaps large
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
     known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
 
@@ -121,7 +122,7 @@ class KernelComponent(Component):
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
-        self.block = block = Block(cls.Memory(**contents), p, e)
+        self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays)
         self._structure, self._calls, self._written = self._present_structure(), dict[str, Any](), tuple[Any, ...]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
         block.s.u[...], block.s.y[...] = self.u, self.y

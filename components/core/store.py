@@ -30,7 +30,7 @@ PART = ".part"  # how files that are being written end
 SEAL = ".seal"  # behind the name of a file that is used by its path: where its digest is kept
 
 
-def digest_of(*parts: str | bytes) -> str:
+def digest_of(*parts: str | bytes | memoryview) -> str:
     """SHA-256, 64 hexadecimal digits, of the SHA-256 of each part."""
     total = hashlib.sha256()
     for part in parts:

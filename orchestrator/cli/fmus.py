@@ -59,8 +59,12 @@ def build(
         ),
     ] = False,
 ) -> None:
-    """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
+    """Build FMUs. Example: cosimo build Pantograph -o fmus-out
+
+    A table over time, such as measured.csv, becomes an FMU whose outputs are its columns.
+    """
     _refuse_one_file(names or [])
+    names = [_table_or_name(name) for name in names or []]
     if native:
         _build_native(names or [], output, target, fmi, effects, values, presets, scene, derivatives, evidence)
         return
@@ -72,6 +76,13 @@ def build(
     refuse(only_native, f"none without --native: {OTHERS}", "Add --native, or leave it out.")
     for name in names or CATALOGUE:
         print(pythonfmu(name, output, derivatives, evidence, status_spinner))
+
+
+def _table_or_name(name: str) -> str:
+    """The component of a table by its file; other names as they are."""
+    from ..units.signal_files import SUFFIXES, read_signals
+
+    return read_signals(name, "build").__name__ if Path(name).suffix.lower() in SUFFIXES else name
 
 
 def _refuse_one_file(names: Iterable[str]) -> None:

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput
-from .common import is_scene, print_written
+from .common import is_scene, print_written, warn
 from .new import new
 from .options import Conditions, InProcess, Limits, limits_of, number_given
 
@@ -92,6 +92,12 @@ def scene(
         list[str] | None,
         Argument(metavar="[NAME=]COMPONENT...", help="units: components, module:Class or FMUs, which are joined by their ports"),
     ] = None,
+    table: Annotated[
+        Path | None,
+        Option(
+            "--input", metavar="FILE", help="A table over time, whose columns drive the open inputs of their names; with units."
+        ),
+    ] = None,
     source: Annotated[str, Option("--from", metavar="SCENE", help="Instead: a copy of a shipped scene, to change.")] = "",
     line: Annotated[Path | None, Option(help="Instead: pantographs under the line of this table.")] = None,
     droppers: Annotated[Path | None, Option(help="CSV of droppers of the line.")] = None,
@@ -116,6 +122,8 @@ def scene(
     if (line is not None) + bool(units) + bool(source) != 1:
         given = [what for what, is_given in (("units", units), ("--line", line), ("--from", source)) if is_given]
         raise BadInput("new scene", " and ".join(given) or "nothing to make it of", "units, or --line, or --from")
+    if table is not None and not units:
+        raise BadInput("new scene", "--input without units", "units whose inputs the table drives")
     tables: dict[Path, bytes] = {}
     if source:
         text, tables = _copied_scene(file, source)
@@ -125,7 +133,7 @@ def scene(
         apart = number_given(distance, "m", "--distance")
         text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits)
     else:
-        text = _joined_scene(file, units or [], limits)
+        text = _joined_scene(file, units or [], limits, table)
     _write(file, text)
     for table, content in tables.items():
         table.write_bytes(content)
@@ -161,13 +169,15 @@ def _copied_scene(file: Path, source: str) -> tuple[str, dict[Path, bytes]]:
     return text, tables
 
 
-def _joined_scene(file: Path, units: list[str], limits: str) -> str:
+def _joined_scene(file: Path, units: list[str], limits: str, table: Path | None) -> str:
     """A scene of units with their ports joined: each pair of ports that fit each other and nothing else of the pair of units."""
     from ...components.catalogue import component_class
     from ..scene.build import scene_data, snake_case
     from ..scene.build import unit as unit_of
+    from ..scene.inputs import with_columns
     from ..scene.scene import scene_text
     from ..systems import load_scene, read_scene
+    from ..units.signal_files import read_signals
 
     named: dict[str, Any] = {}
     starts, stops, steps = [], [], []
@@ -190,6 +200,13 @@ def _joined_scene(file: Path, units: list[str], limits: str) -> str:
     coupling = read_scene(data, file.stem, file.parent).coupling
     joined = [f"{a} <-> {b}" for one, other in combinations(named, 2) for a, b in _fitting(one, other, coupling)]
     data["connections"] = joined
+    if table is not None:
+        rows = read_signals(table, "--input").table
+        begin = {"start_time": float(rows[0, 0])} if rows[0, 0] else {}
+        data |= {"stop_time": float(rows[-1, 0]), **begin}
+        data, remark = with_columns(read_scene(data, file.stem, file.parent), table, _beside(table, file))
+        data["units"] |= named
+        warn([remark] if remark else [])
     return scene_text({**data, **({"limits": limits} if limits else {})})
 
 

@@ -19,6 +19,7 @@ from .common import (
     changed,
     changes_of,
     fail,
+    is_scene,
     loaded_scene,
     print_written,
     switched_on,
@@ -79,6 +80,15 @@ def run(
         ),
     ] = None,
     algorithm: Annotated[str | None, Option(help="jacobi, gauss-seidel, iterative or interface-model")] = None,
+    table: Annotated[
+        Path | None,
+        Option(
+            "--input",
+            metavar="FILE",
+            help="A table over time, CSV, Parquet, Arrow or MAT 5: its columns drive the open inputs of their names. An FMU or a "
+            "component alone runs over the time of the table.",
+        ),
+    ] = None,
     step: Step = None,
     start: Start = None,
     stop: Stop = None,
@@ -164,6 +174,9 @@ def run(
         "limits": limits_of(limits, conditions),
     }
     loaded = loaded_scene(scene, given)
+    if table is not None:
+        whole = not scene.endswith((".toml", ".ssd", ".ssp")) and not is_scene(scene)
+        loaded = loaded.with_input(table, whole=whole and start is None and stop is None)
     effects_within = _tolerance_of_effects(effects, tolerance)
     changes = switched_on(loaded, effects) if effects_within is None else {}
     changes |= changes_of(loaded, values, presets)

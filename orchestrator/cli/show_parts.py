@@ -203,7 +203,7 @@ def of_scene(
         "units": [
             {
                 "name": unit,
-                "what": settings.component or settings.fmu,
+                "what": settings.signals or settings.component or settings.fmu,
                 "title": interfaces[unit].title,
                 "effects": [e for e, why in interfaces[unit].effects.items() if why],
                 "steps": "Python" if unit in path.python else "",

@@ -53,7 +53,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
         [
             (
                 name,
-                unit.component or unit.fmu,
+                unit.signals or unit.component or unit.fmu,
                 ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
                 _remarks(name, scene),
             )

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from ..engine.coupling import Endpoint
+from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import BatchObserver
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
@@ -58,6 +59,7 @@ def obstacle(scene: Scene) -> str:
         "step control": master.control,
         "located events": master.events,
         "faults": scene.faults,
+        "signals of tables that jump": jump_times(scene),
         "units with rates of their own": coupling.rates,
     }
     kept = [words for words, there in present.items() if there]

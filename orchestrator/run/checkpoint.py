@@ -202,11 +202,12 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
 
 
 def digest(scene: Scene) -> str:
-    """What the results of a scene depend on, as one number: its settings, and the files of its FMUs instead of their paths."""
+    """What the results of a scene depend on, as one number: its settings, and the files of its FMUs and tables instead of their paths."""
     data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep", "study", "explore", "interface", "limits"})
     for name, unit in scene.units.items():
         if unit.fmu:
             data["units"][name]["fmu"] = store.digest_of(Path(unit.fmu).read_bytes())
+        data["units"][name].pop("signals")  # the component has the digest of the table in its name
     return store.digest_of(json.dumps(data, sort_keys=True))
 
 

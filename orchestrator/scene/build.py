@@ -9,6 +9,7 @@ from typing import Any
 
 from ...components.catalogue import component_name
 from ...components.core.component import Component
+from ..units.signal_files import SUFFIXES
 
 
 def unit(
@@ -19,7 +20,8 @@ def unit(
     settings: Mapping[str, Any] | None = None,
     **parameters: Any,
 ) -> dict[str, Any]:
-    """A unit of `build_scene`: a component by its class, its name or "module:Class"; an FMU or another scene by its path.
+    """A unit of `build_scene`: a component by its class, its name or "module:Class"; by its path an FMU, a table of signals or
+    another scene.
 
     parameters: by name, those of an effect as a table: `bump_stops={"travel": 0.04}`; arrays as lists.
     settings: what else a unit of a scene may say, such as {"every": 2, "isolation": "process"}.
@@ -28,7 +30,7 @@ def unit(
     if text.endswith((".toml", ".ssd", ".ssp")):
         kind = "scene"
     else:
-        kind = "fmu" if text.endswith(".fmu") else "component"
+        kind = "fmu" if text.endswith(".fmu") else "signals" if Path(text).suffix in SUFFIXES else "component"
     given = {"effects": list(effects), "preset": preset, "parameters": parameters}
     return {kind: text, **{key: value for key, value in given.items() if value}, **(settings or {})}
 

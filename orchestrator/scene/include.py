@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from itertools import count
 from pathlib import Path
@@ -112,8 +113,9 @@ def _located(unit: Any, folder: Path | None) -> Any:
         return unit
     if isinstance(component := unit.get("component"), str) and ":" in component:
         find_beside(component, folder, "component")
-    if isinstance(unit.get("fmu"), str):
-        return {**unit, "fmu": str(folder.resolve() / unit["fmu"])}
+    for key in ("fmu", "signals"):
+        if isinstance(path := unit.get(key), str):
+            return {**unit, key: str(folder.resolve() / os.path.expanduser(path))}
     if isinstance(parameters := unit.get("parameters"), Mapping):
         return {**unit, "parameters": _with_contents(parameters, folder)}
     return unit

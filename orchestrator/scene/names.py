@@ -21,7 +21,7 @@ from ..units.fmu import declared_signals
 
 TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that are times, s
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
-KINDS = ("component", "fmu")  # of units; one takes the place of the other
+KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
 OF_A_KIND = {*KINDS, "preset", "effects", "parameters"}  # what a whole unit that is given does not take over from the one before
 STRUCTURAL = {*KINDS, "preset", "effects", "interface"}  # what machine code depends on, beside structural parameters
 

@@ -24,11 +24,12 @@ from ..settings import AnalysisKeys, ConnectionSettings, MasterSettings, SceneSe
 from ..settings.messages import one_message
 from ..settings.names import ARROW, readings, split_name
 from ..settings.study import wanted
+from ..units.signal_files import read_signals
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
 from .names import changed_settings, check_effects, is_setting
-from .written_units import with_numbers
+from .written_units import with_numbers, with_tables
 
 if TYPE_CHECKING:
     from .edit import SceneEdit
@@ -105,7 +106,7 @@ class Scene(SceneSettings):
         boxes = [Box(contact.name, (f"contact, {contact.law}",)) for contact in self.contacts]
         for name, unit in self.units.items():
             effects = [e for e, why in interfaces[name].effects.items() if why]
-            kind = unit.component.rpartition(":")[2] or Path(unit.fmu).name
+            kind = Path(unit.signals or unit.fmu).name or unit.component.rpartition(":")[2]
             hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
             boxes.append(Box(name, (kind, ", ".join(effects)), hint))
         return draw(
@@ -147,6 +148,20 @@ class Scene(SceneSettings):
         changed = read_scene(changed_settings(self, changes), self.name, remarks=self.remarks, analysis=self._models)
         check_effects(changed, changes, self)
         return changed
+
+    def with_input(self, path: str | Path, *, whole: bool = False) -> Scene:
+        """The scene with the columns of a table over time joined to the inputs of their names that nothing drives.
+
+        whole: over the time of the table. Columns and inputs without a partner are a remark. Raises `BadInput`.
+        """
+        from .inputs import with_columns
+
+        data, remark = with_columns(self, path)
+        if whole:
+            table = read_signals(path).table
+            data |= {"start_time": float(table[0, 0]), "stop_time": float(table[-1, 0])}
+        remarks = (*self.remarks, remark) if remark else self.remarks
+        return read_scene(data, self.name, remarks=remarks, analysis=self._models)
 
     def edit(self) -> SceneEdit:
         """Changes as assignments, which an interpreter completes: `edit.units.pantograph.speed = 83.3`, then `edit.scene`."""
@@ -204,7 +219,7 @@ def read_scene(
     """
     models = analysis or {}
     data, more = expanded(data, name, folder)
-    data = _with_place_of_limits(with_numbers(data, name), folder)
+    data = _with_place_of_limits(with_numbers(with_tables(data, name), name), folder)
     try:
         scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
     except ValidationError as error:
@@ -213,6 +228,7 @@ def read_scene(
         scene.__pydantic_fields_set__.discard("analysis")
     scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
     _check_quantities(scene)
+    _check_tables(scene)
     return scene
 
 
@@ -249,6 +265,26 @@ def _check_quantities(scene: Scene) -> None:
     for text in scene.study.quantities:
         if (signal := wanted(text).signal) not in outputs:
             raise BadInput(f"{scene.name}: study.quantities", repr(signal), "an output of a unit", nearest(signal, outputs))
+
+
+def _check_tables(scene: Scene) -> None:
+    """Refuse a run that a table of signals does not cover, unless it goes on there."""
+    for name, unit in scene.units.items():
+        if unit.signals and unit.parameters.get("outside", "refuse") == "refuse":
+            table = component_class(unit.component).table  # type: ignore[attr-defined]
+            shift = float(unit.parameters.get("start", 0.0))
+            first, last, doubt = (
+                table[0, 0] + shift,
+                table[-1, 0] + shift,
+                1e-12 * max(abs(scene.stop_time), abs(scene.start_time)),
+            )
+            if scene.start_time < first - doubt or scene.stop_time > last + doubt:
+                raise BadInput(
+                    f"{scene.name}: units.{name}",
+                    f"a run from {scene.start_time:.9g} to {scene.stop_time:.9g} s",
+                    f"a run within {Path(unit.signals).name}, {first:.9g} to {last:.9g} s",
+                    'Change stop_time or start, or write outside = "hold" or "repeat".',
+                )
 
 
 def _analysis(table: Any, name: str, models: Models) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -9,13 +10,38 @@ import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.columns import name_and_unit
+from ...components.core.component import TABLES
 from ...components.core.errors import BadInput
 from ...components.core.measure import conversion_of, is_quantity, number_in, plain
 from ..settings.names import split_name
+from ..settings.units import TABLE_KEYS
 from ..units.fmu import declared_signals
+from ..units.signal_files import read_signals
 from .names import TIMES, declared, place_of
 
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
+
+
+def with_tables(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
+    """The data of a scene with the components that are made of tables of signals, and what their units say of them as parameters."""
+    if not isinstance(units := data.get("units"), Mapping):
+        return data
+    return {**data, "units": {name: _with_table(unit, f"{scene}: units.{name}") for name, unit in units.items()}}
+
+
+def _with_table(unit: Any, where: str) -> Any:
+    path = unit.get("signals") if isinstance(unit, Mapping) else None
+    if not path or not isinstance(path, str):
+        return unit
+    parameters = unit.get("parameters", {})
+    for key in ("component", "fmu"):
+        if (other := unit.get(key)) and not str(other).startswith(TABLES):
+            raise BadInput(where, f"both {key} and signals", "one of them")
+    keys = {key: unit[key] for key in TABLE_KEYS if unit.get(key) is not None}
+    if isinstance(parameters, Mapping):
+        parameters = {**keys, **parameters}
+    others = {key: value for key, value in unit.items() if key not in TABLE_KEYS}
+    return {**others, "component": read_signals(os.path.expanduser(path), f"{where}.signals").__name__, "parameters": parameters}
 
 
 def with_numbers(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:

@@ -68,7 +68,7 @@ def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
                 raise _refusal(scene, f"{node.unit.name} (a component in plain Python)")
         changes = fault_changes(scene)
         Faults(scene.faults, scene.coupling, master, open_scene.clock).before_start()
-        layout = Layout.of(scene, master)
+        layout = Layout.of(scene, master, bool(changes))
         yield layout, model_of(scene, layout, changes)
 
 

@@ -50,8 +50,8 @@ class Layout:
     sources: Sequence[Source]
 
     @classmethod
-    def of(cls, scene: Scene, master: Master) -> Layout:
-        """The layout of a scene whose units are components of kernels."""
+    def of(cls, scene: Scene, master: Master, changes: bool) -> Layout:
+        """The layout of a scene whose units are components of kernels; changes: whether faults begin or end, or signals jump."""
         units: list[PlacedUnit] = []
         sources: list[Source] = []
         layouts: dict[Any, int] = {}
@@ -67,7 +67,7 @@ class Layout:
             units.append(PlacedUnit(node.unit.name, component, node, first, layouts[key]))
             first += component.block.cells
         records = master.records
-        kernels = KERNELS | (OF_FAULTS if scene.faults else {})
+        kernels = KERNELS | (OF_FAULTS if changes else {})
         sources.append(Source(scene.name, "master", records.block, kernels, (records.memory,)))
         signals = tuple(dict.fromkeys(shown.end for shown in scene.coupling.shown.values() if shown.kind))
         block = None

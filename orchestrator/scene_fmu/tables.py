@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from math import inf
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ...fmus.native.instance import Model, Places, image_of, reasons_of
 from ..engine.algorithms.initial_kernels import RUNAWAY
 from ..engine.algorithms.memory import OF_FAULTS
 from ..engine.algorithms.records import NOT_CONVERGED
+from ..engine.stepping.discontinuities import between_steps, jump_times
 from ..engine.stepping.faults import acts_from_start, changes_of
 from ..scene.scene import Scene
 from ..units.call_names import FAILED, IN_MEMORY
@@ -41,7 +43,8 @@ REQUEST = (
 )  # what scene.c writes
 
 
-Changes = Mapping[int, Sequence[tuple[int, int]]]  # macro steps taken -> faults that begin or end behind them, and which of both
+# macro steps taken -> what happens behind them: faults that begin or end, and which of both; nothing of these where signals jump
+Changes = Mapping[int, Sequence[tuple[int, int]]]
 
 
 def fault_changes(scene: Scene) -> Changes:
@@ -56,7 +59,16 @@ def fault_changes(scene: Scene) -> Changes:
                     f"a whole multiple of the macro step, {step!s} s{' behind the start' if start else ''}",
                 )
     early = [i for i, fault in enumerate(scene.faults) if acts_from_start(fault, scene.start_time)]
-    return changes_of(scene.faults, early, lambda time: int((Fraction(repr(time)) - start) / step))
+    changes = changes_of(scene.faults, early, lambda time: int((Fraction(repr(time)) - start) / step))
+    times = jump_times(scene, inf)
+    repeated = [name for name, unit in scene.units.items() if unit.signals and unit.parameters.get("outside") == "repeat"]
+    if times and repeated:
+        where = f"build {scene.name} --native: units.{repeated[0]}"
+        raise BadInput(where, "signals that jump, beside a table without end", "tables that are not repeated, or do not jump")
+    if between := between_steps(scene, times):
+        where, expected = f"build {scene.name} --native", f"whole multiples of the macro step, {scene.master.step!r} s"
+        raise BadInput(where, f"signals that jump at {between[0]:.9g} s", expected, "Change the step, or the table.")
+    return changes | {round((t - scene.start_time) / scene.master.step): () for t in times} | changes
 
 
 def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
@@ -92,11 +104,13 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
     written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
-    rows = {name: master.rows(which) for name, which in (("step_rows", "step"), ("push_rows", "push"), ("follow_rows", "follow"))}
+    rows = {f"{name}_rows": master.rows(name) for name in ("step", "push", "follow", "jump")}
+    nothing = at + master.records.place("request", 0, "updated")  # which is 0 at a change
     changed = [
-        f"{{{steps}, {at + master.records.place('faults', fault, 'change')}, {change}}}"
+        f"{{{steps}, {cell}, {change}}}"
         for steps, several in sorted(changes.items())
-        for fault, change in several
+        for cell, change in [(at + master.records.place("faults", fault, "change"), change) for fault, change in several]
+        or [(nothing, 0)]
     ]
     numbers = {
         "place_count": len(cleared),
@@ -124,19 +138,19 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
             f"const int64_t scene_failed = {FAILED}, scene_none = {NO_UNIT}, scene_no_values = {NOT_CONVERGED};",
             f"const double scene_growth = {RUNAWAY!r};",
             f"const Change scene_changes[] = {{{', '.join(changed or ['{0, 0, 0}'])}}};",
-            *_at_change(bool(scene.faults)),
+            *_at_change(bool(changes)),
             *_sample(layout),
         ]
     )
     return Model(image, reasons, given, image.size, untouched=STATUSES["not_a_multiple"], code=code)
 
 
-def _at_change(faults: bool) -> Iterator[str]:
-    """What lets faults begin and end, where the scene has some."""
+def _at_change(changes: bool) -> Iterator[str]:
+    """What lets faults begin and end and signals jump, where the scene has such changes."""
     for name in OF_FAULTS:
-        if faults:
+        if changes:
             yield f"int32_t master_{name}(double t, double h, int64_t block);"
-        yield f"int32_t (*const scene_{name})(double, double, int64_t) = {f'master_{name}' if faults else '0'};"
+        yield f"int32_t (*const scene_{name})(double, double, int64_t) = {f'master_{name}' if changes else '0'};"
 
 
 def _sample(layout: Layout) -> Iterator[str]:

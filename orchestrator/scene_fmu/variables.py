@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,7 +20,7 @@ from .layout import Layout
 def described(scene: Scene) -> SimpleNamespace:
     """What texts and attributes of the FMU come from, with the names that classes of components have."""
     units = "\n".join(
-        f"    {name}: {unit.component}" + (f", {', '.join(unit.effects)}" if unit.effects else "")
+        f"    {name}: {Path(unit.signals).name or unit.component}" + (f", {', '.join(unit.effects)}" if unit.effects else "")
         for name, unit in scene.units.items()
     )
     arrows = "\n".join(f"    {arrow}" for arrow in scene.arrows)

@@ -59,6 +59,8 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
         )
     fmus = {}
     for unit, maker in makers(scene).items():
+        if scene.units[unit].signals:  # a table runs in this process, see `open_unit`
+            continue
         component = maker()
         try:
             path = built(type(component).__name__, maker, [own_target()])

@@ -19,6 +19,7 @@ from ..engine.algorithms.machine import Steps
 from ..engine.algorithms.step_control import counts_alone
 from ..engine.coupling import Endpoint
 from ..engine.stepping.adaptive import clock_for, stepping_of
+from ..engine.stepping.discontinuities import missed, stops_of
 from ..engine.stepping.faults import Faults
 from ..engine.stepping.loop import Steppable
 from ..scene.names import place_of
@@ -51,7 +52,10 @@ class Course:
         coupling, correction = scene.coupling, scene.master.energy_correction
         self.account = EnergyAccount(self.master, coupling, correction=correction) if coupling.bonds else None
         self._faults, self._start = Faults(scene.faults, coupling, self.master, clock), scene.start_time
-        self.stepping = stepping_of(scene, coupling, self.master, self.account, clock, self._faults.stops())
+        stops = self._faults.stops()
+        for tick, acts in stops_of(scene, self.master, clock).items():
+            stops.setdefault(tick, []).extend(acts)
+        self.stepping = stepping_of(scene, coupling, self.master, self.account, clock, stops)
 
     def start(self) -> None:
         """Initialize the units, with the faults that act from the start; raises `StepFailed` where values do not converge."""
@@ -95,7 +99,12 @@ def remarks_of(scene: Scene, units: Mapping[str, Simulator]) -> list[str]:
     for name, unit in units.items():  # one that was begun anew has other numbers than its interface was made of
         if isinstance(unit, ComponentSimulator):
             remarks[name] = tuple(unit.component.doubts(scene.units[name].parameters))
-    return [*scene.remarks, *late_samples(scene), *(f"{name}: {text}" for name, texts in remarks.items() for text in texts)]
+    return [
+        *scene.remarks,
+        *late_samples(scene),
+        *missed(scene),
+        *(f"{name}: {text}" for name, texts in remarks.items() for text in texts),
+    ]
 
 
 class OpenScene:

@@ -274,4 +274,8 @@ class SceneSettings(Model):
 
     def settings(self) -> dict[str, Any]:
         """What was given, as plain data; `read_scene` of it gives the scene again."""
-        return self.model_dump(exclude_unset=True)
+        data = self.model_dump(exclude_unset=True)
+        for unit in data["units"].values():
+            if unit.get("signals"):  # of which the component is made again
+                unit.pop("component", None)
+        return data

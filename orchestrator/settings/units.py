@@ -9,7 +9,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_serializer, field_validator, model_validator
 
 from ...components.core.errors import BadInput
-from .model import Model, Parameters, Positive
+from .model import Model, Parameters, Positive, Time
+
+TABLE_KEYS = ("interpolation", "outside", "start")  # of a table of signals: parameters, which are written as keys of the unit
 
 
 def without_home(text: str) -> str:
@@ -19,10 +21,22 @@ def without_home(text: str) -> str:
 
 
 class UnitSettings(Model):
-    """One unit: a component of the catalogue (or "module:Class", which always runs in process), or any FMU, FMI 2.0 or 3.0."""
+    """One unit: a component of the catalogue (or "module:Class", which always runs in process), any FMU, FMI 2.0 or 3.0, or a table."""
 
     component: str = Field(default="", description="name in the catalogue, or module:Class")
     fmu: str = Field(default="", description="path to an FMU, relative to the scene's file")
+    signals: str = Field(
+        default="", description="path to a table over time, whose columns are the outputs: CSV, Parquet, Arrow, MAT 5"
+    )
+    interpolation: Literal["linear", "hold", "pchip"] | None = Field(
+        default=None,
+        description="of signals, between two rows: straight (default), the earlier one, or a cubic without overshoot",
+    )
+    outside: Literal["refuse", "hold", "repeat"] | None = Field(
+        default=None,
+        description="of signals, where the table has no rows: an error (default), the nearest row, or the table again",
+    )
+    start: Time | None = Field(default=None, description="of signals: s, the time at which the table's own time is 0; default: 0")
     preset: str = Field(default="", description="published set of parameters of the component")
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
     parameters: Parameters = Field(default={}, description="parameters, and values of inputs that no connection drives")
@@ -50,12 +64,12 @@ class UnitSettings(Model):
         """Shapes of the lists among the parameters, by name; None: rows of different lengths."""
         return self._shapes
 
-    @field_validator("fmu")
+    @field_validator("fmu", "signals")
     @classmethod
     def _from_home(cls, path: str) -> str:
         return os.path.expanduser(path)
 
-    @field_serializer("fmu", when_used="json")
+    @field_serializer("fmu", "signals", when_used="json")
     def _below_home(self, path: str) -> str:
         return without_home(path)
 
@@ -73,9 +87,20 @@ class UnitSettings(Model):
 
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
-        if bool(self.component) == bool(self.fmu):
-            actual = "both component and fmu" if self.fmu else "neither component nor fmu"
-            raise BadInput("", actual, "one of them", 'Write component = "Name" or fmu = "path/to/file.fmu".')
+        component = "" if self.signals else self.component  # that of a table is made when the scene is read
+        given = [key for key, value in (("component", component), ("fmu", self.fmu), ("signals", self.signals)) if value]
+        if len(given) != 1:
+            actual = f"both {' and '.join(given)}" if given else "neither component nor fmu nor signals"
+            remedy = 'Write component = "Name", fmu = "path/to/file.fmu" or signals = "path/to/table.csv".'
+            raise BadInput("", actual, "one of them", remedy)
+        for key in TABLE_KEYS:
+            if not self.signals and getattr(self, key) is not None:
+                raise BadInput(
+                    key, repr(getattr(self, key)), "none for a unit without signals; it would have no effect", "Remove it."
+                )
+        for key in ("preset", "effects", "every", "isolation", "time_limit"):
+            if self.signals and getattr(self, key) != type(self).model_fields[key].default:
+                raise BadInput(key, repr(getattr(self, key)), "none for signals; it would have no effect", "Remove it.")
         if self.fmu and self.preset:
             raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):

@@ -98,6 +98,8 @@ def natives(
     say: Say = nullcontext,
 ) -> list[Path]:
     """FMUs without Python, of one compilation: one for each of the standards, versions of FMI. The others as of `build`."""
+    from ...components.core.signals import Signals
+    from ...fmus.build import file_stem
     from ...fmus.native.build import build_native, own_target
     from ...fmus.native.machine_code import TARGETS
 
@@ -119,8 +121,8 @@ def natives(
     else:
         assert not isinstance(what, Scene)
         whole = component_name(what) if isinstance(what, type) else str(what)
-        name = whole.rpartition(":")[2]
-        make = partial(component_class(whole, "build"), list(effects), dict(parameters), preset=preset)
+        name, cls = file_stem(whole), component_class(whole, "build")
+        make = partial(cls.hosted() if issubclass(cls, Signals) else cls, list(effects), dict(parameters), preset=preset)
     measured = _evidence(name, make, say) if evidence else None
     return build_native(name, make, output, targets, standards, derivatives, measured)
 

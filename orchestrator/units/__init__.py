@@ -26,7 +26,8 @@ def describe(name: str, settings: UnitSettings) -> Interface:
 def open_unit(
     name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None, span: Span = WITHOUT_END
 ) -> Simulator:
-    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are bit-identical.
+    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are bit-identical. Tables of signals
+    always run in this process: a step of theirs ends before a jump, and the master lets it happen, which FMI has no call for.
 
     `native`: the native FMU of a component, which is run instead.  span: what FMUs are told of the run.
     """
@@ -38,11 +39,11 @@ def open_unit(
         from .process import WorkerSimulator
 
         return WorkerSimulator(name, settings, in_process=in_process, native=native, span=span)
-    if native is not None:
+    if native is not None and not settings.signals:
         from .native import open_native
 
         return open_native(name, settings, native, span)
-    if settings.fmu or not (in_process or ":" in settings.component):
+    if settings.fmu or not (in_process or ":" in settings.component or settings.signals):
         from .fmu import open_fmu
 
         return open_fmu(name, settings, span)

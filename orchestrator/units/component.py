@@ -12,6 +12,7 @@ from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import StepFailed
 from ...components.core.kernels import COMPILED
+from ...components.core.signals import Signals
 from ...components.core.variables import Kind as VariableKind
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
@@ -33,6 +34,13 @@ def make(name: str, settings: UnitSettings) -> Component:
     return component
 
 
+def table_of(settings: UnitSettings) -> type[Signals]:
+    """The class of a unit of signals."""
+    table = component_class(settings.component)
+    assert issubclass(table, Signals)
+    return table
+
+
 def describe_component(name: str, settings: UnitSettings) -> Interface:
     """The interface of a component with the scene's effects."""
     component = make(name, settings)
@@ -50,7 +58,7 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
                 v.nominal,
                 tuple(i for i in component.inputs if _feeds(i, v.feedthrough)),
                 KINDS[v.kind],
-                v.discrete,
+                component.is_discrete(n),
             )
             for n in component.outputs
             for v in [variables[n]]
@@ -59,6 +67,7 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
         set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
         ports=cls.ports,
         port_members=cls.port_members,
+        is_discontinuous=isinstance(component, Signals) and component.is_discontinuous,
         remarks=tuple(component.doubts(settings.parameters)),
     )
 

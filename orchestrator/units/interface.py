@@ -77,6 +77,9 @@ class Interface:
     packs_state: bool = True  # and a saved state can be written to a file: `pack`, `unpack`
     gives_jacobian: bool = False  # `jacobian` is offered
     fixed_step: float = 0.0  # s, that every communication step must be a multiple of; 0: free
+    is_discontinuous: bool = (
+        False  # outputs jump where the unit says, and an update behind a step gives the values behind the jump
+    )
     may_return_early: bool = False  # events inside a step are reported by `event`
     recordable: Mapping[str, Signal] = field(default_factory=dict)  # what is no output and may be recorded by its name
     arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of what is an array of FMI 3

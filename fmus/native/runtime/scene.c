@@ -59,7 +59,7 @@ static int32_t failure(const int64_t *cells) {
     return OK;
 }
 
-/* What happens behind the macro steps that have been taken: faults begin and end, outputs follow, figures take their samples. */
+/* What happens behind the macro steps that have been taken: faults begin and end, signals jump, outputs follow, figures take their samples. */
 static int32_t arrive(double t, int64_t *cells) {
     const int64_t master = (int64_t)(intptr_t)(cells + scene_master);
     int32_t status = OK, changed = 0;
@@ -71,6 +71,7 @@ static int32_t arrive(double t, int64_t *cells) {
     if (changed) {
         cells[scene_request_updated] = 0;
         if (scene_begin_change(t, 0.0, master)) return INSIDE;
+        if ((status = take(cells, scene_jump_rows, 0, t, 0.0)) || (status = failure(cells))) return status;
         if ((status = take(cells, scene_follow_rows, 0, t, 0.0)) || (status = failure(cells))) return status;
         if (scene_end_change(t, 0.0, master)) return INSIDE;
     }

@@ -19,7 +19,7 @@ typedef struct { int64_t steps; uint32_t cell; int64_t change; } Change;
 extern void (*scene_changed)(int64_t *cells); /* what a host changes in the block of the build, each time that it is filled */
 /* ---- written at build ---- */
 extern const Change scene_changes[];
-extern const uint32_t scene_change_count, scene_follow_rows[2];
+extern const uint32_t scene_change_count, scene_follow_rows[2], scene_jump_rows[2];
 extern int32_t (*const scene_begin_change)(double, double, int64_t), (*const scene_end_change)(double, double, int64_t);
 extern const Place scene_places[];
 extern const uint32_t scene_place_count, scene_times[], scene_time_count, scene_master;

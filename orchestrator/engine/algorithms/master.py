@@ -27,7 +27,7 @@ from .layout import lay_out
 from .loops import LoopSolver
 from .machine import Machine, Space, Steps, singly
 from .network import Network, Rows
-from .records import EXTRAPOLATED, FORESEE, INTERPOLATED, LOOK, PUSH
+from .records import EXTRAPOLATED, FORESEE, INTERPOLATED, LOOK, PUSH, READ, UPDATE
 from .texts import Texts
 
 NONE: np.ndarray = np.zeros(0, dtype=np.int64)
@@ -84,6 +84,8 @@ class Master:
         self._step, self._acts = network.rows(*algorithm.acts, *feedthrough.acts), network.rows(*algorithm.acts)
         self._finish, self._push = network.rows(*feedthrough.acts), network.rows((PUSH, network.fed))
         self._foresee = network.rows((FORESEE, network.fed))
+        jumping = [node for node in network.nodes if coupling.interfaces[node.unit.name].is_discontinuous]
+        self._jump = network.rows((UPDATE, jumping), (READ, jumping))
         for node in network.nodes:
             node.look_rows = network.rows((LOOK, [node]))
         self._groups = Groups(network)
@@ -149,6 +151,10 @@ class Master:
         self.steps += 1
         if beyond:
             self.check_finite(t + h)
+
+    def let_jump(self, t: float) -> None:
+        """Let signals of tables be what they are behind a jump at an instant, between two steps."""
+        self.machine.perform(self._jump, t, 0.0)
 
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
@@ -228,8 +234,8 @@ class Master:
         self._remember(0, [None] * len(self.loops), self._begin)
 
     def rows(self, name: str) -> Rows:
-        """Rows of the program: of a whole "step", of "push", which keeps the inputs of an instant, or of "follow"."""
-        return {"step": self._step, "push": self._push, "follow": self.feedthrough.rows}[name]
+        """Rows of the program: of a whole "step", of "push", which keeps the inputs of an instant, of "follow", or of "jump"."""
+        return {"step": self._step, "push": self._push, "follow": self.feedthrough.rows, "jump": self._jump}[name]
 
     def counters(self) -> dict[str, Any]:
         """For run.json; algorithms add their own."""
@@ -260,7 +266,7 @@ class Master:
 
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
-        self.records.block.memory[:] = saved.cells
+        self.records.begin_anew(saved.cells)
         for node, state in zip(self.nodes, saved.units, strict=True):
             node.unit.restore(state)
         self._remember(saved.steps, saved.jacobians, saved.memory)

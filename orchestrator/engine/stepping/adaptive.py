@@ -15,6 +15,7 @@ from ..algorithms.step_control import Controller, Doubling, Estimate, Milne
 from ..coupling import Coupling
 from ..coupling.graph import Endpoint, is_discrete
 from .clock import Clock
+from .discontinuities import jump_times
 from .faults import edges
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 
@@ -277,7 +278,7 @@ def clock_for(scene: SceneSettings, coupling: Coupling) -> Clock:
     """The clock of a scene: its ticks divide its steps and times, and are as small as step control and events need them."""
     control, step = scene.master.control, scene.master.step
     smallest = [control.min_step] if control is not None and control.min_step is not None else []
-    ends = [scene.stop_time, *edges(scene.faults, scene.start_time)]
+    ends = [scene.stop_time, *edges(scene.faults, scene.start_time), *jump_times(scene)]
     clock = Clock.dividing(step, *(abs(end) for end in ends if end), *smallest, start=scene.start_time)
     if scene.master.events or any(i.may_return_early for i in coupling.interfaces.values()):
         clock = clock.finer(-(-RESOLUTION // clock.ticks(step)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from time import perf_counter
 from typing import Any, Protocol
@@ -117,6 +118,7 @@ class Stepping:
     ):
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})
+        self._order = sorted({end, *self.stops})
         self.tick, self._begun = 0, False
         self._whole, self._seconds = range(0), clock.seconds(stride)  # ticks from which a step is a whole stride
         self._batches, self._trusted = batches, trusted
@@ -129,8 +131,8 @@ class Stepping:
         if self.tick == 0 and not self._begun:
             self._arrive(observers)
         self._begun, left = True, self.end if most is None else most
-        for stop in sorted({self.end, *self.stops}):
-            if self.tick < stop <= self.end:
+        for k in range(bisect_right(self._order, self.tick), len(self._order)):
+            if (stop := self._order[k]) <= self.end:
                 while self.tick < stop and left > 0:
                     left -= self._advance(stop, observers, left)
                     if self.tick < stop:
@@ -141,7 +143,8 @@ class Stepping:
 
     def look_ahead(self) -> None:
         """Find out to where `step_unseen` can go."""
-        stop = min((stop for stop in (*self.stops, self.end) if stop > self.tick), default=self.tick)
+        place = bisect_right(self._order, self.tick)
+        stop = self._order[place] if place < len(self._order) else self.tick
         self._whole = range(self.tick, stop - 2 * self.stride)
 
     def step_unseen(self) -> bool:

@@ -36,12 +36,13 @@ def after_transient(result: Result) -> slice:
 class RecordedUnit:
     """A unit of a run, its recorded variables by their names, and the units that it is connected with.
 
-    A variable is recorded where the result has a column of it, or of the output that drives it.
+    A variable is recorded where the result has a column of it, or of the output that drives it, of which it has the unit of measure.
     """
 
     def __init__(self, result: Result, name: str):
         self.result, self.name, self.time = result, name, result.time
-        self._drivers = {link.target[1]: link.source for link in result.scene.coupling.links if link.target[0] == name}
+        self._links = {link.target[1]: link for link in result.scene.coupling.links if link.target[0] == name}
+        self._drivers = {variable: link.source for variable, link in self._links.items()}
 
     def __getitem__(self, variable: str) -> np.ndarray:
         """A recorded variable, (n,); raises `BadInput` where it was not recorded."""
@@ -49,7 +50,11 @@ class RecordedUnit:
             driver = f" or {self.source(variable)}, which drives it" if variable in self._drivers else ""
             where, missing = f"{self.result.scene.name}: record.signals", f"no {self.name}.{variable}"
             raise BadInput(where, missing, f"{self.name}.{variable}{driver}", "Add it, or leave out [record].")
-        return np.asarray(self.result.columns[column], dtype=float)
+        values = np.asarray(self.result.columns[column], dtype=float)
+        link = None if column == f"{self.name}.{variable}" else self._links[variable]
+        if link is None or link.map or (link.factor, link.offset) == (1.0, 0.0):
+            return values
+        return link.factor * values + link.offset
 
     def optional(self, variable: str) -> np.ndarray | None:
         """A variable, (n,); None where it was not recorded."""

@@ -252,7 +252,7 @@ class _System:
             baseStepSize=repr(scene.master.step),
         )
         settings = scene.model_dump(mode="json", exclude_unset=True)
-        in_the_set = ("fmu", "component", "preset", "effects", "parameters", "interface")
+        in_the_set = ("fmu", "component", "signals", "preset", "effects", "parameters", "interface")
         units = {n: {k: v for k, v in u.items() if k not in in_the_set} for n, u in settings["units"].items()}
         own = {
             "scene": {k: v for k, v in settings.items() if k not in IN_THE_SYSTEM},

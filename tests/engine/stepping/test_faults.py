@@ -7,6 +7,7 @@ from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.engine.stepping.faults import Faults
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.session.session import Session
 from cosimo.orchestrator.systems import read_scene
 
 V0 = 2.0  # m/s
@@ -280,3 +281,17 @@ def test_a_run_goes_on_from_a_checkpoint_at_an_edge_and_between_edges(at, tmp_pa
     assert (whole.outcome, resumed.outcome, resumed.info["resumed"]["at"]) == ("done", "done", at)
     for name in whole.columns:
         assert whole[name].tobytes() == resumed[name].tobytes(), name
+
+
+def test_a_session_goes_back_to_before_the_first_fault():
+    """The state has no address of the kernels that no fault had needed yet; without them the process ended."""
+    fault = {"signal": "m.x_out", "kind": "freeze", "begin": 0.5}
+    with Session(read_scene({**CLOSED, "stop_time": 1.0, "faults": [fault]})) as sim:
+        sim.initialize()
+        sim.until(0.4)
+        state, ends = sim.save(), []
+        for _ in range(2):
+            sim.restore(state)
+            sim.until(1.0)
+            ends.append(sim["m.x_out"])
+    assert ends[0] == ends[1]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems import load_scene, summary
 from cosimo.orchestrator.systems.wind_pump.records import chains, runnings
 from cosimo.tests.scene_runs import finished
 
@@ -66,3 +66,12 @@ def test_two_hours_of_the_day_lose_no_water():
     np.testing.assert_allclose(drawn, delivered, rtol=0.0, atol=1e-9)
     finer = finished(scene.with_changes({"master.step": 0.4}))
     assert finer["pipe.delivered"][-1] == pytest.approx(delivered[-1], rel=1e-3)
+
+
+def test_a_recorded_wind_in_kilometres_per_hour_has_the_figures_of_one_in_metres_per_second():
+    """Records have the unit of measure of the input that a signal drives."""
+    scene = load_scene("wind-pump-record").with_changes({"stop_time": 20.0})
+    result = finished(scene)
+    (chain,) = chains(result)
+    np.testing.assert_allclose(chain.wind, result["wind.speed"] / 3.6, rtol=1e-12)
+    assert 0.2 < {row.name: row.value for row in summary(result)}["converter.mean_power_coefficient"] < 0.3
