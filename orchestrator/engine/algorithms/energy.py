@@ -28,7 +28,7 @@ class Sums(NamedTuple):
     exchanged: np.ndarray
 
 
-STATE = "times", "samples", "integrals", "created", "exchanged", "elapsed"  # attributes that the next entries depend on
+STATE = "times", "samples", "jumped", "integrals", "created", "exchanged", "elapsed"  # attributes that the next entries depend on
 
 
 class SavedAccount(NamedTuple):
@@ -62,6 +62,7 @@ class EnergyAccount:
         self._kept = master.network.degree + 2
         self.correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
+        self.jumped = np.zeros((0, len(ends)))  # of the samples, where their steps ended
         self._work = np.zeros((2, len(ends), len(POINTS)))
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
@@ -76,6 +77,7 @@ class EnergyAccount:
     def restart(self) -> None:
         """After a jump: the past of the outputs tells nothing any more."""
         self.times, self.samples = np.zeros(1), self.master.signals[None, self._places]
+        self.jumped = np.zeros(self.samples.shape)
 
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h, and its entry in the account."""
@@ -95,8 +97,8 @@ class EnergyAccount:
         """Enter n equal steps: the master's signals behind each, (n, S), and what each input was given, (n, inputs, 5)."""
         n, kept, first = len(signals), len(self.samples), 0
         outputs = np.empty((kept + n, self._places.size))  # oldest first
-        shifts = np.concatenate((np.zeros((1, self._places.size)), np.cumsum(given[:, :, 4] / self._factors, axis=0)))
-        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places] - shifts[1:]
+        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places]
+        jumped = np.concatenate((self.jumped[::-1], given[:, :, 4] / self._factors))
         self._course = course = np.empty((n + 1, 1 + 2 * len(self.bonds)))
         course[0] = np.concatenate(((self.elapsed,), self.created, self.exchanged))
         self.integrals = self.integrals.copy()
@@ -108,7 +110,7 @@ class EnergyAccount:
                 h,
                 _basis(times.tobytes()),
                 outputs[kept + first + 1 - times.size :],
-                shifts[first:last],
+                jumped[kept + first + 1 - times.size :],
                 given[first:last],
                 self._degrees,
                 self._factors,
@@ -118,7 +120,7 @@ class EnergyAccount:
                 course[first : last + 1],
             )
             self.times, first = times, last
-        self.samples = outputs[: -self.times.size - 1 : -1] + shifts[-1]
+        self.samples, self.jumped = outputs[: -self.times.size - 1 : -1], jumped[: -self.times.size - 1 : -1]
         self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
         if self.correction:
             self._owe()

@@ -12,12 +12,12 @@ WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 @kernel
-def enter_steps(h, basis, outputs, shifts, given, degrees, factors, watts, work, integrals, course):
+def enter_steps(h, basis, outputs, jumped, given, degrees, factors, watts, work, integrals, course):
     """Equal steps of an account, for I inputs and I / 2 bonds, of which the k-th has the inputs 2 k and 2 k + 1.
 
-    basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first, without
-    the jumps so far; shifts: (n, I), their sums before each step; given: (n, I, 5), value, slope, half of the second derivative and degree;
-    work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added to;
+    basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first; jumped: likewise,
+    of each output where its step ends: those before it move with it; given: (n, I, 5), value, slope, half of the second derivative
+    and degree; work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added to;
     course: (n + 1, 1 + I), the sums behind each step, of which the first are given.
     """
     kept, bonds = basis.shape[1], watts.size
@@ -28,9 +28,11 @@ def enter_steps(h, basis, outputs, shifts, given, degrees, factors, watts, work,
                 value, slope, quadratic = value + h * (slope / 2.0 + h * quadratic / 3.0), 0.0, 0.0
             missed = 0.0
             for p in range(3):
-                at, true = h * POINTS[p], shifts[i, k]
-                for j in range(kept):
-                    true += basis[p, j] * outputs[kept - 1 - j + i, k]
+                at, now, moved = h * POINTS[p], kept - 1 + i, 0.0
+                true = basis[p, 0] * (outputs[now, k] - jumped[now, k])
+                for j in range(1, kept):
+                    true += basis[p, j] * (outputs[now - j, k] + moved)
+                    moved += jumped[now - j, k]
                 work[0, k, p], work[1, k, p] = true, (value + at * (slope + at * quadratic)) / factors[k]
                 missed += WEIGHTS[p] * (work[1, k, p] - true)
             integrals[k] += h * missed

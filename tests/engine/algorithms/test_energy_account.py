@@ -1,12 +1,15 @@
 """Energy at power bonds: the account against the energy of the whole, the correction, and steps controlled by it."""
 
+from contextlib import ExitStack
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.session.open_scene import Course, OpenScene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
 from cosimo.tests.support import Linear
 from scipy.linalg import expm
@@ -181,3 +184,18 @@ def test_the_bond_knows_its_power():
     bond = resolve_coupling(read_scene(bonded("Link", "jacobi", 0.1, 1))).bonds[0]
     assert bond.watts == 1.0
     assert [link.target for link in bond.links] == [("b", "velocity"), ("a", "force")]
+
+
+def test_the_account_does_not_depend_on_how_many_steps_are_entered_together():
+    """Torques of a sampled controller jump; what is entered together follows the clock of a run, which must change no bit."""
+    scene = load_scene("two-link-manipulator", {"stop_time": 0.1, "analysis.transient": 0.0})
+    reports = []
+    for pieces in ([1] * 40, [40], [7, 1, 19, 13]):
+        with ExitStack() as stack:
+            course = Course(OpenScene(scene, stack, in_process=True))
+            course.start()
+            for n in pieces:
+                course.stepping.run((), n)
+            reports.append(course.account.report())
+    assert reports[0] == reports[1] == reports[2]
+    assert any(one["created"] for one in reports[0].values())
