@@ -98,7 +98,7 @@ class Comparison:
     """Several runs beside the first.
 
     names: of the runs, all different.  figures, signals: those that differ most first; signals are those that all runs have, over
-    the time that all have.  settings: place -> its text in each run, of settings and parameters that are not the same.
+    the time that all have.  settings: name -> its text in each run, of settings and parameters that are not the same.
     missing: signals that some run has not.  seconds: CPU time for stepping of each run, s.
     """
 
@@ -157,7 +157,7 @@ class Comparison:
 
     def setting_cells(self) -> Cells:
         """Settings and parameters that are not the same in all runs."""
-        rows = [(place.removeprefix("units."), *texts) for place, texts in self.settings.items()]
+        rows = [(name, *texts) for name, texts in self.settings.items()]
         return Cells("Changed settings", ("setting", *self.names), rows, "" if rows else "All settings are the same.")
 
     def figure_cells(self) -> Cells:
@@ -300,14 +300,14 @@ def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:
 
 
 def _flat(info: Mapping[str, Any]) -> dict[str, str]:
-    """Settings by place: those of the scene, effects that are on, and of every unit the parameters that the run had."""
+    """Settings by their names: those of the scene, effects that are on, and of every unit the parameters that the run had."""
     scene = {key: value for key, value in info.get("scene", {}).items() if key not in (*NOT_SETTINGS, "units")}
-    units = {}
+    units, parameters = {}, {}
     for name, unit in info.get("scene", {}).get("units", {}).items():
         units[name] = {key: value for key, value in unit.items() if key not in ("parameters", "effects", "preset") and value}
         units[name]["effects"] = sorted(info.get("effects", {}).get(name, {}).get("on", unit.get("effects", ())))
-        units[name]["parameters"] = info.get("units", {}).get(name, {}).get("parameters", unit.get("parameters", {}))
-    return dict(flattened(scene)) | dict(flattened({"units": units}))
+        parameters[name] = info.get("units", {}).get(name, {}).get("parameters", unit.get("parameters", {}))
+    return dict(flattened(scene)) | dict(flattened({"units": units})) | dict(flattened(parameters))
 
 
 def _write(comparison: Comparison, directory: Path) -> Path:

@@ -76,7 +76,7 @@ def test_the_command_and_its_files(two, tmp_path, capsys):
     code, said = command([*two, "--within", "1%", "-o", tmp_path], capsys)
     assert code == 1
     assert "more than 1% apart" in said.err
-    assert "spring.parameters.stiffness" in said.out
+    assert "spring.stiffness" in said.out
     stored = json.loads((tmp_path / "compare.json").read_text())
     assert stored["settings"]["stop_time"] == ["2", "1"]
     page = (tmp_path / "report.html").read_text()
