@@ -105,7 +105,7 @@ def test_effects_without_which_the_scene_runs_become_switches():
     said = []
     assert switches(bearing, None, said.append) == ["bearing.clearance"]
     assert said == ["running the scene without bearing.clearance"]
-    assert without(bearing, ["bearing.clearance"]).units["bearing"].effects == ()
+    assert bearing.with_changes(without(bearing, ["bearing.clearance"])).units["bearing"].effects == ()
     with pytest.raises(BadInput, match=f"at most {MOST_EFFECTS}"):
         switches(
             load_scene("en50318-2002"), [f"catenary.{e}" for e in load_scene("en50318-2002").units["catenary"].effects], print
