@@ -17,12 +17,13 @@ from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import Variable
 from ..settings import SceneSettings, UnitSettings
 from ..settings.names import split_name
+from ..settings.units import TABLE_KEYS
 from ..units.fmu import declared_signals
 
 TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that are times, s
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
 KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
-OF_A_KIND = {*KINDS, "preset", "effects", "parameters"}  # what a whole unit that is given does not take over from the one before
+OF_A_KIND = {*KINDS, *TABLE_KEYS, "preset", "effects", "parameters"}  # what a whole unit does not take over from the one before
 STRUCTURAL = {*KINDS, "preset", "effects", "interface"}  # what machine code depends on, beside structural parameters
 
 
@@ -126,7 +127,7 @@ def _set(data: dict[str, Any], keys: tuple[str, ...], value: Any, where: str) ->
         for element in [key for key in table if key.startswith(f"{last}[")]:
             del table[element]
     if last in KINDS and len(keys) == 3 and value:
-        for other in KINDS:
+        for other in (*KINDS, *TABLE_KEYS):
             table.pop(other, None)
     table[last] = value
 

@@ -126,3 +126,10 @@ def test_a_session_takes_the_names_of_a_change():
 def test_a_scene_is_loaded_with_changes_by_their_names():
     changes = {"stop_time": 0.5, "spring.stiffness": 50.0, "units.mass.every": 2}
     assert load_scene("mass-on-spring", changes) == load_scene("mass-on-spring").with_changes(changes)
+
+
+def test_a_component_takes_the_place_of_a_table():
+    scene = load_scene("wind-pump-record")
+    for changes in ({"units.wind.component": "Wind", "units.wind.parameters": {}}, {"units.wind": {"component": "Wind"}}):
+        wind = scene.with_changes(changes).units["wind"]
+        assert (wind.component, wind.signals, wind.interpolation) == ("Wind", "", None)
