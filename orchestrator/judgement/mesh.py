@@ -79,7 +79,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     place = Kept(FOLDER, "mesh 1", digest(scene), components_digest(scene))
     if distances is None and (kept := _read(place)) is not None and {*result.columns, *result.texts} <= {*kept.signals}:
         return replace(kept, left_out=left_out, kept=True)
-    places = tuple(m.name for m in meshes_of(scene).values())
+    places = tuple(meshes_of(scene))
     if not affordable():
         why = "a run with a coarser mesh is too much work to be made without being asked for (--verify whole)"
         return MeshError(not_covered=dict.fromkeys(places, why), left_out=left_out)
@@ -110,7 +110,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
 
 def _never_covered(scene: Scene) -> dict[str, str]:
     """What no repetition covers, each with what it is."""
-    return {m.name: m.what for m in meshes_of(scene, random=True).values()} | {
+    return {name: m.what for name, m in meshes_of(scene, random=True).items()} | {
         name: "the mesh of an FMU, which is not known" for name, unit in scene.units.items() if not unit.component
     }
 

@@ -80,7 +80,7 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     worst, error = verification.mesh.worst
     if error > WARN:
         meshes = ", ".join(verification.mesh.places)
-        finer = ", ".join(f"{m.name} = {m.value / 2.0 if m.by_length else 2.0 * m.value:g}" for m in meshes_of(scene).values())
+        finer = ", ".join(f"{name} = {m.value / 2.0 if m.by_length else 2.0 * m.value:g}" for name, m in meshes_of(scene).items())
         texts.append(
             f"the mesh ({meshes}) is too coarse for {worst}: its error is about {_percent(error)} of the signal's deviation (rms), as "
             f"a mesh with half as many elements shows. Take {finer} for about half of it"

@@ -24,7 +24,7 @@ from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import BatchObserver
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
-from ..session.open_scene import Course, OpenScene
+from ..session.open_scene import Course, started
 from ..session.state import State
 from . import work
 from .comparison import Difference, difference
@@ -178,11 +178,9 @@ class Windows(BatchObserver):
         if not inner or fixed:
             return self._course
         try:
-            course = Course(OpenScene(scene.with_changes(inner), stack, in_process=True))
-            course.start()
+            return stack.enter_context(started(scene.with_changes(inner)))
         except (BadInput, StepFailed):  # such as an internal step that fits no longer
             return self._course
-        return course
 
     def _stepped(self, course: Course, state: State, h: float, n: int) -> np.ndarray:
         """The signals behind each of n steps of a course from a state of the run, (n, signals)."""

@@ -12,9 +12,8 @@ from .scene import Scene
 
 
 class Mesh(NamedTuple):
-    """name: "unit.parameter".  value: length of elements, m, or their number.  what: in words.  low, high: of the parameter."""
+    """value: length of elements, m, or their number.  what: in words.  low, high: of the parameter."""
 
-    name: str
     value: float
     what: str
     low: float
@@ -23,7 +22,7 @@ class Mesh(NamedTuple):
 
 
 def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
-    """Place in the scene -> mesh of every component that uses one.
+    """Name of the parameter -> mesh of every component that uses one.
 
     random: instead of them numbers of random parts, seeds and tables, whose error no coarser mesh shows.
     """
@@ -39,7 +38,7 @@ def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
             v = used[n]
             value = component.get(n) if v.kind is not Kind.TEXT else 0.0
             what = "the interpolation of a table" if v.kind is Kind.TEXT else v.structural
-            meshes[f"{name}.{n}"] = Mesh(f"{name}.{n}", value, what, v.low, v.high, v.mesh == "shorter")
+            meshes[f"{name}.{n}"] = Mesh(value, what, v.low, v.high, v.mesh == "shorter")
     return dict(sorted(meshes.items()))
 
 
@@ -53,7 +52,7 @@ def coarser(scene: Scene, factor: int) -> dict[str, Any]:
     for place, mesh in meshes_of(scene).items():
         value = factor * mesh.value if mesh.by_length else int(mesh.value) // factor
         if not mesh.low <= value <= mesh.high:
-            raise BadInput(mesh.name, f"{mesh.value:g}", "a mesh that can be coarser", "It is too coarse to tell its error.")
+            raise BadInput(place, f"{mesh.value:g}", "a mesh that can be coarser", "It is too coarse to tell its error.")
         changes[place] = value
     return changes
 

@@ -180,11 +180,23 @@ def load_scene(name_or_path: str | Path, analysis: Models | None = None, changes
     changes: by name, as of `Scene.with_changes`; those outside of units are judged with what the file says.
     """
     path = scene_path(name_or_path)
-    own = {name: value for name, value in (changes or {}).items() if is_setting(name)}
-    others = {name: value for name, value in (changes or {}).items() if name not in own}
-    data, remarks = read_file(path, own)
+    data, remarks = read_file(path, changes or ())
     with loading(str(path), "a scene"):
-        scene = read_scene(with_settings(data, own), path.stem, path.parent, remarks, analysis)
+        return read_changed(data, changes or {}, path.stem, path.parent, remarks, analysis)
+
+
+def read_changed(
+    data: Mapping[str, Any],
+    changes: Mapping[str, Any],
+    name: str,
+    folder: Path | None = None,
+    remarks: Sequence[str] = (),
+    analysis: Models | None = None,
+) -> Scene:
+    """As `read_scene`, with changes by name: settings outside of units are judged with what the data say, others after it."""
+    own = {key: value for key, value in changes.items() if is_setting(key)}
+    scene = read_scene(with_settings(data, own), name, folder, remarks, analysis)
+    others = {key: value for key, value in changes.items() if key not in own}
     return scene.with_changes(others) if others else scene
 
 

@@ -75,8 +75,8 @@ def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
     """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`.
 
     A component of the catalogue, "module:Class" or an FMU is a scene of it alone, over the run and with the step that it declares.
-    changes: settings outside of [units] by their dotted places, such as {"master.step": 1e-3}; they are judged with what the file
-    says, and not after it.
+    changes: by name, as of `Scene.with_changes`; settings outside of units, such as {"master.step": 1e-3}, are judged with what the
+    file says, and not after it.
     """
     changes = changes or {}
     name = str(name_or_path)
@@ -84,11 +84,11 @@ def load_scene(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
         path = Path(name)
         times, remarks = default_experiment(path, changes)
         data = {"title": path.name, "units": {FMU_ALONE: {"fmu": path.name}}, **times}
-        return read_scene(scenes.with_settings(data, changes), path.stem, path.parent, remarks)
+        return scenes.read_changed(data, changes, path.stem, path.parent, remarks, ANALYSIS)
     if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
         cls = component_class(name, "scene")
         data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
-        return read_scene(scenes.with_settings(data, changes), cls.__name__)
+        return scenes.read_changed(data, changes, cls.__name__, analysis=ANALYSIS)
     return scenes.load_scene(name_or_path, ANALYSIS, changes)
 
 

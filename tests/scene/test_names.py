@@ -126,6 +126,8 @@ def test_a_session_takes_the_names_of_a_change():
 def test_a_scene_is_loaded_with_changes_by_their_names():
     changes = {"stop_time": 0.5, "spring.stiffness": 50.0, "units.mass.every": 2}
     assert load_scene("mass-on-spring", changes) == load_scene("mass-on-spring").with_changes(changes)
+    alone = {"stop_time": 0.5, "planar_link.mass": 2.0}
+    assert load_scene("PlanarLink", alone) == load_scene("PlanarLink").with_changes(alone)
 
 
 def test_a_component_takes_the_place_of_a_table():
