@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from signal import Signals
 from typing import Unpack
 
 import numpy as np
 
+from ...interrupts import Interrupted
 from ...scene.names import place_of
 from ...scene.scene import Scene
 from ...settings.answers import RangeSettings
@@ -53,7 +55,11 @@ def evaluations(
     observe = how.get("observe", lambda n: None)
     computing = Computing(how.get("jobs", 1), how.get("scheduler", ""), lambda rows, workers: observe(computing.computed))
     with points_directory(directory, "cosimo-search-") as folder, computing:
-        yield Evaluations(scene, vary, task, computing, folder, directory is not None)
+        runs = Evaluations(scene, vary, task, computing, folder, directory is not None)
+        try:
+            yield runs
+        except Interrupted as one:  # also between two runs, where the search itself is at work
+            raise runs.stopped(one.signal) from None
 
 
 class Evaluations:
@@ -93,9 +99,7 @@ class Evaluations:
         for digest, p in zip(stored.digests.tolist(), points, strict=True):
             self._asked.setdefault(digest, np.asarray(p, dtype=float))
         if (missing := stored.missing()).size and (stopped := self._computing(stored, missing)) is not None:
-            signal = Stopped(stopped)
-            signal.kept = self._store.size
-            raise signal
+            raise self.stopped(stopped)
         return list(stored.rows(range(len(points))).values())
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
@@ -112,6 +116,12 @@ class Evaluations:
         settings = plan_settings({"method": "list", "vary": vary, "keep": self._task.keep})
         plan = Points(settings, {n: Column(c) for n, c in zip(self.names, columns, strict=True)}, len(points))
         return StoredPlan(self._task, plan, self._store)
+
+    def stopped(self, signal: Signals) -> Stopped:
+        """What tells of a search that a signal has ended, with the number of its runs that are kept."""
+        stopped = Stopped(signal)
+        stopped.kept = self._store.size
+        return stopped
 
     @property
     def history(self) -> list[tuple[np.ndarray, Row]]:

@@ -9,9 +9,14 @@ import time
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
+from cosimo.orchestrator.harness.many.evaluations import evaluations
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.searches import differences, run_searches
+from cosimo.orchestrator.interrupts import Interrupted
+from cosimo.orchestrator.settings.answers import RangeSettings
+from cosimo.orchestrator.settings.plan import KeepSettings
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.harness.many.points import formula
 from cosimo.tests.harness.many.test_answers import measured
@@ -176,3 +181,18 @@ def test_a_stopped_fit_goes_on_with_what_it_has(tmp_path, monkeypatch):
     assert contents(tmp_path / "out") == contents(tmp_path / "whole")
     (row,) = rest.fit.rows()
     assert row[1:3] == (pytest.approx(3.0, abs=1e-6), pytest.approx(0.05, rel=1e-6))
+
+
+def test_a_search_that_is_stopped_between_its_runs_tells_what_it_keeps(tmp_path):
+    (tmp_path / "scene.toml").write_text(SCENE.replace("0.1", "0.0"))
+    scene = load_scene(tmp_path / "scene.toml")
+    bounds = {"d.value": RangeSettings(low=0.0, high=10.0)}
+
+    def search():
+        with evaluations(scene, bounds, KeepSettings(), {}, tmp_path / "out") as runs:
+            runs([np.array([1.0]), np.array([2.0])])
+            raise Interrupted(signal.SIGTERM)
+
+    with pytest.raises(Stopped) as told:
+        search()
+    assert (told.value.signal, told.value.kept) == (signal.SIGTERM, 2)
