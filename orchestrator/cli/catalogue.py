@@ -32,12 +32,12 @@ def list_(
         Argument(
             metavar="[KIND|SYSTEM|WORD]",
             autocompletion=kinds_and_systems,
-            help="components, fmus, scenes or cases; a system; or a word of names and titles. Without it names only.",
+            help="A kind (components, fmus, scenes, cases), a system, or a word in names and titles. Default: all names.",
         ),
     ] = "",
     as_json: AsJson = False,
 ) -> None:
-    """What there is. Example: cosimo list scenes; also cosimo list, cosimo list bearings"""
+    """List components, FMUs, scenes and cases. Example: cosimo list scenes; also cosimo list, cosimo list bearings"""
     everything = _everything()
     if what in everything:
         listed = {what: everything[what]}
@@ -106,12 +106,12 @@ def _everything() -> dict[str, list[dict[str, Any]]]:
 
 @app.command()
 def cache(
-    action: Annotated[str, Argument(help="show, clear or prune")] = "show",
-    kinds: Annotated[list[str] | None, Argument(help="with clear: kinds that `cosimo cache` names; default: all")] = None,
-    days: Annotated[float | None, Option(help=f"With prune: unused for so long; default {DAYS:g}.")] = None,
+    action: Annotated[str, Argument(help="Action: show, clear or prune.")] = "show",
+    kinds: Annotated[list[str] | None, Argument(help="Kinds to clear, as `cosimo cache` lists them. Default: all.")] = None,
+    days: Annotated[float | None, Option(help=f"With prune: remove entries that are unused for this time. Default: {DAYS:g}.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """What is kept from run to run: FMUs, machine code, measurements. Example: cosimo cache prune --days 7
+    """Show or clear the cache of FMUs, machine code and measurements. Example: cosimo cache prune --days 7
 
     All of it is made again when it is needed. The environment variable COSIMO_CACHE moves it.
     """
@@ -139,13 +139,13 @@ def schema(
         Argument(
             metavar="SCENE.toml...",
             autocompletion=scene_files,
-            help="Scene files that are to be completed: the schema goes where their first line names it; without such a line beside "
-            "them, and the line is added.",
+            help="Scene files for an editor. The schema goes to the path in their first line. If a file has no such line, cosimo "
+            "adds it and writes the schema next to the file.",
         ),
     ] = None,
-    output: Annotated[Path | None, Option("-o", "--output", help="File to write instead of printing it.")] = None,
+    output: Annotated[Path | None, Option("-o", "--output", help="File for the schema. Default: standard output.")] = None,
 ) -> None:
-    """The JSON schema of scene files, with which editors complete and check them. Example: cosimo schema my-scene.toml
+    """Write the JSON schema of scene files for editors. Example: cosimo schema my-scene.toml
 
     It is that of this version, with all components and their parameters: write it anew after an update.
     """

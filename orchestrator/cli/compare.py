@@ -23,18 +23,18 @@ MOST_SIGNALS = 12  # on the terminal
 def compare(
     runs: Annotated[
         list[str],
-        Argument(autocompletion=scenes, help="two or more: directories of results, or scenes by name or file, which are run"),
+        Argument(autocompletion=scenes, help="Two or more result directories or scenes (names or files). cosimo runs the scenes."),
     ],
     within: Annotated[
-        str | None, Option(metavar="SHARE", help="Exit code 1 where figures differ by more than this, as in 1% or 0.01.")
+        str | None, Option(metavar="SHARE", help="Exit code 1 if key results differ by more than this share, for example 1% or 0.01.")
     ] = None,
     signals: Annotated[
         list[str] | None,
         Option(
             "--signal",
             metavar="UNIT.OUTPUT[,...]",
-            help="With --within: signals that must not differ by more than this, rms, in parts of their deviation. Default: all "
-            "where the runs have no figures.",
+            help="With --within: signals whose difference (rms, as a share of the standard deviation) counts, too. Default: all "
+            "if the runs have no key results.",
         ),
     ] = None,
     output: OptionalOutput = None,

@@ -15,12 +15,12 @@ from .options import Changes, Presets, SceneName
 @app.command()
 def explore(
     scene: SceneName,
-    output: Annotated[Path | None, Option("-o", "--output", help="Page to write; default: the scene's name with .html.")] = None,
+    output: Annotated[Path | None, Option("-o", "--output", help="File for the page. Default: the scene's name with .html.")] = None,
     vary: Annotated[
         list[str] | None,
         Option(
             metavar="UNIT.PARAMETER[=FROM:TO]",
-            help="A parameter with a slider, and its range; may be repeated. Default: [explore], or what moves the figures most.",
+            help="Parameter with a slider, and its range. May be repeated. Default: [explore], else the parameters that change the key results most.",
         ),
     ] = None,
     effects: Annotated[
@@ -28,7 +28,7 @@ def explore(
         Option(
             "--effects",
             metavar="UNIT.EFFECT",
-            help="An effect to switch off and on; may be repeated, at most 3. Default: [explore], or those it runs without.",
+            help="Effect with a switch. May be repeated, at most 3. Default: [explore], else the effects without which the scene runs.",
         ),
     ] = None,
     values: Changes = None,

@@ -25,37 +25,37 @@ def build(
     names: Annotated[
         list[str] | None,
         Argument(
-            autocompletion=component_names, help="components, module:Class, or with --native scenes; without it the catalogue"
+            autocompletion=component_names, help="Components or module:Class; with --native also scenes. Default: the whole catalogue."
         ),
     ] = None,
     output: Annotated[Path, Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
-    native: Annotated[bool, Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
+    native: Annotated[bool, Option("--native", help="Build FMUs that need no Python. Effects and structural parameters are fixed at build time.")] = False,
     target: Annotated[
         str,
         Option(
-            help="With --native: linux64, win64, linux-arm64, macos-arm64 and macos-x64 (built, never run), wasm32 (with --fmi 3), "
-            "separated by commas; default: this machine."
+            help="With --native: platforms, separated by commas: linux64, win64, linux-arm64, macos-arm64, macos-x64 (macOS: built, "
+            "never run), wasm32 (with --fmi 3). Default: this machine."
         ),
     ] = "",
-    fmi: Annotated[str, Option(help="With --native: 2, 3 or both; default: 2.")] = "",
-    effects: Annotated[str, Option(help="With --native: effects that are on, separated by commas.")] = "",
+    fmi: Annotated[str, Option(help="With --native: FMI version 2, 3 or both. Default: 2.")] = "",
+    effects: Annotated[str, Option(help="With --native: effects to switch on, separated by commas.")] = "",
     values: Annotated[
         list[str] | None,
         Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help="With --native: a parameter, or the start value of an input; may be repeated.",
+            help="With --native: value of a parameter, or start value of an input. May be repeated.",
         ),
     ] = None,
     presets: Presets = None,
-    scene: Annotated[str, Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
+    scene: Annotated[str, Option(help="With --native: build units of this scene with their settings and start values.")] = "",
     derivatives: Annotated[
-        bool, Option("--derivatives", help="List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate.")
+        bool, Option("--derivatives", help="Add the inputs der(v) and der(v,2) of each input v, for masters that extrapolate.")
     ] = False,
     evidence: Annotated[
         bool,
         Option(
-            "--evidence", help="Measure what steps cost in accuracy, and pack it with reference results; some seconds for each."
+            "--evidence", help="Measure the error of communication steps and pack it with reference results. Takes some seconds per FMU."
         ),
     ] = False,
 ) -> None:
@@ -165,11 +165,11 @@ def _build_native(
 
 @app.command()
 def check(
-    fmu: Annotated[str, Argument(help="an FMU file; or a component or module:Class, whose FMU is built")],
+    fmu: Annotated[str, Argument(help="An FMU file, or a component or module:Class, for which cosimo builds the FMU.")],
     isolate: Annotated[
         bool, Option("--isolate", help="Execute the FMU file, in the sandbox of bubblewrap, for the checks that need it.")
     ] = False,
-    execute: Annotated[bool, Option("--execute", help="Execute the FMU file with your rights: for FMUs that you trust.")] = False,
+    execute: Annotated[bool, Option("--execute", help="Execute the FMU file with your rights. Use it for trusted FMUs only.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Check an FMU against FMI, and the results that it promises. Example: cosimo check Pantograph.fmu --execute
@@ -211,19 +211,19 @@ def check(
 @app.command()
 def ssp(
     scene: SceneName,
-    output: Annotated[Path | None, Option("-o", "--output", help="File to write; default: the scene's name.")] = None,
+    output: Annotated[Path | None, Option("-o", "--output", help="File for the package. Default: the scene's name.")] = None,
     values: Changes = None,
     presets: Presets = None,
-    step: Annotated[float | None, Option(help="Macro step, s, that the package gives to other masters.")] = None,
+    step: Annotated[float | None, Option(help="Macro step of the package for other masters, in s.")] = None,
     tolerance: Annotated[
         str,
         Option(
-            help="How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation "
-            "of a low-pass-filtered one."
+            help="Largest difference of other masters from the scene, as a share of the range of each quantity, or of the standard "
+            "deviation if the quantity is low-pass filtered."
         ),
     ] = "5%",
     native: Native = False,
-    force: Annotated[bool, Option("--force", help="Write the package however far other masters will be.")] = False,
+    force: Annotated[bool, Option("--force", help="Write the package regardless of the differences of other masters.")] = False,
 ) -> None:
     """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp mass-on-spring --step 0.0025 -o mass.ssp
 

@@ -14,7 +14,7 @@ from ...components.core.errors import BadInput
 from ..output import ensure_directory
 from .common import group, print_written
 
-new = group("new", "Files to start from.")
+new = group("new", "Create a scene, component, line, case or limit table from a template.")
 
 COMPONENT = '''"""$title: a mass on a spring and a damper, to start from.
 
@@ -215,8 +215,8 @@ In the folder of `$module.py`:
 
 @new.command()
 def component(
-    name: Annotated[str, Argument(help="the class, such as MassOnSpring")],
-    output: Annotated[Path, Option("-o", "--output", help="Directory for the files; default: here.")] = Path(),
+    name: Annotated[str, Argument(help="Name of the class, for example MassOnSpring.")],
+    output: Annotated[Path, Option("-o", "--output", help="Directory for the files. Default: the working directory.")] = Path(),
 ) -> None:
     """Write a component with its test, a scene and a page. Example: cosimo new component MassOnSpring -o mine"""
     from ...components.catalogue import CATALOGUE

@@ -15,7 +15,7 @@ from .common import is_scene, print_written, warn
 from .new import new
 from .options import Conditions, InProcess, Limits, limits_of, number_given
 
-File = Annotated[Path, Argument(metavar="FILE.toml", help="file to write")]
+File = Annotated[Path, Argument(metavar="FILE.toml", help="File for the template.")]
 LINE_NUMBERS = {  # option -> table and key of a section, unit, default
     "contact_tension": ("contact_wire", "tension", "N"),
     "contact_mass": ("contact_wire", "mass", "kg/m"),
@@ -45,20 +45,20 @@ def line(
     supports: Annotated[
         Path,
         Argument(
-            help="CSV with a row for each support: 'position [m]', and as far as they are known 'contact height [m]', 'system height [m]', "
-            "'stagger [m]', 'section' (sections that overlap give an overlap), 'held' and 'contact stiffness [N/m]'"
+            help="CSV with one row per support: 'position [m]', and if known 'contact height [m]', 'system height [m]', "
+            "'stagger [m]', 'section' (overlapping sections give an overlap), 'held' and 'contact stiffness [N/m]'."
         ),
     ],
-    contact_tension: Annotated[str, Option(help="Of the contact wire.")] = "20 kN",
-    contact_mass: Annotated[str, Option(help="Per length.")] = "1.35 kg/m",
-    messenger_tension: Annotated[str, Option(help="Of the messenger.")] = "16 kN",
-    messenger_mass: Annotated[str, Option(help="Per length.")] = "1.08 kg/m",
-    system_height: Annotated[str, Option(help="Of supports that have none in the table.")] = "1.2 m",
-    support_stiffness: Annotated[str, Option(help="Of the messenger's supports.")] = "500 kN/m",
-    first_dropper: Annotated[str, Option(help="Distance from a support, where a scene gives no table of droppers.")] = "4.5 m",
-    dropper_gap: Annotated[str, Option(help="Longest distance of two droppers.")] = "6.5 m",
-    dropper_stiffness: Annotated[str, Option(help="Of a dropper in tension.")] = "200 kN/m",
-    droppers: Annotated[Path | None, Option(help="CSV of droppers, to check that they fit; the scene names it.")] = None,
+    contact_tension: Annotated[str, Option(help="Tension of the contact wire.")] = "20 kN",
+    contact_mass: Annotated[str, Option(help="Mass per length of the contact wire.")] = "1.35 kg/m",
+    messenger_tension: Annotated[str, Option(help="Tension of the messenger wire.")] = "16 kN",
+    messenger_mass: Annotated[str, Option(help="Mass per length of the messenger wire.")] = "1.08 kg/m",
+    system_height: Annotated[str, Option(help="System height of supports without one in the table.")] = "1.2 m",
+    support_stiffness: Annotated[str, Option(help="Stiffness of the messenger's supports.")] = "500 kN/m",
+    first_dropper: Annotated[str, Option(help="Distance of the first dropper from a support, if there is no table of droppers.")] = "4.5 m",
+    dropper_gap: Annotated[str, Option(help="Largest distance between two droppers.")] = "6.5 m",
+    dropper_stiffness: Annotated[str, Option(help="Stiffness of a dropper in tension.")] = "200 kN/m",
+    droppers: Annotated[Path | None, Option(help="CSV of droppers. cosimo checks that they fit; the scene refers to the file.")] = None,
 ) -> None:
     """Write the table of an overhead line from its supports. Example: cosimo new line my-line.toml supports.csv
 
@@ -90,23 +90,23 @@ def scene(
     file: File,
     units: Annotated[
         list[str] | None,
-        Argument(metavar="[NAME=]COMPONENT...", help="units: components, module:Class or FMUs, which are joined by their ports"),
+        Argument(metavar="[NAME=]COMPONENT...", help="Units: components, module:Class or FMUs. cosimo connects their ports."),
     ] = None,
     table: Annotated[
         Path | None,
         Option(
-            "--input", metavar="FILE", help="A table over time, whose columns drive the open inputs of their names; with units."
+            "--input", metavar="FILE", help="With units: table over time. Its columns drive the unconnected inputs of the same names."
         ),
     ] = None,
-    source: Annotated[str, Option("--from", metavar="SCENE", help="Instead: a copy of a shipped scene, to change.")] = "",
-    line: Annotated[Path | None, Option(help="Instead: pantographs under the line of this table.")] = None,
+    source: Annotated[str, Option("--from", metavar="SCENE", help="Copy this shipped scene instead.")] = "",
+    line: Annotated[Path | None, Option(help="Put pantographs under the line of this table instead.")] = None,
     droppers: Annotated[Path | None, Option(help="CSV of droppers of the line.")] = None,
     pantograph: Annotated[
-        str, Option(help="A preset of Pantograph, or the file that cosimo railway fit-pantograph wrote.")
+        str, Option(help="Preset of Pantograph, or a file of cosimo railway fit-pantograph.")
     ] = "EN 50318:2018",
-    pantographs: Annotated[int, Option(min=1, max=4, help="How many.")] = 1,
-    distance: Annotated[str, Option(help="Between two of them, m, or with its unit.")] = "200 m",
-    speed: Annotated[str, Option(help="Of the train.")] = "250 km/h",
+    pantographs: Annotated[int, Option(min=1, max=4, help="Number of pantographs.")] = 1,
+    distance: Annotated[str, Option(help="Distance between two pantographs, in m or with a unit.")] = "200 m",
+    speed: Annotated[str, Option(help="Speed of the train.")] = "250 km/h",
     limits: Limits = "",
 ) -> None:
     """Write a scene that runs. Example: cosimo new scene my-scene.toml Pantograph Catenary
@@ -236,7 +236,7 @@ def _fitting(one: str, other: str, coupling: Any) -> list[tuple[str, str]]:
 @new.command()
 def case(
     file: File,
-    scene: Annotated[str, Argument(help="a shipped scene or a scene file")],
+    scene: Annotated[str, Argument(help="Shipped scene or scene file.")],
     speeds: Annotated[
         str, Option(metavar="SPEED,...", help='As in "200 km/h, 250 km/h": a run for each, over the same way.')
     ] = "",
@@ -255,7 +255,7 @@ def case(
     if not limits:
         raise BadInput("new case", "no --limits", "a table to judge by, such as en50367; rows of your own are added to the file")
     if not is_scene(scene):
-        raise BadInput("new case", repr(scene), "a shipped scene or a scene file")
+        raise BadInput("new case", repr(scene), "Shipped scene or scene file.")
     loaded = load_scene(scene)
     moving = [n for n, u in loaded.units.items() if "speed" in u.parameters]
     name = _beside(Path(scene), file, scene) if Path(scene).suffix else scene
@@ -295,7 +295,7 @@ def case(
 @new.command()
 def table(
     file: File,
-    scene: Annotated[str, Argument(help="a shipped scene or a scene file, which is run once")],
+    scene: Annotated[str, Argument(help="Shipped scene or scene file. cosimo runs it once.")],
     in_process: InProcess = True,
 ) -> None:
     """Write a table of limits with a row for each figure of a scene. Example: cosimo new table my-limits.toml my-scene.toml

@@ -13,7 +13,7 @@ from .common import app
 
 
 @app.command("open")
-def open_(where: Annotated[Path, Argument(help="a directory with a report, or the report itself")] = Path()) -> None:
+def open_(where: Annotated[Path, Argument(help="Directory with a report, or the report file.")] = Path()) -> None:
     """Open a report in the browser. Example: cosimo open out"""
     from ..scene.kinds import refuse_other
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 COMPONENT = "component:"  # before the name of a component that is studied alone
 TOLERANCE = "1%"
 
-SceneName = Annotated[str, Argument(autocompletion=scenes, help="name of a shipped scene, a scene file, an FMU, or a component")]
+SceneName = Annotated[str, Argument(autocompletion=scenes, help="Name of a shipped scene, a scene file, an FMU or a component.")]
 Output = Annotated[Path, Option("-o", "--output", help="Directory for the tables and the report.")]
 OptionalOutput = Annotated[Path | None, Option("-o", "--output", help="Directory for the results.")]
 
@@ -37,27 +37,27 @@ def _seconds(text: str | float) -> float:
         raise BadParameter(f"{error}") from None  # with the name of the option before it
 
 
-Stop = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="End of the run, s, or with its unit.")]
-Step = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help='Macro step, s, or with its unit as in "10 ms".')]
+Stop = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="End of the run, in s or with a unit.")]
+Step = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help='Macro step, in s or with a unit: "10 ms".')]
 Start = Annotated[
-    float | None, Option(parser=_seconds, metavar="SECONDS", help="Start of the run, s, or with its unit; units are told it.")
+    float | None, Option(parser=_seconds, metavar="SECONDS", help="Start of the run, in s or with a unit.")
 ]
 AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[
-    bool, Option("--in-process", help="Run components in this process, not as FMUs: bit-identical results, faster.")
+    bool, Option("--in-process", help="Run components in this process instead of as FMUs: faster, bit-identical results.")
 ]
 Native = Annotated[
-    bool, Option("--native", help="Components as native FMUs, which need no Python; built for the scene, and kept.")
+    bool, Option("--native", help="Run components as native FMUs, which need no Python. cosimo builds and caches them.")
 ]
-NoVerify = Annotated[bool, Option("--no-verify", help="Repeat nothing: numbers have no error.")]
-Resume = Annotated[bool, Option("--resume", help="Continue a study that was stopped; its finished runs are not repeated.")]
+NoVerify = Annotated[bool, Option("--no-verify", help="Do not repeat the run; results have no error estimate.")]
+Resume = Annotated[bool, Option("--resume", help="Continue a stopped study; cosimo does not repeat its finished runs.")]
 Changes = Annotated[
     list[str] | None,
     Option(
         "--set",
         metavar="UNIT.PARAMETER=VALUE",
         autocompletion=parameters,
-        help='Change a parameter: a number in its SI unit, one with its unit as in "250 km/h", an array as [1, 2, 3]; or analysis.key. '
+        help='Set a parameter to a number in SI units, a number with a unit ("250 km/h") or an array ([1, 2, 3]); or set analysis.key. '
         "May be repeated.",
     ),
 ]
@@ -67,24 +67,24 @@ Presets = Annotated[
         "--preset",
         metavar="[UNIT=]NAME",
         autocompletion=presets,
-        help="Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated.",
+        help="Use published parameters of a component instead of the scene's own. May be repeated.",
     ),
 ]
 Over = Annotated[
     list[str] | None,
     Option(
         metavar="UNIT.PARAMETER=FROM:TO:POINTS|VALUE,VALUE",
-        help='Values of a parameter, instead of the scene\'s own table; each may have its unit, "200 km/h". '
+        help='Values of a parameter, with or without a unit ("200 km/h"); they replace the scene\'s own table. '
         "Several parameters make a grid or a map.",
     ),
 ]
-PlanFile = Annotated[Path, Option(help="TOML file: what varies, how points are chosen, what is kept of each run.")]
-OptionalPlanFile = Annotated[Path | None, Option(help="TOML file: what varies, how points are chosen, what is kept of each run.")]
+PlanFile = Annotated[Path, Option(help="TOML file with the varied parameters, the sampling method and the recorded results.")]
+OptionalPlanFile = Annotated[Path | None, Option(help="TOML file with the varied parameters, the sampling method and the recorded results.")]
 Quantities = Annotated[
     list[str] | None,
     Option(
         "--quantity",
-        help='"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].',
+        help='Quantity of interest: "unit.output, kind" or a key result. May be repeated. Default: the quantities of the plan or of [study].',
     ),
 ]
 Jobs = Annotated[
@@ -96,12 +96,12 @@ Limits = Annotated[
     Option(
         "--limits",
         metavar="TABLE",
-        help="A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows.",
+        help="Table of limits for the run: en50367, en50318-2002, ..., or a TOML file with sources and rows.",
     ),
 ]
 Conditions = Annotated[
     list[str] | None,
-    Option("--condition", help="Of the table's rows; may be repeated. Default: those that hold for the run, or all."),
+    Option("--condition", help="Use only the rows of the table with this condition. May be repeated. Default: the conditions that apply to the run, else all rows."),
 ]
 
 
@@ -110,10 +110,10 @@ Plotly = Annotated[
     Option(
         "--plotly",
         metavar="|".join(PLACES),
-        help="Where the report has the library of its figures: inside, so that it is one file; in a file beside it; or on a network.",
+        help="Where the report loads Plotly from: inside (one file), beside (plotly.min.js) or cdn (network).",
     ),
 ]
-Pdf = Annotated[bool, Option("--pdf", help="Print the report to report.pdf, too; needs Chromium, Chrome or Edge.")]
+Pdf = Annotated[bool, Option("--pdf", help="Also write report.pdf. Needs Chromium, Chrome or Edge.")]
 
 
 def limits_of(table: str, conditions: Sequence[str] | None) -> dict[str, Any] | None:

@@ -16,25 +16,25 @@ from .options import OptionalOutput, Output, listed, number_given, parameters_of
 if TYPE_CHECKING:
     from ...components.railway.line.form import Form
 
-railway = group("railway", "Pantographs and overhead lines.")
+railway = group("railway", "Fit pantographs and lines; draw a line from its table.")
 
 
 @railway.command()
 @reports
 def lumped(
-    scene: Annotated[str, Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
+    scene: Annotated[str, Argument(help="Name or file of a scene with one pantograph under a distributed catenary.")],
     speeds: Annotated[str, Option(metavar="SPEED[,...]", help='Speeds at which both are run, as in "100 km/h,200 km/h".')] = (
         "20 km/h,50 km/h,100 km/h,150 km/h,200 km/h,250 km/h,300 km/h"
     ),
     force: Annotated[
         str | None,
         Option(
-            help="Force at which the static elasticity is taken, N, or with its unit; default: the mean force at the lowest speed."
+            help="Force of the static elasticity, in N or with a unit. Default: the mean force at the lowest speed."
         ),
     ] = None,
-    span: Annotated[int | None, Option(help="Span that is fitted, counted from 1; without it the middle one.")] = None,
-    inerter: Annotated[bool, Option("--inerter", help="An inerter in the place of the mass.")] = False,
-    tolerance: Annotated[str, Option(metavar="SHARE", help="Error that is still allowed.")] = "10%",
+    span: Annotated[int | None, Option(help="Span to fit, counted from 1. Default: the middle span.")] = None,
+    inerter: Annotated[bool, Option("--inerter", help="Use an inerter instead of the mass.")] = False,
+    tolerance: Annotated[str, Option(metavar="SHARE", help="Largest allowed error.")] = "10%",
     output: Output = Path("lumped"),
 ) -> None:
     """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
@@ -60,25 +60,25 @@ def lumped(
 
 @railway.command("line")
 def line_(
-    table: Annotated[Path | None, Argument(help="the line's table, a TOML file")] = None,
+    table: Annotated[Path | None, Argument(help="TOML table of the line.")] = None,
     values: Annotated[
         list[str] | None,
         Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help="Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated.",
+            help="Parameter of Catenary that is not in the table, for example messenger_tension=16000. May be repeated.",
         ),
     ] = None,
     droppers: Annotated[
-        Path | None, Option(help="CSV file of droppers in the place of the table's, such as a droppers.csv of this command.")
+        Path | None, Option(help="CSV file of droppers that replaces the table's, for example a droppers.csv of this command.")
     ] = None,
     temperature: Annotated[
         float | None,
         Option(
-            metavar="K", help="Change of temperature against that of the table: tensions and heights of wires with fixed = true."
+            metavar="K", help="Temperature difference from the table. It changes tensions and heights of wires with fixed = true."
         ),
     ] = None,
-    schema: Annotated[bool, Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
+    schema: Annotated[bool, Option("--schema", help="Print the JSON schema of a table for editors.")] = False,
     output: OptionalOutput = None,
 ) -> None:
     """Find the form of a line: dropper lengths, preloads, reactions. Example: cosimo railway line my-line.toml -o out"""
@@ -117,13 +117,13 @@ def fit_pantograph(
             )
         ),
     ],
-    masses: Annotated[int, Option(help="2 or 3.")] = 3,
+    masses: Annotated[int, Option(help="Number of masses: 2 or 3.")] = 3,
     fixed: Annotated[
         list[str] | None,
         Option(
             "--fix",
             metavar="PARAMETER=VALUE",
-            help="A parameter that is known, such as lower_frame_stiffness=160; may be repeated.",
+            help="Known parameter, for example lower_frame_stiffness=160. May be repeated.",
         ),
     ] = None,
     output: Output = Path("pantograph"),

@@ -69,24 +69,24 @@ def run(
         Option(
             metavar="UNIT.EFFECT[,...]",
             autocompletion=effect_names,
-            help="Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for.",
+            help="Switch on effects in addition to those of the scene; may be repeated. auto: the smallest set of effects within --tolerance.",
         ),
     ] = None,
     tolerance: Annotated[
         str | None,
         Option(
             metavar="SHARE",
-            help=f"With --effects auto: largest error against all effects, as in 1% or 0.01; default {TOLERANCE}.",
+            help=f"With --effects auto: largest error against all effects, for example 1% or 0.01. Default: {TOLERANCE}.",
         ),
     ] = None,
-    algorithm: Annotated[str | None, Option(help="jacobi, gauss-seidel, iterative or interface-model")] = None,
+    algorithm: Annotated[str | None, Option(help="Co-simulation algorithm: jacobi, gauss-seidel, iterative or interface-model.")] = None,
     table: Annotated[
         Path | None,
         Option(
             "--input",
             metavar="FILE",
-            help="A table over time, CSV, Parquet, Arrow or MAT 5: its columns drive the open inputs of their names. An FMU or a "
-            "component alone runs over the time of the table.",
+            help="Table over time (CSV, Parquet, Arrow or MAT 5). Its columns drive the unconnected inputs of the same names. A single FMU or "
+            "component runs over the time of the table.",
         ),
     ] = None,
     step: Step = None,
@@ -94,38 +94,38 @@ def run(
     stop: Stop = None,
     record: Annotated[
         list[str] | None,
-        Option(metavar="UNIT.OUTPUT[,...]", help="Outputs to keep instead of those of the scene; may be repeated."),
+        Option(metavar="UNIT.OUTPUT[,...]", help="Outputs to record instead of those of the scene. May be repeated."),
     ] = None,
     checkpoint_every: Annotated[
         float | None,
         Option(
             metavar="SECONDS",
-            help=f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time.",
+            help=f"Interval of checkpoints, in s of simulated time. The file {CHECKPOINT} in the output directory is for --resume.",
         ),
     ] = None,
-    resume: Annotated[Path | None, Option(help="A checkpoint of the same scene, to go on from.")] = None,
+    resume: Annotated[Path | None, Option(help="Continue from a checkpoint of the same scene.")] = None,
     isolate: Annotated[
         bool,
         Option(
             "--isolate",
-            help="Foreign code, FMUs and module:Class, in the sandbox of bubblewrap: limits of time and memory, no network, files "
-            "read only.",
+            help="Run foreign code (FMUs and module:Class) in the sandbox of bubblewrap: limits of time and memory, no network, "
+            "read-only files.",
         ),
     ] = False,
     accuracy: Annotated[
         str | None,
         Option(
             metavar="SHARE",
-            help="The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known.",
+            help="Use the fastest setting with an error below this value, for example 1% or 0.01. If none is known, cosimo measures settings first.",
         ),
     ] = None,
     verify: Annotated[
         str | None,
         Option(
             metavar="whole|full|steps",
-            help="Find errors by repeating the whole run with half the steps and with coarser meshes, whatever it costs; full: and "
-            "with finer tolerances; steps: as by default, without meshes. Default: the whole run where its counted work "
-            "allows that (some 5 s, the same on every machine), else windows of it.",
+            help="Error estimate. whole: repeat the complete run with half the steps and coarser meshes, regardless of cost. full: also "
+            "refine tolerances. steps: no coarser meshes. Default: repeat the complete run if its counted work allows "
+            "it (about 5 s, the same on every machine), else windows of it.",
         ),
     ] = None,
     no_verify: NoVerify = False,
@@ -134,8 +134,8 @@ def run(
         Option(
             "--fmu-log",
             metavar="LEVEL",
-            help="Messages of foreign FMUs that fmu.log in the output directory gets: none, fatal, error, discard, warning, info, each "
-            "with those before it. All are counted in run.json.",
+            help="Lowest level of FMU messages in fmu.log of the output directory: none, fatal, error, discard, warning or info. "
+            "run.json counts all messages.",
         ),
     ] = "warning",
     limits: Limits = "",
@@ -144,22 +144,22 @@ def run(
         bool,
         Option(
             "--real-time",
-            help="No macro step ends before its time on the clock; how late steps were is in the report and in summary.json.",
+            help="Run in step with the wall clock. The report and summary.json list the delay of the steps.",
         ),
     ] = False,
     dry_run: Annotated[
         bool,
         Option(
             "--dry-run",
-            help="Do not run: show units, connections and loops, how long the macro step may be, and what a run costs; with -o a "
-            "drawing, too.",
+            help="Do not run. Show units, connections, loops, the longest stable macro step and the cost; with -o also a "
+            "drawing.",
         ),
     ] = False,
 ) -> None:
     """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
 
-    To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
-    scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
+    Preview: cosimo run scene.toml --step 2e-3 --dry-run. Continue after an interrupt: cosimo run scene.toml -o out
+    --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
     from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_scene

@@ -24,25 +24,25 @@ def show(
         str,
         Argument(
             autocompletion=anything,
-            help="a component, module:Class, a shipped scene or case by its name, a scene file, an FMU, or the table of an overhead line",
+            help="Component, module:Class, shipped scene or case, scene file, FMU, or table of an overhead line.",
         ),
     ],
     effects: Annotated[
         list[str] | None,
-        Option(metavar="EFFECT[,...]", help="Effects that are on; of a scene unit.effect, beside its own. May be repeated."),
+        Option(metavar="EFFECT[,...]", help="Effects to switch on; unit.effect for a scene, in addition to its own. May be repeated."),
     ] = None,
     values: Changes = None,
     presets: Presets = None,
     timed: Annotated[
         bool,
         Option(
-            "--time", help="Of a component: measure what each effect adds to a step; compiles each of them, which takes seconds."
+            "--time", help="Measure the time that each effect adds to a step of a component. Compiling takes seconds per effect."
         ),
     ] = False,
-    output: Annotated[Path | None, Option("-o", "--output", help="Directory for a drawing as SVG.")] = None,
+    output: Annotated[Path | None, Option("-o", "--output", help="Directory for an SVG drawing.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """What a component, a scene or a case consists of, and whether Python is in its steps. Example: cosimo show Pantograph"""
+    """Show the parts of a component, a scene or a case. Example: cosimo show Pantograph"""
     from ...components.catalogue import CATALOGUE
     from ..scene.kinds import kind_of, refuse_other
     from ..scene.scene import scene_files

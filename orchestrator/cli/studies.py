@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ..harness.studies.effects import Effects
 
 ComponentEffects = Annotated[
-    list[str] | None, Option("--effects", metavar="EFFECT[,...]", help="Effects of a component that is studied alone.")
+    list[str] | None, Option("--effects", metavar="EFFECT[,...]", help="Effects of a component without a scene.")
 ]
 
 
@@ -51,13 +51,13 @@ def accuracy(
         Argument(
             metavar="SCENE|component:NAME",
             autocompletion=scenes,
-            help="name of a shipped scene, a scene file, or a component of the catalogue alone",
+            help="Shipped scene, scene file or component.",
         ),
     ],
     output: Output = Path("accuracy"),
     budget: Annotated[
         float | None,
-        Option(metavar="SECONDS", help="Time for measuring, beside that of the reference; default 60 s, 30 s for a component."),
+        Option(metavar="SECONDS", help="Time for the measurement, without the reference solution. Default: 60 s, 30 s for a component."),
     ] = None,
     stop: Stop = None,
     effects: ComponentEffects = None,
@@ -129,17 +129,17 @@ def effects(
     tolerance: Annotated[
         str,
         Option(
-            metavar="SHARE", help="Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."
+            metavar="SHARE", help="Largest error of a quantity of interest against the scene with all effects, for example 1% or 0.01."
         ),
     ] = TOLERANCE,
     output: Output = Path("effects"),
     write: Annotated[
-        Path | None, Option(metavar="FILE", help="Write the scene with the smallest set of effects; a .toml file.")
+        Path | None, Option(metavar="FILE", help="TOML file for the scene with the smallest set of effects.")
     ] = None,
     more: Annotated[
         list[str] | None,
         Option(
-            "--with", metavar="UNIT.EFFECT[,...]", help="Parts, defects, loads and the like to take into the full model, too."
+            "--with", metavar="UNIT.EFFECT[,...]", help="Parts, defects or loads to add to the full model."
         ),
     ] = None,
     stop: Stop = None,
@@ -148,7 +148,7 @@ def effects(
     as_json: AsJson = False,
     resume: Resume = False,
 ) -> None:
-    """Find the effects a scene calls for. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
+    """Find the smallest set of effects for a given error. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
     from ..harness.report.studies.effects import for_effects
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
@@ -193,24 +193,24 @@ def stability(
         Argument(
             metavar="SCENE|component:NAME|COMPONENT...",
             autocompletion=anything,
-            help="name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components",
+            help="Shipped scene, scene file or component; components only with --hard-cases.",
         ),
     ] = None,
     hard: Annotated[
         bool,
         Option(
             "--hard-cases",
-            help="Run the hard cases that components declare, of those named or of all, and say how far each claim is from its "
-            "limit. In plain Python: to compile would take minutes, the runs take moments.",
+            help="Run the declared hard cases of the named components, or of all, and print the margin of each claim. They run in "
+            "plain Python, as compiling would take minutes.",
         ),
     ] = False,
     over: Over = None,
     algorithm: Annotated[
-        list[str] | None, Option(metavar="NAME[,...]", help="Only these algorithms; default: all that the scene can have.")
+        list[str] | None, Option(metavar="NAME[,...]", help="Algorithms to test. Default: all that the scene allows.")
     ] = None,
-    extrapolation: Annotated[list[int] | None, Option(min=0, max=2, help="Only this degree; may be repeated.")] = None,
+    extrapolation: Annotated[list[int] | None, Option(min=0, max=2, help="Degree of extrapolation to test. May be repeated.")] = None,
     steps: Annotated[
-        int | None, Option(help="Steps of each run; more of them show slower growth. Default 1000, 600 for a component.")
+        int | None, Option(help="Steps per run; more steps show slower growth. Default: 1000, 600 for a component.")
     ] = None,
     effects: ComponentEffects = None,
     output: Output = Path("stability"),
@@ -218,7 +218,7 @@ def stability(
     presets: Presets = None,
     resume: Resume = False,
 ) -> None:
-    """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
+    """Measure the longest stable macro step. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
 
     A component alone: cosimo stability component:Pantograph; without --effects it is measured with none and with each of its
     effects. Without a map: cosimo stability lumped-catenary.

@@ -19,8 +19,8 @@ def validate(
         list[str] | None,
         Argument(
             autocompletion=cases,
-            help="names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
-            "announces; all without it",
+            help="Names of cases (cosimo list cases) or your own .toml files. papers: the statements of the papers. Default: all "
+            "cases.",
         ),
     ] = None,
     in_process: InProcess = False,
@@ -29,15 +29,15 @@ def validate(
         bool,
         Option(
             "--strict",
-            help="Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning.",
+            help="Also count undecided rows and rows outside a range quoted from memory as failed. Default: a warning.",
         ),
     ] = False,
     verify: Annotated[
         str | None,
         Option(
             metavar="whole",
-            help="Find the errors of all numbers by repeating each case with half of its steps, whatever it costs. Default: "
-            "cases whose counted work allows that (some 5 s, the same on every machine).",
+            help="whole: repeat each case with half the steps, regardless of cost. Default: repeat cases whose counted work "
+            "allows it (about 5 s, the same on every machine).",
         ),
     ] = None,
     no_verify: NoVerify = False,
