@@ -108,7 +108,9 @@ def _everything() -> dict[str, list[dict[str, Any]]]:
 def cache(
     action: Annotated[str, Argument(help="Action: show, clear or prune.")] = "show",
     kinds: Annotated[list[str] | None, Argument(help="Kinds to clear, as `cosimo cache` lists them. Default: all.")] = None,
-    days: Annotated[float | None, Option(help=f"With prune: remove entries that are unused for this time. Default: {DAYS:g}.")] = None,
+    days: Annotated[
+        float | None, Option(help=f"With prune: remove entries that are unused for this time. Default: {DAYS:g}.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Show or clear the cache of FMUs, machine code and measurements. Example: cosimo cache prune --days 7

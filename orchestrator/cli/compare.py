@@ -23,10 +23,13 @@ MOST_SIGNALS = 12  # on the terminal
 def compare(
     runs: Annotated[
         list[str],
-        Argument(autocompletion=scenes, help="Two or more result directories or scenes (names or files). cosimo runs the scenes."),
+        Argument(
+            autocompletion=scenes, help="Two or more result directories or scenes (names or files). cosimo runs the scenes."
+        ),
     ],
     within: Annotated[
-        str | None, Option(metavar="SHARE", help="Exit code 1 if key results differ by more than this share, for example 1% or 0.01.")
+        str | None,
+        Option(metavar="SHARE", help="Exit code 1 if key results differ by more than this share, for example 1% or 0.01."),
     ] = None,
     signals: Annotated[
         list[str] | None,

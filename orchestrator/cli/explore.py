@@ -15,12 +15,15 @@ from .options import Changes, Presets, SceneName
 @app.command()
 def explore(
     scene: SceneName,
-    output: Annotated[Path | None, Option("-o", "--output", help="File for the page. Default: the scene's name with .html.")] = None,
+    output: Annotated[
+        Path | None, Option("-o", "--output", help="File for the page. Default: the scene's name with .html.")
+    ] = None,
     vary: Annotated[
         list[str] | None,
         Option(
             metavar="UNIT.PARAMETER[=FROM:TO]",
-            help="Parameter with a slider, and its range. May be repeated. Default: [explore], else the parameters that change the key results most.",
+            help="Parameter with a slider, and its range. May be repeated. Default: [explore], else the "
+            "parameters that change the key results most.",
         ),
     ] = None,
     effects: Annotated[

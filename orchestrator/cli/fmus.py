@@ -25,11 +25,15 @@ def build(
     names: Annotated[
         list[str] | None,
         Argument(
-            autocompletion=component_names, help="Components or module:Class; with --native also scenes. Default: the whole catalogue."
+            autocompletion=component_names,
+            help="Components or module:Class; with --native also scenes. Default: the whole catalogue.",
         ),
     ] = None,
     output: Annotated[Path, Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
-    native: Annotated[bool, Option("--native", help="Build FMUs that need no Python. Effects and structural parameters are fixed at build time.")] = False,
+    native: Annotated[
+        bool,
+        Option("--native", help="Build FMUs that need no Python. Effects and structural parameters are fixed at build time."),
+    ] = False,
     target: Annotated[
         str,
         Option(
@@ -55,7 +59,8 @@ def build(
     evidence: Annotated[
         bool,
         Option(
-            "--evidence", help="Measure the error of communication steps and pack it with reference results. Takes some seconds per FMU."
+            "--evidence",
+            help="Measure the error of communication steps and pack it with reference results. Takes some seconds per FMU.",
         ),
     ] = False,
 ) -> None:
@@ -169,7 +174,9 @@ def check(
     isolate: Annotated[
         bool, Option("--isolate", help="Execute the FMU file, in the sandbox of bubblewrap, for the checks that need it.")
     ] = False,
-    execute: Annotated[bool, Option("--execute", help="Execute the FMU file with your rights. Use it for trusted FMUs only.")] = False,
+    execute: Annotated[
+        bool, Option("--execute", help="Execute the FMU file with your rights. Use it for trusted FMUs only.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Check an FMU against FMI, and the results that it promises. Example: cosimo check Pantograph.fmu --execute

@@ -55,10 +55,14 @@ def line(
     messenger_mass: Annotated[str, Option(help="Mass per length of the messenger wire.")] = "1.08 kg/m",
     system_height: Annotated[str, Option(help="System height of supports without one in the table.")] = "1.2 m",
     support_stiffness: Annotated[str, Option(help="Stiffness of the messenger's supports.")] = "500 kN/m",
-    first_dropper: Annotated[str, Option(help="Distance of the first dropper from a support, if there is no table of droppers.")] = "4.5 m",
+    first_dropper: Annotated[
+        str, Option(help="Distance of the first dropper from a support, if there is no table of droppers.")
+    ] = "4.5 m",
     dropper_gap: Annotated[str, Option(help="Largest distance between two droppers.")] = "6.5 m",
     dropper_stiffness: Annotated[str, Option(help="Stiffness of a dropper in tension.")] = "200 kN/m",
-    droppers: Annotated[Path | None, Option(help="CSV of droppers. cosimo checks that they fit; the scene refers to the file.")] = None,
+    droppers: Annotated[
+        Path | None, Option(help="CSV of droppers. cosimo checks that they fit; the scene refers to the file.")
+    ] = None,
 ) -> None:
     """Write the table of an overhead line from its supports. Example: cosimo new line my-line.toml supports.csv
 
@@ -95,7 +99,9 @@ def scene(
     table: Annotated[
         Path | None,
         Option(
-            "--input", metavar="FILE", help="With units: table over time. Its columns drive the unconnected inputs of the same names."
+            "--input",
+            metavar="FILE",
+            help="With units: table over time. Its columns drive the unconnected inputs of the same names.",
         ),
     ] = None,
     source: Annotated[str, Option("--from", metavar="SCENE", help="Copy this shipped scene instead.")] = "",

@@ -39,9 +39,7 @@ def _seconds(text: str | float) -> float:
 
 Stop = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="End of the run, in s or with a unit.")]
 Step = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help='Macro step, in s or with a unit: "10 ms".')]
-Start = Annotated[
-    float | None, Option(parser=_seconds, metavar="SECONDS", help="Start of the run, in s or with a unit.")
-]
+Start = Annotated[float | None, Option(parser=_seconds, metavar="SECONDS", help="Start of the run, in s or with a unit.")]
 AsJson = Annotated[bool, Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[
     bool, Option("--in-process", help="Run components in this process instead of as FMUs: faster, bit-identical results.")
@@ -79,12 +77,15 @@ Over = Annotated[
     ),
 ]
 PlanFile = Annotated[Path, Option(help="TOML file with the varied parameters, the sampling method and the recorded results.")]
-OptionalPlanFile = Annotated[Path | None, Option(help="TOML file with the varied parameters, the sampling method and the recorded results.")]
+OptionalPlanFile = Annotated[
+    Path | None, Option(help="TOML file with the varied parameters, the sampling method and the recorded results.")
+]
 Quantities = Annotated[
     list[str] | None,
     Option(
         "--quantity",
-        help='Quantity of interest: "unit.output, kind" or a key result. May be repeated. Default: the quantities of the plan or of [study].',
+        help='Quantity of interest: "unit.output, kind" or a key result. May be repeated. Default: the '
+        "quantities of the plan or of [study].",
     ),
 ]
 Jobs = Annotated[
@@ -101,7 +102,11 @@ Limits = Annotated[
 ]
 Conditions = Annotated[
     list[str] | None,
-    Option("--condition", help="Use only the rows of the table with this condition. May be repeated. Default: the conditions that apply to the run, else all rows."),
+    Option(
+        "--condition",
+        help="Use only the rows of the table with this condition. May be repeated. Default: the conditions that "
+        "apply to the run, else all rows.",
+    ),
 ]
 
 

@@ -28,9 +28,7 @@ def lumped(
     ),
     force: Annotated[
         str | None,
-        Option(
-            help="Force of the static elasticity, in N or with a unit. Default: the mean force at the lowest speed."
-        ),
+        Option(help="Force of the static elasticity, in N or with a unit. Default: the mean force at the lowest speed."),
     ] = None,
     span: Annotated[int | None, Option(help="Span to fit, counted from 1. Default: the middle span.")] = None,
     inerter: Annotated[bool, Option("--inerter", help="Use an inerter instead of the mass.")] = False,
@@ -121,9 +119,7 @@ def fit_pantograph(
     fixed: Annotated[
         list[str] | None,
         Option(
-            "--fix",
-            metavar="PARAMETER=VALUE",
-            help="Known parameter, for example lower_frame_stiffness=160. May be repeated.",
+            "--fix", metavar="PARAMETER=VALUE", help="Known parameter, for example lower_frame_stiffness=160. May be repeated."
         ),
     ] = None,
     output: Output = Path("pantograph"),

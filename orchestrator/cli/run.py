@@ -69,7 +69,8 @@ def run(
         Option(
             metavar="UNIT.EFFECT[,...]",
             autocompletion=effect_names,
-            help="Switch on effects in addition to those of the scene; may be repeated. auto: the smallest set of effects within --tolerance.",
+            help="Switch on effects in addition to those of the scene; may be repeated. auto: the smallest set "
+            "of effects within --tolerance.",
         ),
     ] = None,
     tolerance: Annotated[
@@ -79,13 +80,16 @@ def run(
             help=f"With --effects auto: largest error against all effects, for example 1% or 0.01. Default: {TOLERANCE}.",
         ),
     ] = None,
-    algorithm: Annotated[str | None, Option(help="Co-simulation algorithm: jacobi, gauss-seidel, iterative or interface-model.")] = None,
+    algorithm: Annotated[
+        str | None, Option(help="Co-simulation algorithm: jacobi, gauss-seidel, iterative or interface-model.")
+    ] = None,
     table: Annotated[
         Path | None,
         Option(
             "--input",
             metavar="FILE",
-            help="Table over time (CSV, Parquet, Arrow or MAT 5). Its columns drive the unconnected inputs of the same names. A single FMU or "
+            help="Table over time (CSV, Parquet, Arrow or MAT 5). Its columns drive the unconnected inputs of "
+            "the same names. A single FMU or "
             "component runs over the time of the table.",
         ),
     ] = None,
@@ -116,7 +120,8 @@ def run(
         str | None,
         Option(
             metavar="SHARE",
-            help="Use the fastest setting with an error below this value, for example 1% or 0.01. If none is known, cosimo measures settings first.",
+            help="Use the fastest setting with an error below this value, for example 1% or 0.01. If none is "
+            "known, cosimo measures settings first.",
         ),
     ] = None,
     verify: Annotated[
@@ -142,10 +147,7 @@ def run(
     conditions: Conditions = None,
     real_time: Annotated[
         bool,
-        Option(
-            "--real-time",
-            help="Run in step with the wall clock. The report and summary.json list the delay of the steps.",
-        ),
+        Option("--real-time", help="Run in step with the wall clock. The report and summary.json list the delay of the steps."),
     ] = False,
     dry_run: Annotated[
         bool,

@@ -21,7 +21,7 @@ from ..scene.scene import Scene
 from ..systems import SYSTEMS, summary
 from .common import fail, print_rows, print_table, print_written, warn
 
-NO_ERRORS = "Not verified: the numbers have no known error."  # why is a warning
+NO_ERRORS = "No error estimate."  # why is a warning
 
 
 def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
@@ -113,7 +113,9 @@ def print_result(result: Result, numbers: Summary) -> None:
         ],
     )
     if numbers:
-        print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.shown, r.text) for r in numbers])
+        print_table(
+            "Key results", ("name", "unit", "value ± error", "description"), [(r.name, r.unit, r.shown, r.text) for r in numbers]
+        )
     print(verification_text(verification) if verification["done"] else NO_ERRORS)
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""

@@ -29,7 +29,9 @@ def show(
     ],
     effects: Annotated[
         list[str] | None,
-        Option(metavar="EFFECT[,...]", help="Effects to switch on; unit.effect for a scene, in addition to its own. May be repeated."),
+        Option(
+            metavar="EFFECT[,...]", help="Effects to switch on; unit.effect for a scene, in addition to its own. May be repeated."
+        ),
     ] = None,
     values: Changes = None,
     presets: Presets = None,

@@ -47,17 +47,15 @@ ComponentEffects = Annotated[
 @reports
 def accuracy(
     what: Annotated[
-        str,
-        Argument(
-            metavar="SCENE|component:NAME",
-            autocompletion=scenes,
-            help="Shipped scene, scene file or component.",
-        ),
+        str, Argument(metavar="SCENE|component:NAME", autocompletion=scenes, help="Shipped scene, scene file or component.")
     ],
     output: Output = Path("accuracy"),
     budget: Annotated[
         float | None,
-        Option(metavar="SECONDS", help="Time for the measurement, without the reference solution. Default: 60 s, 30 s for a component."),
+        Option(
+            metavar="SECONDS",
+            help="Time for the measurement, without the reference solution. Default: 60 s, 30 s for a component.",
+        ),
     ] = None,
     stop: Stop = None,
     effects: ComponentEffects = None,
@@ -129,7 +127,8 @@ def effects(
     tolerance: Annotated[
         str,
         Option(
-            metavar="SHARE", help="Largest error of a quantity of interest against the scene with all effects, for example 1% or 0.01."
+            metavar="SHARE",
+            help="Largest error of a quantity of interest against the scene with all effects, for example 1% or 0.01.",
         ),
     ] = TOLERANCE,
     output: Output = Path("effects"),
@@ -137,10 +136,7 @@ def effects(
         Path | None, Option(metavar="FILE", help="TOML file for the scene with the smallest set of effects.")
     ] = None,
     more: Annotated[
-        list[str] | None,
-        Option(
-            "--with", metavar="UNIT.EFFECT[,...]", help="Parts, defects or loads to add to the full model."
-        ),
+        list[str] | None, Option("--with", metavar="UNIT.EFFECT[,...]", help="Parts, defects or loads to add to the full model.")
     ] = None,
     stop: Stop = None,
     values: Changes = None,
@@ -208,7 +204,9 @@ def stability(
     algorithm: Annotated[
         list[str] | None, Option(metavar="NAME[,...]", help="Algorithms to test. Default: all that the scene allows.")
     ] = None,
-    extrapolation: Annotated[list[int] | None, Option(min=0, max=2, help="Degree of extrapolation to test. May be repeated.")] = None,
+    extrapolation: Annotated[
+        list[int] | None, Option(min=0, max=2, help="Degree of extrapolation to test. May be repeated.")
+    ] = None,
     steps: Annotated[
         int | None, Option(help="Steps per run; more steps show slower growth. Default: 1000, 600 for a component.")
     ] = None,

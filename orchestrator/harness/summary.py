@@ -143,29 +143,29 @@ def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, .
 def verification_text(verification: Mapping[str, Any]) -> str:
     """How the errors of a run were found, or why there are none. verification: of run.json."""
     if not verification.get("done"):
-        return f"Not verified: {verification.get('why') or 'no run was repeated'}. The numbers have no known error."
+        return f"No error estimate: {verification.get('why') or 'cosimo did not repeat the run'}."
     step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"
     if windows := verification.get("windows"):
         inner = "half of the" if verification.get("inside") else "the same"
         slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
         slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
         return (
-            f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
-            f"repeated with a macro step of {step:g} s and {inner} internal steps{slower}. "
+            f"Estimated errors of signals (rms, in % of the standard deviation) from {len(windows['begins'])} windows of "
+            f"{windows['length']:.3g} s, repeated with a macro step of {step:g} s and {inner} internal steps{slower}. "
             f"{verification['why'][:1].upper()}{verification['why'][1:]}. {covered_text(verification.get('mesh', {}))}"
         )
     shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"
     text = (
-        f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step of {2.0 * step:g} s, {shorter}"
-        f"{', and internal steps likewise' if verification.get('inside') else ''}."
+        f'± and "error" are estimated discretization errors, from {runs} with a macro step of {2.0 * step:g} s, {shorter}'
+        f"{', internal steps likewise' if verification.get('inside') else ''}. Errors of signals: rms, in % of the standard deviation."
     )
     parts = [
         f"{place}: {100.0 * part['difference']:.2g} % of {part['signal']}"
         for place, part in verification.get("parts", {}).items()
     ]
-    text += f" Refined inside, each by itself: {'; '.join(parts)}." if parts else ""
+    text += f" Change by one refinement alone: {'; '.join(parts)}." if parts else ""
     missing = ", ".join(verification.get("not_refined", {}))
-    text += f" The errors leave out what {missing} makes, which could not be refined." if missing else ""
+    text += f" The errors exclude the error due to {missing}, which could not be refined." if missing else ""
     return f"{text} {covered_text(verification.get('mesh', {}))}"
 
 
@@ -175,10 +175,11 @@ def covered_text(mesh: Mapping[str, Any]) -> str:
     if places := mesh.get("places"):
         name, most = max(mesh["signals"].items(), key=lambda one: one[1])
         before = ", measured before" if mesh.get("kept") else ""
-        text = f"They include the mesh ({', '.join(places)}), by one with half as many elements{before}: {100.0 * most:.2g} % of {name}. "
+        text = f"The errors include the mesh ({', '.join(places)}), from a mesh with half as many "
+        f"elements{before}: {100.0 * most:.2g} % of {name}. "
     for reason in dict.fromkeys(mesh.get("not_covered", {}).values()):
         names = ", ".join(name for name, why in mesh["not_covered"].items() if why == reason)
-        text += f"They leave out the mesh ({names}): {reason}. "
+        text += f"The errors exclude the mesh ({names}): {reason}. "
     left_out = mesh.get("left_out", {})
     kinds = [f"{what} ({', '.join(n for n, w in left_out.items() if w == what)})" for what in dict.fromkeys(left_out.values())]
-    return f"{text}{'Also left out' if 'leave out' in text else 'Left out'}: {', '.join([*kinds, 'what the model simplifies'])}."
+    return f"{text}{'Also excluded' if 'exclude' in text else 'Excluded'}: {', '.join([*kinds, 'modelling errors'])}."

@@ -32,16 +32,16 @@ def why_not_executed(names: list[str]) -> str:
     return f"{', '.join(names)} {'is an FMU' if len(names) == 1 else 'are FMUs'}, and looking executes none"
 
 
-ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a sandbox"}
+ISOLATION = {"none": "", "process": "in a separate process", "restricted": "in a sandbox"}
 
 PAIR_COLUMNS = (
     "pair",
-    "natural frequency, Hz",
-    "damping, of critical",
-    "longest step, s: held inputs",
-    "linear",
-    "quadratic",
-    "damping at master.step, of critical",
+    "frequency, Hz",
+    "damping ratio",
+    "stable step, s: degree 0",
+    "degree 1",
+    "degree 2",
+    "damping ratio at master.step",
 )
 
 
@@ -49,7 +49,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
     """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
     yield (
         "units",
-        ("unit", "what", "effects", "remarks"),
+        ("unit", "component", "effects", "remarks"),
         [
             (
                 name,
@@ -64,13 +64,13 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
     if links := (*coupling.links, *coupling.texts):
         yield (
             "connections",
-            ("from", "to", "times", "plus"),
+            ("from", "to", "factor", "offset"),
             [(".".join(link.source), ".".join(link.target), *_conversion(link)) for link in links],
         )
     if scene.faults:
         yield (
             "faults",
-            ("kind", "of", "from s", "to s", "inputs"),
+            ("kind", "signal or unit", "from, s", "to, s", "inputs"),
             [
                 (
                     fault.kind,
@@ -90,7 +90,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     """The remarks, one line each; `in_process`: how the run was probed."""
     master = scene.master
     circles = [", ".join(group) for group in coupling.groups if len(group) > 1]
-    yield f"units that feed one another: {'; '.join(circles) or 'none'}"
+    yield f"coupled in a loop: {'; '.join(circles) or 'none'}"
     loops = [step.text for step in coupling.feedthrough_schedule if isinstance(step, Loop)]
     if loops:
         yield f"algebraic loops: {'; '.join(loops)}"
@@ -107,29 +107,29 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
         if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())
     ]
     if undeclared and master.abilities.rates:
-        yield f"no limit of the macro step known for what does not tell which outputs follow inputs: {', '.join(undeclared)}"
+        yield f"no step limit for units that do not declare their direct feedthrough: {', '.join(undeclared)}"
     for reason in advice.unknown:
-        yield f"no limit of the macro step known for {reason}"
+        yield f"no step limit for {reason}"
     yield from advice.cut
     if not advice.steps:  # nothing was executed
         return
     whole = advice.steps * advice.seconds
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
-    compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""
+    compiling = f"; a first run compiles, {advice.compiling:.2g} s just now" if advice.compiling else ""
     yield (
-        f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.duration:g} s, "
-        f"beside starting{compiling}"
+        f"estimated CPU time of {scene.duration:g} s: {whole:.2g} s ({master.algorithm}, {steps}, {1e6 * advice.seconds:.3g} µs "
+        f"each), plus start-up{compiling}"
     )
     about = "about" if in_process else "in process, below"
     if not work.allows(advice.steps * advice.work, 2.0):
         yield (
-            f"verification: windows of the run with half the macro step, {about} {WINDOWS_SHARE * whole:.2g} s; the whole with "
-            f"--verify whole, {2.0 * whole:.2g} s"
+            f"error estimate: windows of the run with half the macro step, {about} {WINDOWS_SHARE * whole:.2g} s; --verify whole: "
+            f"the complete run, {2.0 * whole:.2g} s"
         )
     else:
         yield (
-            f"verification: the run again with half the steps, {about} {2.0 * whole:.2g} s; where the two differ by much, with a "
-            "quarter of them as well"
+            f"error estimate: a second run with half the steps, {about} {2.0 * whole:.2g} s; if the two differ by much, a third "
+            "with a quarter"
         )
 
 
@@ -158,15 +158,15 @@ def _number(value: float, usual: float) -> str:
 def _row(limit: PairLimit) -> tuple[str, ...]:
     return (
         limit.pair,
-        f"{limit.frequency:.3g}" if limit.omega2 else "no spring",
+        f"{limit.frequency:.3g}" if limit.omega2 else "–",
         _share(limit.share),
-        *("any" if isinf(h) else f"{h:.3g}" for h in limit.longest),
+        *("no limit" if isinf(h) else f"{h:.3g}" for h in limit.longest),
         _share(limit.left),
     )
 
 
 def _share(value: float) -> str:
-    return {inf: "no oscillation", -inf: "grows"}.get(value) or f"{100.0 * value:.3g} %"
+    return {inf: "overdamped", -inf: "unstable"}.get(value) or f"{value:.3g}"
 
 
 def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
@@ -177,15 +177,17 @@ def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:
     step = scene.master.step
     length = min(max(PREFIX_STEPS * step, PROBED * scene.duration), scene.duration)
     if length / step * advice.work > PREFIX_WORK:
-        return f"the first {length:.3g} s: not run, as they take about {length / step * advice.seconds:.2g} s", []
+        return f"no trial run of the first {length:.3g} s: it takes about {length / step * advice.seconds:.2g} s", []
     result = run(work.beginning(scene, length), in_process=True)
     verification = result.info["verification"]
     if result.outcome != "done" or not verification["done"]:
-        return f"the first {length:.3g} s: {result.outcome}. {result.message or verification['why']}", []
+        return f"trial run of the first {length:.3g} s: {result.outcome}. {result.message or verification['why']}", []
     signals = verification["signals"]
     worst = max(signals, key=lambda name: signals[name]["rms"], default="")
-    error = f"up to {100.0 * signals[worst]['rms']:.2g} % of a signal's deviation, of {worst}" if worst else "of no signal"
-    return f"the first {length:.3g} s: numerical errors {error}", list(result.info["warnings"])
+    error = (
+        f"{100.0 * signals[worst]['rms']:.2g} % ({worst}, rms, in % of its standard deviation)" if worst else "none, no signal"
+    )
+    return f"trial run of the first {length:.3g} s: largest error {error}", list(result.info["warnings"])
 
 
 ADAPTIVE = {"control": "master.control", "events": "master.events"}

@@ -147,18 +147,17 @@ def step_warnings(scene: Scene, limits: Sequence[PairLimit], tolerable: float, k
     for c in limits:
         oscillates = 0.0 < c.share < 1.0
         if c.left < -tolerable or (kept and oscillates and c.left < kept * c.share):
-            own = f"has {_percent(c.share)} and " if oscillates else ""
-            longest = f"is stable up to {c.longest[degree]:.3g} s" if c.longest[degree] else "is stable at no step"
+            own = f" from {c.share:.2g}" if oscillates else ""
+            limit = c.longest[degree]
+            stable = (
+                f"It is stable up to {limit:.3g} s" if limit else "At any step only other damping in the units can keep it stable"
+            )
+            less = f"by {c.share - c.left:.2g}" if c.share - c.left < inf else "below any value"
             texts.append(
-                f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
-                f"{c.pair}, which {own}{longest}. Reduce master.step, or take another "
-                "master.extrapolation"
+                f"at a macro step of {scene.master.step:g} s, the coupling of {c.pair} reduces the damping ratio{own} {less}. {stable}. "
+                "Reduce master.step or change master.extrapolation"
             )
     return texts
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} % of critical" if share < inf else "more than all"
 
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
@@ -337,11 +336,11 @@ def remedy(scene: Scene) -> str:
         (c for c in _limits(scene) if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree], default=None
     )
     if short is None:
-        return "Reduce the macro step; cosimo stability tells how long it may be"
+        return "Reduce the macro step; cosimo stability measures the longest stable one"
     if not (limit := short.longest[degree]):
         return (
-            f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
-            "unless something damps it elsewhere"
+            f"Reduce the macro step, or change master.extrapolation: with {degree}, only other damping in the units can keep {short.pair} "
+            "stable"
         )
     return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
 

@@ -12,14 +12,14 @@ from .comparison import SURE, SignalError, worst_of
 from .record import NOT_ASKED, Verification
 from .thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 
-UNVERIFIED = "not verified, as told: errors of the numbers are not known"
+UNVERIFIED = "not verified, as requested: the errors of the results are not known"
 MOST_NAMED = 2  # internal steps that a message names
 TRIED = 0.5  # of the steps, in the second run
 
 
 def not_verified(why: str) -> str:
     """The warning of numbers whose errors are not known."""
-    return UNVERIFIED if why == NOT_ASKED else f"not verified: {why or 'no run was repeated'}"
+    return UNVERIFIED if why == NOT_ASKED else f"not verified: {why or 'cosimo did not repeat the run'}"
 
 
 def doubts_of(info: Mapping[str, Any]) -> list[str]:
@@ -44,8 +44,9 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     texts = [f"not confirmed: {verification.why}"] if verification.how == "whole" and verification.why else []
     if parted:
         texts.append(
-            f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the steps, "
-            "while their deviations agree. These histories are one of many; figures have their error"
+            f"the motion is chaotic: {_listed(parted)} diverge{'s' if len(parted) == 1 else ''} from the run with "
+            "half the steps, while the standard deviations agree. "
+            "The time histories are one of many; key results keep their errors"
         )
     if wrong and parted:  # what hangs on a history that has parted is no sign of a step that is too long
         wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
@@ -58,42 +59,42 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         worst = worst_of(of_them)
         others = _listed(sorted(of_them, key=worst.__ne__))
         texts.append(
-            f"{steps} too long for {others}: the error of {worst} is {_percent(of_them[worst].rms)} of its "
-            f"deviation (rms), {_percent(of_them[worst].largest)} at its largest. "
+            f"{steps} too long for {others}. Error of {worst}: {_percent(of_them[worst].rms)} rms, "
+            f"{_percent(of_them[worst].largest)} maximum (in % of the standard deviation). "
             f"{suggestion(scene, verification, worst)}"
         )
     if shifted:
         worst = worst_of(shifted)
         others = _listed(sorted(shifted, key=worst.__ne__))
         texts.append(
-            f"with half the steps, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
-            f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
+            f"{others} switch{'es' if len(shifted) == 1 else ''} at other instants with half the steps. Error of {worst}: "
+            f"{_percent(shifted[worst].rms)} rms (in % of the standard deviation), nearly all of it in 1 % of the samples. "
             f"{suggestion(scene, verification, worst)}"
         )
     for place in verification.parts:
         worst, change = verification.worst_of_part(place)
         if SURE * change > WARN:
             texts.append(
-                f"{place} is too coarse for {worst}: refined by itself, it changes this signal by "
-                f"{_percent(change)} of its deviation (rms). Lower it"
+                f"{place} is too coarse for {worst}: its refinement alone changes this signal by "
+                f"{_percent(change)} of the standard deviation (rms). Lower it"
             )
     worst, error = verification.mesh.worst
     if error > WARN:
         meshes = ", ".join(verification.mesh.places)
         finer = ", ".join(f"{name} = {m.value / 2.0 if m.by_length else 2.0 * m.value:g}" for name, m in meshes_of(scene).items())
         texts.append(
-            f"the mesh ({meshes}) is too coarse for {worst}: its error is about {_percent(error)} of the signal's deviation (rms), as "
-            f"a mesh with half as many elements shows. Take {finer} for about half of it"
+            f"the mesh ({meshes}) is too coarse for {worst}: a mesh with half as many elements shows an error of about "
+            f"{_percent(error)} of the standard deviation (rms). Set {finer} for about half of it"
         )
     for place, why in verification.not_refined.items():
-        texts.append(f"the errors leave out what {place} makes, which could not be refined: {why}")
+        texts.append(f"the errors exclude the error due to {place}, which could not be refined: {why}")
     if unseen := verification.unseen:
         worst = max(unseen, key=lambda name: unseen[name])
         others = _listed(sorted(unseen, key=worst.__ne__))
         texts.append(
-            f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
-            f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
-            f"lies there. {_denser(scene)}"
+            f"samples are too far apart for {others}: between two samples, {worst} differs from a straight line by "
+            f"{_percent(unseen[worst])} of its standard deviation (rms). Extremes, counts and shares of time may be wrong. "
+            f"{_denser(scene)}"
         )
     return texts
 
@@ -135,7 +136,7 @@ def suggestion(scene: Scene, verification: Verification, name: str) -> str:
     """Steps that would bring the error of a signal below what is aimed at."""
     error = verification.signals[name]
     if error.half <= AIM:
-        return f"With {_settings(scene, verification, name, TRIED)} it is {_percent(error.half)}"
+        return f"Set {_settings(scene, verification, name, TRIED)} for {_percent(error.half)}"
     if verification.runs > 2 and not error.order > LOWEST_ORDER:
         trend = "falls slowly" if error.half < error.rms else "does not fall"
         return (
@@ -143,14 +144,16 @@ def suggestion(scene: Scene, verification: Verification, name: str) -> str:
         )
     order = min(error.order, 2.0) if isfinite(error.order) else 1.0
     known, at = (error.half, TRIED) if isfinite(error.half) else (error.rms, 1.0)
-    seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if the error falls with the step"
-    return f"Take {_settings(scene, verification, name, at * (AIM / known) ** (1.0 / order))} for {_percent(AIM)}, {seen}"
+    seen = f"(observed order {error.order:.2g})" if isfinite(error.order) else "if the error falls with the step"
+    return (
+        f"Set {_settings(scene, verification, name, at * (AIM / known) ** (1.0 / order))} for an error of {_percent(AIM)} {seen}"
+    )
 
 
 def _settings(scene: Scene, verification: Verification, name: str, factor: float) -> str:
     """The steps that matter for a signal, a factor shorter; those that were tried as they are, others with one digit."""
     shown = (lambda size: f"{size:.3g}") if factor == TRIED else _rounded_down
-    what = "a tolerance of master.control that gives steps of" if scene.master.control else "master.step ="
+    what = "a tolerance of master.control for steps of" if scene.master.control else "master.step ="
     steps = [] if _of_internal_steps(verification, name) else [f"{what} {shown(factor * scene.master.step)} s"]
     if not of_macro_step(verification, name):
         inner = [f"{place} = {shown(factor * size)}" for place, size in verification.inside.items()]

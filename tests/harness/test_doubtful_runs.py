@@ -14,7 +14,7 @@ from cosimo.orchestrator.harness.validation.repeated import find
 # stable up to 0.121 s: it decays, but no step comes near to what it foretold
 LOST = {"master.step": 0.11, "stop_time": 11.0, "spring.damping": 4.0}
 MISSED = "the coupling may be unstable"
-UNVERIFIED = "not verified, as told"
+UNVERIFIED = "not verified, as requested"
 
 pytestmark = pytest.mark.interpreted
 
@@ -48,7 +48,7 @@ def test_beside_other_runs(kept, tmp_path, capsys):
     [
         ({"outcome": "unstable", "message": "it grows"}, "unstable: it grows"),
         ({"warnings": [], "verification": {"done": False, "why": "no memory"}}, "not verified: no memory"),
-        ({"warnings": [], "verification": {}}, "not verified: no run was repeated"),
+        ({"warnings": [], "verification": {}}, "not verified: cosimo did not repeat the run"),
         ({"warnings": ["it is odd"], "verification": {"done": True}}, "it is odd"),
     ],
 )

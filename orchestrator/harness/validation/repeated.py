@@ -69,7 +69,7 @@ def _with_errors(
     rows = tuple(_with_error(row, other) for row, other in zip(findings.rows, finer.rows, strict=True))
     gaps, why = _mesh_gaps(findings, case, options, kept, [one.scene for one in runs if meshes_of(one.scene)])
     rows = tuple(_with_mesh(row, gap) for row, gap in zip(rows, gaps, strict=True)) if gaps else rows
-    notes = (*findings.notes, f"The errors leave out the mesh: {why}") if why else findings.notes
+    notes = (*findings.notes, f"The errors exclude the mesh: {why}") if why else findings.notes
     return replace(_with_rows(findings, rows), notes=notes)
 
 

@@ -118,7 +118,7 @@ def test_a_repetition_that_fails_says_why():
     assert "did not reach its end" in found.unverified
 
 
-@pytest.mark.parametrize(("options", "shown"), [([], "±"), (["--no-verify"], "not verified, as told")])
+@pytest.mark.parametrize(("options", "shown"), [([], "±"), (["--no-verify"], "not verified, as requested")])
 def test_the_terminal_shows_errors_or_says_why_there_are_none(options, shown, tmp_path, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["validate", "jeffcott", "--in-process", "-o", str(tmp_path), *options])

@@ -123,7 +123,7 @@ def test_a_mesh_that_is_not_covered_is_named_with_the_reason(component, paramete
     ((name, said),) = run.info["verification"]["mesh"]["not_covered"].items()
     assert why in said
     for text in (verification_text(run.info["verification"]), str(trust.blocks(run)[0])):
-        assert f"They leave out the mesh ({name}): " in text
+        assert f"The errors exclude the mesh ({name}): " in text
         assert why in text
 
 
@@ -133,7 +133,7 @@ def test_what_no_repetition_covers_is_named(monkeypatch):
     said = verification_text(run.info["verification"])
     assert "the number of random parts, of which each number has others (a.chance.parts)" in said
     assert "a seed (a.chance.seed)" in said
-    assert "what the model simplifies" in said
+    assert "modelling errors" in said
     json.dumps(run.info["verification"])
     monkeypatch.setattr(work, "BUDGET", 0.0)
     monkeypatch.setattr(verification, "_over_windows", lambda _: pytest.fail("no windows"))

@@ -336,7 +336,7 @@ def refined_scene(**parameters):
 
 def test_each_warning_names_the_steps_that_make_its_own_error():
     warnings = cosimo.run(refined_scene(), verify="whole").info["warnings"]
-    assert sorted(text.partition(":")[0] for text in warnings) == [
+    assert sorted(text.partition(". ")[0] for text in warnings) == [
         "the internal steps (inner.substep) are too long for inner.value",
         "the macro step is too long for late.value",
     ]
@@ -351,7 +351,7 @@ def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
     assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
     assert list(found["not_refined"]) == ["inner.tolerance"]
     assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["inner.tolerance"]
-    assert "leave out what inner.tolerance makes" in verification_text(found)
+    assert "exclude the error due to inner.tolerance" in verification_text(found)
     assert sum("could not be refined" in text for text in both.info["warnings"]) == 1
 
 
@@ -373,7 +373,7 @@ def test_components_that_run_as_fmus_are_repeated_in_process():
 def test_rows_too_far_apart_to_show_a_signal_are_a_warning(changes, remedy):
     """An oscillation of 0.6 s: rows half a second apart miss its extremes, whatever the step; what stands still is shown."""
     result = cosimo.run(load_scene("mass-on-spring").with_changes(changes), in_process=True)
-    said = [w for w in result.info["warnings"] if "rows are too far apart" in w]
+    said = [w for w in result.info["warnings"] if "samples are too far apart" in w]
     assert bool(said) == bool(remedy)
     assert all(remedy in w for w in said)
     assert bool(result.info["verification"].get("unseen")) == bool(remedy)
