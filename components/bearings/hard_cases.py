@@ -1,11 +1,28 @@
-"""Hard cases of bearings and their heat: no contact, preload, one ball, short impacts, narrow pits, no load, no heat."""
+"""Hard cases of bearings: no contact, preload, one ball, short impacts, narrow pits."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, Ends, Finite, HardCase, InputSignal, Invariant, Refused, jumps, sine
+from ..core.hard_cases import (
+    AtLeast,
+    AtMost,
+    Ends,
+    Finite,
+    HardCase,
+    InputSignal,
+    Invariant,
+    Like,
+    Reaches,
+    Refused,
+    jumps,
+    outputs,
+    sine,
+)
+from .heat_hard_cases import HEAT_HARD_CASES
 
 START = {"given_start.x": 3e-3, "given_start.y": -2e-3, "given_start.velocity_x": -0.4, "given_start.velocity_y": 0.3}
 LIGHT = {"mass": 0.1, "damping": 0.0, "clearance.radial_clearance": 10e-6}
@@ -16,20 +33,39 @@ def _motion(component: Component) -> np.ndarray:
     return component.x[:4]
 
 
-def _forces(component: Component) -> np.ndarray:
-    return component.y[:7]
+def _forces(component: Component) -> list[float]:
+    """Everything that takes a contact."""
+    return [component[n] for n in component.outputs if "angle" not in n]
 
 
-def _rise(component: Component) -> np.ndarray:
-    return component.x[:4] - 293.15
+def _mirrored(component: Component) -> np.ndarray:
+    return component.x[:4] * (1.0, -1.0, 1.0, -1.0)
 
 
-def _balance(component: Component) -> float:
-    return component["heat_supplied"] - component["heat_stored"] - component["heat_released"]
+def _radius(component: Component) -> float:
+    """Distance of the shaft from the middle, m."""
+    return math.hypot(*component.x[:2])
+
+
+def _unit_angles(component: Component) -> np.ndarray:
+    """Angles of shaft and cage, from 0 to one turn either way, rad."""
+    return np.abs((component.x + math.pi) % (2.0 * math.pi) - math.pi)
+
+
+def _across(component: Component) -> np.ndarray:
+    """Beside the line of the only ball: stiffness, and how many more there are."""
+    return np.array([component["linearisation.stiffness[7]"], component["loaded_balls"] - 1.0])
 
 
 def _axial_stiffness(component: Component) -> float:
     return component["linearisation.stiffness[13]"]
+
+
+NEEDED = {  # s, a quarter of the passage of half a wave of 801 at 314.159 rad/s
+    ring: 0.25 * math.pi / 801.0 / (0.5 * (1.0 + sign * 11.9 / 52.0) * 314.159)
+    for ring, sign in (("inner", 1.0), ("outer", -1.0))
+}
+PASSED = 2.0 * math.radians(3.0) / (300.0 * 0.4)  # s in which a ball passes two pits at 300 rad/s
 
 
 HARD_CASES = {
@@ -90,6 +126,137 @@ HARD_CASES = {
             parameters={"outer_defect.width": 1e-3},
             inputs={"speed": 314.159},
         ),
+        **{
+            f"preload of {depth:g} m": HardCase(
+                "Nothing moves the shaft, whether rounding is near the deformation or far from it.",
+                (
+                    Invariant("max_ball_load", 1e-9, value=1.334e10 * depth**1.5, share=True),
+                    AtMost("displacement_x", 1e-12 * 50e-6),
+                    Invariant("loaded_balls", 0.0, value=8.0),
+                ),
+                effects=("clearance",),
+                parameters={"clearance.radial_clearance": -depth},
+                inputs={"speed": 314.0, "load": 0.0},
+                run=(0.1, 1e-3),
+            )
+            for depth in (1e-9, 50e-6)
+        },
+        "clearance of nothing": HardCase(
+            "It is no clearance, to the last bit.",
+            (Like(outputs, 0.0, "all outputs without clearance", instead={"effects": (), "parameters": {}}),),
+            effects=("clearance",),
+            parameters={"clearance.radial_clearance": 0.0},
+            inputs={"speed": 104.72},
+        ),
+        "one ball below the load": HardCase(
+            "It carries all: (W / K)^(2/3) beyond the clearance, no stiffness across, and nothing that pushes.",
+            (
+                Invariant("displacement_x", 1e-12, value=10e-6 + (196.0 / 1.334e10) ** (2.0 / 3.0), share=True),
+                AtMost("displacement_y", 0.0),
+            ),
+            effects=("clearance",),
+            parameters={"balls": 1},
+            inputs={"speed": 0.0},
+        ),
+        **{
+            f"no ball below the load, of {balls}": HardCase(
+                "No equilibrium: the shaft starts in the middle and falls.",
+                (Invariant("displacement_x", 1e-12, value=lambda t: 4.9 * t**2),),
+                effects=("clearance",),
+                parameters={
+                    "balls": balls,
+                    "start_cage_angle": 0.5 * math.pi,
+                    "damping": 0.0,
+                    "clearance.radial_clearance": 0.01,
+                },
+                run=(0.02, 1e-3),
+            )
+            for balls in (1, 2)
+        },
+        "one turning ball": HardCase(
+            "It hits and lets go.",
+            (AtMost("loaded_balls", 1.0), Reaches("loaded_balls", high=1.0), Reaches(lambda c: -c["loaded_balls"], high=0.0)),
+            effects=("clearance",),
+            parameters={"balls": 1, "damping": 2e4},
+            inputs={"speed": 314.159},
+            run=(0.2, 1e-3),
+        ),
+        "a pit in the inner ring narrower than a step": HardCase(
+            "At rest nothing passes it.",
+            Refused("Reduce substep or widen the defect", accepted={"speed": 0.0}),
+            effects=("inner_defect",),
+            parameters={"inner_defect.width": 1e-3},
+            inputs={"speed": 314.159},
+        ),
+        "a pit in a ball narrower than a step": HardCase(
+            "Backwards, too.",
+            Refused("substep = 5e-05", accepted={"substep": 1e-7}),
+            effects=("ball_defect",),
+            parameters={"ball_defect.width": 1e-3},
+            inputs={"speed": -314.159},
+            run=(1e-4, 1e-4),
+        ),
+        **{
+            f"a wave of the {ring} ring shorter than a step": HardCase(
+                "A hundredth longer than the step that sees half a wave: it would see other waves instead.",
+                Refused(f"half a wave of {ring}_waviness of order 801", accepted=accepted),
+                effects=(f"{ring}_waviness",),
+                parameters={
+                    f"{ring}_waviness.order[2]": 801,
+                    f"{ring}_waviness.amplitude[2]": 1e-7,
+                    "substep": 1.01 * NEEDED[ring],
+                },
+                inputs={"speed": 314.159},
+            )
+            for ring, accepted in (
+                ("inner", {"substep": 0.99 * NEEDED["inner"]}),
+                ("outer", {"outer_waviness.amplitude[2]": 0.0}),
+            )
+        },
+        "a strong contact damper": HardCase(
+            "At 196 N it decays with 1.5 k Q / m = 1.5e5 1/s, seven times within a step of 50 us.",
+            Refused("substep = 5e-05; expected at most", accepted={"contact_damping.coefficient": 1e2}),
+            effects=("contact_damping",),
+            parameters={"contact_damping.coefficient": 1e4},
+        ),
+        "a load that comes later on a strong damper": HardCase(
+            "At rest nothing is pressed in.",
+            Refused("Reduce substep", "step", {"load": 0.0}),
+            effects=("clearance", "contact_damping"),
+            parameters={"contact_damping.coefficient": 1e4},
+            inputs={"load": jumps(0.0, (0.0, 196.0))},
+        ),
+        "rest": HardCase(
+            "Without speed nothing turns and nothing moves.",
+            (Invariant(_motion, 1e-12, "motion"), AtMost("inner_angle", 0.0), AtMost("cage_angle", 0.0)),
+            effects=("clearance",),
+            parameters={"clearance.radial_clearance": 20e-6},
+            inputs={"speed": 0.0},
+            run=(0.5, 1e-3),
+        ),
+        "backwards": HardCase(
+            "The mirror image: across the load all changes its sign; sums of the balls' loads are taken in another order.",
+            (
+                Like(_motion, 1e-10, "mirrored motion", instead={"inputs": {"speed": -104.72}}, mirror=_mirrored, share=True),
+                Like(
+                    "inner_angle",
+                    1e-12,
+                    instead={"inputs": {"speed": -104.72}},
+                    mirror=lambda c: 2.0 * math.pi - c["inner_angle"],
+                ),
+            ),
+            effects=("clearance",),
+            parameters={"clearance.radial_clearance": 2e-6},
+            inputs={"speed": 104.72},
+        ),
+        "chaos": HardCase(
+            "It stays between the races: a fall through the whole clearance, 2/5 K d^2.5 <= W (d + 2 c_r).",
+            (AtMost(_radius, 30e-6 + (2.5 * 196.0 / 1.334e10 * (60e-6 + 20e-6)) ** 0.4, "distance from the middle, m"),),
+            effects=("clearance",),
+            parameters={"clearance.radial_clearance": 30e-6},
+            inputs={"speed": 104.72},
+            run=(0.5, 1e-3),
+        ),
     },
     "DimensionlessBallBearing": {
         "free flight": HardCase(
@@ -125,9 +292,9 @@ HARD_CASES = {
     "DeepGrooveBearing": {
         "free flight": HardCase(
             "A ring that swings within its play: no force, no tangent, no power.",
-            (AtMost(_forces, 0.0, "forces, moments, loaded balls"),),
-            effects=("damping", "friction"),
-            parameters={"diametral_clearance": 2e-5},
+            (AtMost(_forces, 0.0, "forces, tangent, power"),),
+            effects=("damping", "linearisation", "friction"),
+            parameters={"diametral_clearance": 2e-5, "linearisation.idle_stiffness": 0.0},
             inputs={"displacement_x": sine(9.9e-6, 100.0), "velocity_x": 1.0, "speed": 500.0},
         ),
         "contact angle zero": HardCase(
@@ -158,75 +325,52 @@ HARD_CASES = {
             Refused("the preload alone", accepted={"diametral_clearance": -1e-4}),
             parameters={"diametral_clearance": -5e-3},
         ),
-    },
-    "AngularContactConductance": {
-        "load over twelve decades": HardCase(
-            "Contacts that vanish with the cube root of the load: no division by their size.",
-            (AtLeast("conductance", 0.0), Ends("conductance", 1e-4)),
-            inputs={"axial_force": InputSignal(lambda t: 10.0 ** (3.0 - t), smooth=False)},
-            run=(13.0, 1.0),
+        "touch-down": HardCase(
+            "A picometre around the first contact: K (1 pm)^1.5 = 1e-8 N, and from the damper 4e-4 N at 1 mm/s.",
+            (AtMost("force_x", 1e-3),),
+            effects=("damping",),
+            parameters={"diametral_clearance": 2e-5},
+            inputs={"displacement_x": sine(1e-12, 100.0, 1e-5), "velocity_x": 1e-3},
         ),
-        "balls unload one after the other": HardCase(
-            "A radial load beside an axial one, up to ten times as large.",
-            (AtLeast("loaded_balls", 0.0, low=1.0), AtLeast("conductance", 0.0), Finite()),
-            parameters={"balls": 16},
-            inputs={"axial_force": 500.0, "radial_force": InputSignal(lambda t: 5e3 * t)},
-            run=(1.0, 0.05),
+        "one ball in contact": HardCase(
+            "It holds along its line only.",
+            (AtMost(_across, 0.0, "stiffness across, N/m, and further balls"), Reaches("linearisation.stiffness[1]", high=1e7)),
+            effects=("linearisation",),
+            parameters={"diametral_clearance": 4e-5, "linearisation.idle_stiffness": 0.0},
+            inputs={"displacement_x": 2.2e-5},
+            run=(1e-3, 1e-3),
         ),
-        "a load that comes and goes": HardCase(
-            "It leaves no trace.",
-            (Ends("conductance", 0.0),),
-            effects=("ball_bulk",),
-            inputs={"axial_force": jumps(0.0, (1.0, 3000.0), (2.0, 1e-9), (3.0, 50.0), (4.0, 0.0))},
-            run=(5.0, 1.0),
-        ),
-        "rings thinner than nothing": HardCase(
-            "A bore beyond the race.",
-            Refused("walls around", accepted={"ring_walls.bore": 0.045}),
-            effects=("ring_walls",),
-            parameters={"ring_walls.bore": 0.05},
-        ),
-    },
-    "BearingTemperatures": {
-        "no heat": HardCase(
-            "Nothing changes, to rounding of 293 K through flows that should be 0.",
-            (AtMost(_rise, 1e-9, "rise of the temperatures"), AtMost("clearance_change", 1e-14)),
-            effects=("housing", "oil_flow", "radiation", "shaft_heat"),
-            parameters={"substep": 500.0},
-            inputs={"conductance": 0.7},
-            run=(20e3, 1e3),
-        ),
-        "capacities of nothing": HardCase(
-            "Time constants of nanoseconds under steps of a quarter of an hour: the steady state.",
+        "film at reversed speed": HardCase(
+            "It does not know the direction.",
             (
-                Ends("inner_temperature", 1e-9, value=293.15 + 350.0 / 11.0),
-                Ends("ball_temperature", 1e-9, value=293.15 + 387.5 / 11.0),
-                AtMost(_balance, 1e-6, "balance of heat, J"),
+                Like("force_x", 1e-12, instead={"inputs": {"displacement_x": 1e-5, "speed": -500.0}}, share=True),
+                AtLeast("friction.power", 0.0),
             ),
-            parameters={f"{part}_capacity": 1e-9 for part in ("inner", "ball", "outer")} | {"substep": 1000.0},
-            inputs={"friction_power": 20.0},
-            run=(3e3, 1e3),
+            effects=("film", "friction", "linearisation"),
+            inputs={"displacement_x": 1e-5, "speed": 500.0},
+            run=(1e-3, 1e-3),
         ),
-        "an infinite conductance": HardCase(
-            "1e12 W/K: one mass, P over both ways out.",
-            (
-                Ends("inner_temperature", 1e-6, value=293.15 + 20.0 / 1.2),
-                Ends("ball_temperature", 1e-6, value=293.15 + 20.0 / 1.2),
-            ),
-            parameters={"substep": 100.0},
-            inputs={"friction_power": 20.0, "conductance": 1e12},
-            run=(2e4, 1e3),
+        "there and back": HardCase(
+            "The angles end where they began, to 400 roundings below one turn.",
+            (Ends(_unit_angles, 1e-12, "angles of shaft and cage, rad"), AtLeast(lambda c: c.x, 0.0)),
+            effects=("ball_defect",),
+            parameters={"ball_defect.width": 1.0},
+            inputs={"displacement_x": 1e-5, "speed": jumps(50.0, (0.2, -50.0))},
+            run=(0.4, 1e-3),
         ),
-        "a negative conductance": HardCase(
-            "An extrapolated input may fall below 0: the balls keep what is theirs.",
-            (Ends("ball_temperature", 1e-9, value=293.15 + 10.0 * 100.0 / 15.0),),
-            inputs={"friction_power": 20.0, "conductance": -0.5},
-            run=(100.0, 100.0),
+        "a pit passed at the speed of the step's end": HardCase(
+            "At rest when it begins.",
+            Refused("outer_defect", "step", {"speed": 0.0}),
+            effects=("outer_defect",),
+            inputs={"speed": InputSignal(lambda t: 3e5 * t)},
+            run=(1e-2, 1e-2),
         ),
-        "more heat shared out than there is": HardCase(
-            "Shares above 1.",
-            Refused("at most 1", accepted={"inner_share": 0.5}),
-            parameters={"inner_share": 0.6, "outer_share": 0.5},
+        "a pit passed between the step's ends": HardCase(
+            "A parabola: 300 rad/s in the middle, none at either end.",
+            Refused("outer_defect", "step", {"speed": 0.0}),
+            effects=("outer_defect",),
+            inputs={"speed": InputSignal(lambda t: 1200.0 * t / PASSED * (1.0 - t / PASSED))},
+            run=(PASSED, PASSED),
         ),
     },
-}
+} | HEAT_HARD_CASES

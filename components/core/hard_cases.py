@@ -20,6 +20,16 @@ Quantity = str | Callable[[Component], float | Sequence[float] | np.ndarray]  # 
 ENERGY = "energy"
 
 
+def outputs(component: Component) -> np.ndarray:
+    """All outputs."""
+    return component.y
+
+
+def events(component: Component) -> float:
+    """Number of events so far."""
+    return float(component.work["events"])
+
+
 @dataclass(frozen=True)
 class InputSignal:
     """An input over time. at: time in s -> value.  smooth: a parabola in each step through its start, middle and end, else the
@@ -148,6 +158,43 @@ class BoundedEnergy(Claim):
         """Largest growth."""
         growth = float((values - np.minimum.accumulate(values, axis=0)).max())
         return growth / (float(np.abs(values).max()) or 1.0)
+
+
+@dataclass(frozen=True)
+class Falling(BoundedEnergy):
+    """What is looked at never grows."""
+
+    kind = "never grows"
+    limit: float = 0.0
+
+
+@dataclass(frozen=True)
+class Reaches(Claim):
+    """At some time it is `high` or more: something has moved at all."""
+
+    kind = "reaches"
+    limit: float = 0.0
+    high: float = 0.0
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """How far below it stayed."""
+        return max(0.0, self.high - float(values.max()))
+
+
+@dataclass(frozen=True)
+class Like(Claim):
+    """It ends as in another run. instead: fields of the case that the other run has instead.  mirror: what is looked at there, if
+    not the same; `share` as of an `Invariant`."""
+
+    kind = "ends as another run"
+    instead: Mapping[str, Any] = field(default_factory=dict)
+    mirror: Quantity | None = None
+    share: bool = False
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Largest difference. values: (2, k), of the end of both runs."""
+        scale = np.abs(values[1]).max() if self.share else 1.0
+        return float(np.abs(values[0] - values[1]).max() / (scale or 1.0))
 
 
 @dataclass(frozen=True)

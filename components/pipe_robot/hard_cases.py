@@ -5,21 +5,38 @@ from __future__ import annotations
 import math
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, Ends, Finite, HardCase, InputSignal, Invariant, Refused, jumps, ramp, sine
+from ..core.hard_cases import (
+    AtLeast,
+    AtMost,
+    Ends,
+    Finite,
+    HardCase,
+    InputSignal,
+    Invariant,
+    Like,
+    Reaches,
+    Refused,
+    events,
+    jumps,
+    outputs,
+    ramp,
+    sine,
+)
 
 LEAN = math.atan(1.5 / 0.3)  # rad, bristles that lock backwards with a friction of 0.3
-LOCKED = {"bristles.angle": LEAN, "bristles.moment": 0.038 * math.cos(LEAN)}
+CUBIC = {"cubic_spring.stiffness": 0.0, "cubic_spring.largest_stretch": 1.0}
 GRAZING = 0.02 * 60.0 * 0.5 / 1.5  # m/s, swing of the body under the prescribed motion
 EDGE = {"friction": 5.0, "rolling_resistance": 0.0}
-
-
-def _events(component: Component) -> float:
-    return float(component.work["events"])
 
 
 def _centre(component: Component) -> float:
     """Place of the common centre of mass, m."""
     return component["position"] + 0.5 * component["inner_position"]
+
+
+def _ice_that_ends(t: float) -> float:
+    """No friction for 1 s, and all of it at 2 s."""
+    return min(max(t - 1.0, 0.0), 1.0)
 
 
 def _backwards(component: Component) -> float:
@@ -31,7 +48,7 @@ HARD_CASES = {
     "PipeRobot": {
         "held on a slope under vibration": HardCase(
             "Of 8 N that friction bears the weight takes 4.3 N, and 1.1 N come and go.",
-            (AtMost("position", 0.0), AtMost(_events, 0.0, "events")),
+            (AtMost("position", 0.0), AtMost(events, 0.0, "events")),
             effects=("harmonic_force", "route"),
             parameters={"substep": 4e-3},
             inputs={"route.slope": 0.3, "harmonic_force.amplitude": 10.0, "harmonic_force.frequency": 20.0},
@@ -39,18 +56,60 @@ HARD_CASES = {
         ),
         "switching in every half cycle": HardCase(
             "19 switches a second at 60 rad/s, none missed and none doubled.",
-            (Ends(_events, 3.0, "events", value=57.5), Finite()),
+            (Ends(events, 3.0, "events", value=57.5), Finite()),
             effects=("harmonic_force",),
             parameters={"substep": 2e-3},
             run=(3.0, 0.1),
         ),
-        "sliding that grazes rest": HardCase(
-            "v = b (1 - cos wt) touches zero once a period: x = b (t - sin(wt) / w).",
-            (Invariant("position", 1e-5, value=lambda t: GRAZING * (t - math.sin(60.0 * t) / 60.0)),),
-            effects=("prescribed_motion", "tow"),
-            parameters={"substep": 2e-3},
-            inputs={"tow.force": 2.0},
-            run=(2.0, 0.05),
+        **{
+            f"sliding that grazes rest, {more:+g} N": HardCase(
+                "v = b (1 - cos wt) touches zero once a period: x = b (t - sin(wt) / w).",
+                (
+                    Invariant("position", 1e-5, value=lambda t: GRAZING * (t - math.sin(60.0 * t) / 60.0)),
+                    AtMost(events, 2.0 * 50.0, "events"),
+                ),
+                effects=("prescribed_motion", "tow"),
+                parameters={"substep": 2e-3},
+                inputs={"tow.force": 2.0 + more},
+                run=(50 * 2.0 * math.pi / 60.0, 5 * 2.0 * math.pi / 60.0),
+            )
+            for more in (-1e-6, 0.0, 1e-6)
+        },
+        "ice that ends": HardCase(
+            "Friction that comes back brings the body to rest.",
+            (AtMost("friction_force", 8.0), Ends("mode", 0.0), Reaches("position", high=1e-6)),
+            effects=("harmonic_force", "route"),
+            inputs={"route.friction_factor": InputSignal(_ice_that_ends), "harmonic_force.amplitude": jumps(5.0, (1.0, 0.0))},
+            run=(3.0, 0.05),
+        ),
+        "thrown backwards with locked bristles": HardCase(
+            "It stops at once, and only the spring slows down the mass within.",
+            (AtLeast("position", 1e-6), AtMost("position", 1e-6), Ends("inner_velocity", 0.02, value=-1.0)),
+            effects=("bristles",),
+            parameters={"bristles.angle": 1.4, "start_velocity": -1.0},
+            run=(1e-3, 1e-3),
+        ),
+        **{
+            f"{name} out of range, {value:g}": HardCase(
+                "Too much of a turn within a substep, or a factor that friction cannot have.",
+                Refused("factor of friction left its range", "step", {name: within}),
+                effects=effects,
+                parameters={name: value} if effects != ("route",) else {},
+                inputs={name: value} if effects == ("route",) else {},
+                run=(2e-3, 2e-3),
+            )
+            for effects, name, value, within in (
+                (("prescribed_motion",), "prescribed_motion.frequency", 2500.0, 60.0),
+                (("unbalance",), "unbalance.start_rate", -2500.0, -60.0),
+                (("route",), "route.friction_factor", 1.51, 1.49),
+                (("route",), "route.friction_factor", -0.01, 0.0),
+            )
+        },
+        "one long step": HardCase(
+            "It is many short ones.",
+            (Like(outputs, 1e-10, "all outputs after short steps", instead={"run": (2.0, 0.01)}),),
+            effects=("harmonic_force",),
+            run=(2.0, 2.0),
         ),
         "ice": HardCase(
             "No friction at all: the common centre stays.",
@@ -59,14 +118,18 @@ HARD_CASES = {
             inputs={"route.friction_factor": 0.0},
             run=(1.0, 0.05),
         ),
-        "locked bristles in a vertical pipe": HardCase(
-            "Friction backwards without bound: a ratchet.",
-            (AtMost(_backwards, 1e-6, "velocity backwards, m/s"), AtLeast("position", 1e-6)),
-            effects=("harmonic_force", "bristles", "cubic_spring", "route"),
-            parameters=LOCKED | {"cubic_spring.stiffness": 0.0, "cubic_spring.largest_stretch": 1.0},
-            inputs={"route.slope": 0.5 * math.pi, "harmonic_force.amplitude": 60.0},
-            run=(0.6, 0.02),
-        ),
+        **{
+            f"bristles that lean by {lean:.12g} in a vertical pipe": HardCase(
+                "Of what locks them, and beyond: friction backwards without bound, a ratchet.",
+                (AtMost(_backwards, 1e-6, "velocity backwards, m/s"), AtLeast("position", 1e-6), Reaches("position", high=0.3)),
+                effects=("harmonic_force", "bristles", "cubic_spring", "route"),
+                parameters=CUBIC
+                | {"bristles.angle": math.atan(lean / 0.3), "bristles.moment": 0.038 * math.cos(math.atan(lean / 0.3))},
+                inputs={"route.slope": 0.5 * math.pi, "harmonic_force.amplitude": 60.0},
+                run=(1.0, 0.02),
+            )
+            for lean in (0.99999, 1.0, 1.0 + 1e-12, 1.5)
+        },
         "locked bristles with bristles of LuGre": HardCase(
             "What bears without bound has no stiffness that follows.",
             Refused("locked backwards", accepted={"bristles.angle": 1.2}),
@@ -100,7 +163,7 @@ HARD_CASES = {
             (
                 AtMost(_backwards, 1e-12, "velocity backwards, m/s"),
                 AtLeast("position", 0.0),
-                AtMost(_events, 4.0 * 400.0 / (2.0 * math.pi) + 4.0, "events"),
+                AtMost(events, 4.0 * 400.0 / (2.0 * math.pi) + 4.0, "events"),
             ),
             effects=("harmonic_force",),
             parameters=EDGE,
@@ -109,7 +172,7 @@ HARD_CASES = {
         ),
         "nothing to overcome": HardCase(
             "Rollers without resistance, no force: it stays exactly at rest.",
-            (AtMost("position", 0.0), AtMost(_events, 0.0, "events")),
+            (AtMost("position", 0.0), AtMost(events, 0.0, "events")),
             effects=("tow",),
             parameters={"rolling_resistance": 0.0},
             run=(0.5, 0.05),
@@ -126,6 +189,25 @@ HARD_CASES = {
             effects=("harmonic_force", "route"),
             inputs={"diameter": sine(1e-3, 5.0, 0.2), "taper": sine(0.02, 7.0), "route.slope": 0.2},
             run=(1.0, 0.01),
+        ),
+        "rollers that chatter, by half the substep": HardCase(
+            "The way does not depend on the substep.",
+            (
+                Like("position", 1e-3, instead={"parameters": EDGE | {"substep": 2.5e-4}}, share=True),
+                Reaches("position", high=1e-4),
+            ),
+            effects=("harmonic_force",),
+            parameters=EDGE,
+            inputs={"harmonic_force.amplitude": 5.0, "harmonic_force.frequency": 60.0},
+            run=(1.0, 0.02),
+        ),
+        "a micronewton without resistance": HardCase(
+            "Rollers let it go.",
+            (Ends("mode", 0.0, value=1.0), Reaches("position", high=1e-8)),
+            effects=("tow",),
+            parameters={"rolling_resistance": 0.0},
+            inputs={"tow.force": 1e-6},
+            run=(1.0, 0.05),
         ),
     },
     "PipeRoute": {

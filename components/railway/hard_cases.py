@@ -3,7 +3,20 @@
 from __future__ import annotations
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Ends, Finite, HardCase, Invariant, Refused, jumps, ramp
+from ..core.hard_cases import (
+    AtLeast,
+    AtMost,
+    BoundedEnergy,
+    Ends,
+    Finite,
+    HardCase,
+    Invariant,
+    Like,
+    Reaches,
+    Refused,
+    jumps,
+    ramp,
+)
 
 RELEASED = {"contact_force": jumps(200.0, (0.0, 0.0))}
 WAVE = (20e3 / 1.35) ** 0.5  # m/s, of the default contact wire
@@ -16,6 +29,12 @@ spans = [65, 65, 65]
 """
 GRADIENT = "[[sections]]\nspans = [50, 50, 50]\nsupports = [5.0, 5.0, {0}, {0}]\n"
 THREE_SPANS = {"spans": 3, "element": 1.0}
+
+
+def _slack(component: Component) -> float:
+    """Number of droppers that are slack: the state ends with which are taut."""
+    n = component.mesh.dropper.size
+    return n - float(component.x[component.x.size - n :].sum())
 
 
 def _solutions(component: Component) -> float:
@@ -111,13 +130,45 @@ HARD_CASES = {
             inputs=RELEASED | {"contact_position": 90.0},
             run=(0.2, 2e-3),
         ),
-        "slack droppers around a blow": HardCase(
-            "10 kN lift most of the wire off its droppers: the set settles in every step.",
-            (AtMost(_solutions, 2.0, "solutions per step"), Finite(limit=1e4)),
-            effects=("dropper_slackening", "gravity_sag"),
-            parameters={"spans": 2, "method": "implicit"},
-            inputs={"contact_position": 60.0, "contact_force": jumps(0.0, (2e-3, 1e4))},
-            run=(0.1, 2e-3),
+        **{
+            f"slack droppers around a blow of {force:g} N": HardCase(
+                "It lifts the wire off its droppers: the set settles in every step.",
+                (AtMost(_solutions, 2.0, "solutions per step"), Finite(limit=1e4), Reaches(_slack, high=slack)),
+                effects=("dropper_slackening", "gravity_sag"),
+                parameters={"spans": 2, "method": "implicit"},
+                inputs={"contact_position": 60.0, "contact_force": jumps(0.0, (2e-3, force))},
+                run=(0.1, 2e-3),
+            )
+            for force, slack in ((500.0, 1.0), (3e3, 4.0), (1e4, 4.0))
+        },
+        **{
+            f"undamped with slack droppers, {method}": HardCase(
+                "A dropper that changes within a step costs or gains k (v h)²/2.",
+                (Invariant("energy", 2e-3, share=True),),
+                effects=("dropper_slackening",),
+                parameters=THREE_SPANS | {"method": method},
+                inputs=RELEASED | {"contact_position": 90.0},
+                run=(0.2, 2e-3),
+            )
+            for method in ("explicit", "implicit")
+        },
+        **{
+            f"one span, {method}": HardCase(
+                "The equilibrium is kept, to rounding.",
+                (Like("wire_height", 1e-12, instead={"run": (1e-3, 1e-3)}), Reaches("wire_height", high=1e-3)),
+                effects=("dropper_slackening", "gravity_sag"),
+                parameters={"spans": 1, "method": method},
+                inputs={"contact_force": 120.0},
+                run=(0.1, 1e-3),
+            )
+            for method in ("explicit", "implicit")
+        },
+        "off the end of the wire, implicit": HardCase(
+            "The contact point leaves the last span.",
+            Refused("left the range", "step", {"contact_position": 50.0}),
+            parameters={"spans": 1, "method": "implicit"},
+            inputs={"contact_position": ramp(80.0, 59.0)},
+            run=(0.1, 5e-3),
         ),
         "a force at the wave speed": HardCase(
             "It piles up the wire before it, no quicker than on a bare string: F t / (2 m_l c), m_l: mass of a metre.",
@@ -128,7 +179,7 @@ HARD_CASES = {
         ),
         "a dropper that would push at rest": HardCase(
             "Too much sag for so light a wire.",
-            Refused("at rest", accepted={"pre_sag.depth": 0.03}),
+            Refused("N at rest", accepted={"pre_sag.depth": 0.03}),
             effects=("dropper_slackening", "pre_sag"),
             parameters={"spans": 2, "pre_sag.depth": 0.3, "contact_wire_mass": 0.3},
         ),

@@ -4,16 +4,52 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ..core.component import Component
-from ..core.hard_cases import AtMost, Ends, HardCase, Invariant, Refused, jumps
+from ..core.hard_cases import AtMost, Ends, HardCase, Invariant, Like, Refused, jumps
 
 RIGID = 1e12  # N/m
 LONG = {"substep": 1e-3, "element": 0.25}  # of an implicit method: any step is stable
 
 
+def _mirrored(component: Component) -> np.ndarray:
+    return np.array([component["displacement_x"], -component["displacement_y"]])
+
+
+def _place(component: Component) -> np.ndarray:
+    return np.array([component["displacement_x"], component["displacement_y"]])
+
+
+def _fall(component: Component) -> np.ndarray:
+    """Heights of all nodes, m, and what the shaft bends, rad."""
+    return np.concatenate(
+        (
+            component.x[1 : 4 * component.nodes.size : 4],
+            -0.5 * 9.81 * component.t**2 + component.x[2 : 4 * component.nodes.size : 4],
+        )
+    )
+
+
 def _orbit(component: Component) -> float:
     """Distance of the watched point from the axis, m."""
     return math.hypot(component["displacement_x"], component["displacement_y"])
+
+
+def _turning(speed: float, phase: str) -> dict[str, float]:
+    return {"start_speed": speed, phase: math.copysign(0.5, speed), "start_angle": math.copysign(0.2, speed)}
+
+
+def _backwards(speed: float, phase: str) -> tuple[Like, Like]:
+    """It ends as the mirror image of itself turned the other way."""
+    other = {"parameters": _turning(-speed, phase)}
+    return (
+        Like(_place, 1e-9, "mirrored displacement", instead=other, mirror=_mirrored, share=True),
+        Like("angle", 1e-12, instead=other, mirror=lambda c: 2.0 * math.pi - c["angle"]),
+    )
+
+
+SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in (1, 2)}
 
 
 HARD_CASES = {
@@ -33,9 +69,27 @@ HARD_CASES = {
             inputs={"force_x": jumps(0.0, (0.0, 100.0), (0.01, 0.0))},
             run=(3.0, 1e-2),
         ),
+        "backwards": HardCase(
+            "The mirror image, to rounding: 2 pi - angle is not -angle to the last bit.",
+            _backwards(130.0, "unbalance.phase"),
+            effects=("unbalance", "internal_damping"),
+            parameters=_turning(130.0, "unbalance.phase"),
+            run=(0.2, 1e-3),
+        ),
+        "at rest": HardCase(
+            "No unbalance force, and no angle.",
+            (AtMost(_place, 0.0, "displacement, m"), AtMost("angle", 0.0)),
+            effects=("unbalance", "internal_damping"),
+            parameters={"start_speed": 0.0},
+            run=(0.1, 0.1),
+        ),
         "down through standstill": HardCase(
-            "The run-up's ramp leads to the opposite speed.",
-            (Ends("speed", 0.0, value=-50.0), AtMost("displacement_x", 1e-3)),
+            "The run-up's ramp leads to the opposite speed: 12.5 rad forth, as many back, and 25 more.",
+            (
+                Ends("speed", 0.0, value=-50.0),
+                AtMost("displacement_x", 1e-3),
+                Ends("angle", 1e-10, value=-25.0 % (2.0 * math.pi)),
+            ),
             effects=("run_up", "unbalance"),
             parameters={"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0, "substep": 1e-3},
             run=(1.5, 0.01),
@@ -47,12 +101,50 @@ HARD_CASES = {
         ),
     },
     "BeamRotor": {
-        "nothing holds it": HardCase(
-            "It falls by g t²/2; bending forces of 1e8 N/m a metre stay below rounding.",
-            (Invariant("displacement_y", 1e-12, value=lambda t: -0.5 * 9.81 * t**2),),
-            effects=("gravity",),
-            parameters=LONG,
-            run=(0.1, 0.01),
+        **{
+            f"nothing holds it, {name}": HardCase(
+                "It falls by g t²/2; bending forces of 1e8 N/m a metre stay below rounding.",
+                (
+                    Invariant("displacement_y", limit, value=lambda t: -0.5 * 9.81 * t**2),
+                    Invariant(_fall, 1e-7, "all nodes, m; their bending, rad", value=lambda t: -0.5 * 9.81 * t**2),
+                ),
+                effects=("gravity", *effects),
+                parameters=given,
+                run=(0.1, 0.01),
+            )
+            for name, effects, given, limit in (
+                ("a shaft", (), LONG, 1e-12),
+                ("disks", ("disks", "gyroscopic"), LONG, 1e-8),
+                ("supports without stiffness", ("disks", "linear_supports"), LONG | SOFT, 1e-8),
+            )
+        },
+        "backwards": HardCase(
+            "The mirror image, to rounding.",
+            _backwards(130.0, "unbalance.phase[1]"),
+            effects=("unbalance", "internal_damping", "disks", "gyroscopic", "linear_supports"),
+            parameters=_turning(130.0, "unbalance.phase[1]"),
+            run=(0.05, 1e-3),
+        ),
+        "at rest": HardCase(
+            "No unbalance force, and no angle.",
+            (AtMost(_place, 0.0, "displacement, m"), AtMost("angle", 0.0)),
+            effects=("unbalance", "internal_damping", "disks", "linear_supports"),
+            parameters=LONG | {"start_speed": 0.0},
+            run=(0.1, 0.1),
+        ),
+        "down through standstill": HardCase(
+            "The run-up's ramp leads to the opposite speed.",
+            (Ends("speed", 0.0, value=-50.0), Ends("angle", 1e-10, value=-25.0 % (2.0 * math.pi))),
+            effects=("run_up",),
+            parameters=LONG | {"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0},
+            run=(1.5, 0.01),
+        ),
+        "one element": HardCase(
+            "It is enough to run: half of the weight on each support.",
+            (Invariant("displacement_y", 1e-9, value=-7810.0 * math.pi / 4.0 * 0.05**2 * 1.5 * 9.81 / 2e6, share=True),),
+            effects=("gravity", "linear_supports"),
+            parameters={"element": 10.0, "watched_position": 1.5, "substep": 1e-3},
+            run=(0.01, 0.01),
         ),
         "infinite bearing forces": HardCase(
             "1e12 N/m through the ports, steps of 0.1 s: the ends stay where they are held.",

@@ -7,7 +7,22 @@ import math
 import numpy as np
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Ends, Finite, HardCase, Invariant, Refused, jumps, ramp, sine
+from ..core.hard_cases import (
+    AtLeast,
+    AtMost,
+    BoundedEnergy,
+    Ends,
+    Finite,
+    HardCase,
+    InputSignal,
+    Invariant,
+    Like,
+    Reaches,
+    Refused,
+    jumps,
+    outputs,
+    sine,
+)
 
 BALL = {f"inertia_{a}": 0.16 for a in "xyz"} | {"centre_of_gravity_z": 0.0}  # keeps any angular velocity
 WATER = ("added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring")
@@ -36,6 +51,10 @@ def _axis(component: Component) -> float:
     return 2.0 * (component["quaternion_x"] ** 2 + component["quaternion_z"] ** 2)
 
 
+def _attitude(component: Component) -> np.ndarray:
+    return np.array([component[n] for n in ("roll", "pitch", "yaw")])
+
+
 def _commands(component: Component) -> np.ndarray:
     return component.y[:6]
 
@@ -46,6 +65,19 @@ def _through_the_water(t: float) -> float:
     return 200.0 - r
 
 
+def _falling_curves(effect: str) -> dict[str, HardCase]:
+    """Curves that go back, in either column."""
+    return {
+        f"a curve that falls, {name}": HardCase(
+            "More command, less thrust, or the other way about.",
+            Refused("do not decrease", accepted={f"{effect}.{name}": accepted}),
+            effects=(effect,),
+            parameters={f"{effect}.{name}": value},
+        )
+        for name, value, accepted in (("command[3]", -1.0, -0.5), ("thrust[3]", -50.0, -26.0), ("thrust[16]", 51.0, 51.5))
+    }
+
+
 HARD_CASES = {
     "RovHull": {
         "a loop through both verticals": HardCase(
@@ -54,25 +86,73 @@ HARD_CASES = {
             parameters=BALL | {"start_pitch_rate": 1.0},
             run=(7.0, 0.05),
         ),
-        "a start in the vertical": HardCase(
-            "Nose up: roll and yaw are what was given, and no number is lost.",
-            (Invariant("attitude_valid", 0.0, value=0.0), Invariant("yaw", 1e-12, value=0.5)),
-            parameters=BALL | {"start_pitch": 0.5 * math.pi, "start_yaw": 0.5, "start_roll": 0.3},
+        **{
+            f"a start in the vertical, {roll:g} {pitch:+.0f} {yaw:g}": HardCase(
+                "Nose up or down: roll and yaw are what was given, and no number is lost.",
+                (
+                    Invariant("attitude_valid", 0.0, value=0.0),
+                    Invariant(
+                        _attitude,
+                        1e-12,
+                        "angles given, rad",
+                        value=lambda t, angles=(roll, pitch, yaw): [math.remainder(a, 2.0 * math.pi) for a in angles],
+                    ),
+                ),
+                parameters=BALL | {"start_pitch": pitch, "start_yaw": yaw, "start_roll": roll},
+                run=(0.01, 0.01),
+            )
+            for roll, yaw in ((0.3, 0.5), (0.0, 0.0), (-2.0, 3.0), (7.0, -4.0))
+            for pitch in (0.5 * math.pi, -0.5 * math.pi)
+        },
+        "a start beyond the vertical": HardCase(
+            "The same attitude in other words.",
+            (
+                Invariant("roll", 1e-14, value=0.2 - math.pi),
+                Invariant("pitch", 1e-14, value=math.radians(60.0)),
+                Invariant("yaw", 1e-14, value=0.1 - math.pi),
+            ),
+            parameters=BALL | {"start_roll": 0.2, "start_pitch": math.radians(120.0), "start_yaw": 0.1},
+            run=(0.01, 0.01),
         ),
-        "added mass a million times the mass": HardCase(
-            "In one unit there is no limit on their ratio: F = (m + m_A) a.",
-            (Invariant("heave", 1e-15, value=lambda t: 10.0 * t / (11.5 * (1.0 + 1e6))),),
-            effects=("added_mass", "coriolis", "restoring", "external"),
-            parameters=NEUTRAL | {"added_mass.heave": 11.5e6},
-            inputs={"external.force_z": 10.0},
-            run=(10.0, 1.0),
+        "macro steps of any length": HardCase(
+            "Rounding, which tumbling amplifies.",
+            (
+                Like(outputs, 1e-9, "all outputs after 4 steps", instead={"run": (10.0, 2.5)}),
+                Like(outputs, 1e-9, "all outputs after 100 steps", instead={"run": (10.0, 0.1)}),
+            ),
+            effects=("added_mass", "coriolis", "restoring"),
+            parameters={"start_roll_rate": 2.0, "start_pitch_rate": -1.5, "start_yaw_rate": 1.0, "start_surge": 1.0},
+            run=(10.0, 10.0),
         ),
+        "a start too fast for the step": HardCase(
+            "40 m/s through the water.",
+            Refused("at most 0.0", accepted={"substep": 0.01}),
+            effects=WATER,
+            parameters={"start_surge": 40.0, "substep": 0.05},
+        ),
+        "a step too long for the drag": HardCase(
+            "A second.", Refused("Reduce substep", accepted={"substep": 0.05}), effects=WATER, parameters={"substep": 1.0}
+        ),
+        **{
+            f"added mass {share:g} times the mass": HardCase(
+                "In one unit there is no limit on their ratio: F = (m + m_A) a.",
+                (
+                    Invariant("heave", 1e-9, value=lambda t, m=11.5 * (1.0 + share): 10.0 * t / m, share=True),
+                    Invariant("external.acceleration_z", 1e-12, value=10.0 / (11.5 * (1.0 + share)), share=True),
+                ),
+                effects=("added_mass", "coriolis", "restoring", "external"),
+                parameters=NEUTRAL | {"added_mass.heave": 11.5 * share},
+                inputs={"external.force_z": 10.0},
+                run=(10.0, 1.0),
+            )
+            for share in (1.0, 1e3, 1e6)
+        },
         "tumbling in still water": HardCase(
             "All axes at once, far from upright: drag only takes.",
-            (BoundedEnergy(limit=1e-12), Ends("surge", 1e-2)),
+            (BoundedEnergy(limit=1e-12), Ends("surge", 1e-2), Ends("roll", 1e-2), Ends("pitch", 1e-2)),
             effects=WATER,
             parameters=NEUTRAL | TUMBLING,
-            run=(10.0, 0.5),
+            run=(60.0, 1.0),
         ),
         "a flow of 200 m/s, followed": HardCase(
             "Quadratic drag against its closed form.",
@@ -116,10 +196,15 @@ HARD_CASES = {
     "Thruster": {
         "full reversal through standstill": HardCase(
             "|n| n and |n| u_a have a corner at rest: full astern at 1 m/s ahead.",
-            (Finite(limit=50.0),),
+            (
+                Finite(limit=50.0),
+                Like("thrust", 1e-6, instead={"run": (0.5, 7e-3)}),
+                Like("thrust", 1e-6, instead={"run": (0.5, 0.5)}),
+                Reaches(lambda c: -c["thrust"], high=50.0),
+            ),
             effects=("propeller", "inductance"),
             inputs={"command": jumps(1.0, (0.0, -1.0)), "propeller.advance_speed": 1.0},
-            run=(0.3, 0.02),
+            run=(0.5, 0.02),
         ),
         "within the dead band": HardCase(
             "No command below a tenth moves the water.",
@@ -135,17 +220,18 @@ HARD_CASES = {
             inputs={"command": sine(10.0, 10.0)},
             run=(0.5, 0.02),
         ),
-        "a curve that falls": HardCase(
-            "More command, less thrust.",
-            Refused("do not decrease", accepted={"static_curve.command[3]": -0.5}),
-            effects=("static_curve",),
-            parameters={"static_curve.command[3]": -1.0},
-        ),
+        **_falling_curves("static_curve"),
         "a lag the step cannot follow": HardCase(
             "A pole at 85 1/s and a substep of 50 ms.",
             Refused("substep", accepted={"substep": 0.02}),
             effects=("motor_lag",),
             parameters={"substep": 0.05},
+        ),
+        "a propeller whose thrust does not fall with the advance": HardCase(
+            "More thrust power than the shaft gives.",
+            Refused("thrust power"),
+            effects=("propeller",),
+            parameters={"propeller.thrust_advance": 0.0},
         ),
         "a propeller that is a source of power": HardCase(
             "More thrust power than the shaft gives.",
@@ -226,15 +312,25 @@ HARD_CASES = {
             Refused("thruster 4", accepted={"thruster_direction_z[4]": 1e-3}),
             parameters={"thruster_direction_z[4]": 0.0},
         ),
+        **_falling_curves("inverse_curve"),
     },
     "Tether": {
         "slack, taut and slack": HardCase(
             "Pulled beyond its length and back within seconds: it never pushes.",
-            (AtLeast("tension", 0.0), AtLeast("anchor_tension", 0.0), AtMost("tension", 2.5 * AXIAL / 35.0 * 4.0)),
+            (
+                AtLeast("tension", 0.0),
+                AtLeast("anchor_tension", 0.0),
+                AtMost("tension", 2.5 * AXIAL / 35.0 * 4.0),
+                Reaches("tension", high=AXIAL / 35.0 * 4.0),
+                Ends("tension", 30.0),
+            ),
             effects=("internal_damping", "drag"),
-            parameters={"mass_per_length": 0.06, "segments": 5, "substep": 5e-4},
-            inputs={"position_north": ramp(9.0, 10.0), "velocity_north": 9.0},
-            run=(1.0, 0.02),
+            parameters={"mass_per_length": 0.06, "segments": 5},
+            inputs={
+                "position_north": InputSignal(lambda t: 10.0 + 3.0 * min(t, 6.0 - t)),
+                "velocity_north": InputSignal(lambda t: 3.0 if t < 3.0 else -3.0, smooth=False),
+            },
+            run=(6.0, 0.02),
         ),
         "taut, at the stable step": HardCase(
             "Its end is moved by a micrometre at 0.99 of the limit: tension E A / L times that.",
@@ -249,6 +345,9 @@ HARD_CASES = {
             Refused("substep", accepted={"substep": 5e-6}),
             parameters={"youngs_modulus": 1e12},
             run=(0.1, 1e-4),
+        ),
+        "damping beyond the substep": HardCase(
+            "5 ms.", Refused("substep", accepted={"substep": 5e-4}), effects=("internal_damping",), parameters={"substep": 5e-3}
         ),
     },
 }

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Component
-from ..core.hard_cases import AtMost, BoundedEnergy, Ends, Finite, HardCase, Invariant, Refused, jumps, sine
+from ..core.hard_cases import AtMost, BoundedEnergy, Ends, Finite, HardCase, Invariant, Reaches, Refused, events, jumps, sine
 
 SLENDER = {"cross_inertia": 0.05, "inner_inertia": 0.05, "axial_inertia": 0.0}
 HIGH = {"start_first_angle": 2.5, "start_second_angle": 2.9}
@@ -22,10 +22,6 @@ GYRO = {
 LEVELS = {"stick_friction.outer_level": 0.1, "stick_friction.inner_level": 0.05}
 FAST = {"start_inner_angle": 1.0, "start_inner_rate": -8.0, "start_outer_rate": 0.02, "frame_inertia": 1e-7}
 NARROW = {"stops.lower": -1e-3, "stops.upper": 1e-3, "stops.dissipation": 0.0, "stops.stiffness": 1e5}
-
-
-def _events(component: Component) -> float:
-    return float(component.work["events"])
 
 
 def _integrals(component: Component) -> np.ndarray:
@@ -72,7 +68,7 @@ HARD_CASES = {
         ),
         "friction at its very level": HardCase(
             "The outer torque is exactly the level while the inner axis comes to rest.",
-            (AtMost("outer_rate", 0.0), Ends("inner_angle", 1e-13, value=0.5 - 0.125), AtMost(_events, 1.0, "events")),
+            (AtMost("outer_rate", 0.0), Ends("inner_angle", 1e-13, value=0.5 - 0.125), AtMost(events, 1.0, "events")),
             effects=("stick_friction",),
             parameters=LEVELS | {"start_inner_rate": -0.5},
             inputs={"outer_torque": 0.1},
@@ -139,7 +135,7 @@ HARD_CASES = {
         ),
         "upright with dry friction": HardCase(
             "Rounding tips it without friction; a joint that stands bears it.",
-            (Invariant("first_angle", 0.0), AtMost(_events, 0.0, "events")),
+            (Invariant("first_angle", 0.0), AtMost(events, 0.0, "events")),
             effects=("gravity", "stick_friction"),
             parameters={"start_first_angle": math.pi, "start_second_angle": math.pi + 1e-9},
             run=(2.0, 0.1),
@@ -151,12 +147,48 @@ HARD_CASES = {
             parameters=HIGH | {"substep": 5e-4, "stick_friction.first_level": 0.5, "stick_friction.second_level": 0.5},
             run=(2.0, 0.05),
         ),
-        "links without mass": HardCase(
-            "Stretched, the elbow has no equation of motion.",
-            Refused("singular", accepted={"first_inertia": 1e-3}),
+        **{
+            f"links without inertia, {' '.join(nothing)}": HardCase(
+                "Stretched, the elbow has no equation of motion.",
+                Refused("singular", accepted={"first_inertia": 1e-3, "second_inertia": 1e-3}),
+                effects=("gravity",),
+                parameters=dict.fromkeys(nothing, 0.0),
+            )
+            for nothing in (("first_mass",), ("first_centre",), ("second_mass",), ("first_mass", "second_mass"))
+        },
+        "upright without friction": HardCase(
+            "A nanoradian tips it.",
+            (Reaches(lambda c: abs(c["first_angle"] - math.pi), high=0.5), Invariant("energy", 1e-6, share=True)),
             effects=("gravity",),
-            parameters={"first_mass": 0.0},
+            parameters={"start_first_angle": math.pi, "start_second_angle": math.pi + 1e-9},
+            run=(10.0, 0.1),
         ),
+        **{
+            f"too stiff for the substep, {effect}": HardCase(
+                "Beyond the limit of the method.",
+                Refused("limit of RK4", accepted={name: soft}),
+                effects=("gravity", effect),
+                parameters={name: stiff},
+            )
+            for effect, name, stiff, soft in (
+                ("lugre_friction", "lugre_friction.stiffness", 1e7, 1e4),
+                ("smoothed_friction", "smoothed_friction.width", 1e-6, 1e-2),
+                ("viscous", "viscous.first", 1e4, 1.0),
+            )
+        },
+        **{
+            f"stops that cannot be, {' '.join(map(str, given.values()))}": HardCase(
+                "One above the other, or a start beyond them.",
+                Refused(words, accepted=accepted),
+                effects=("stops",),
+                parameters=given,
+            )
+            for words, given, accepted in (
+                ("below the upper", {"stops.lower": 1.0, "stops.upper": 0.5}, {"stops.lower": -0.5}),
+                ("below the upper", {"stops.lower": 0.5, "stops.upper": 0.5}, {"stops.lower": -0.5}),
+                ("between its stops", {"start_second_angle": 2.0}, {"start_second_angle": 0.5}),
+            )
+        },
         "an elbow of a milligram": HardCase(
             "A string: krad/s at a substep of 1 ms.",
             Refused("substep = 0.001 s", accepted={"substep": 1e-5}),
@@ -165,10 +197,10 @@ HARD_CASES = {
         ),
         "a lossless bounce between narrow stops": HardCase(
             "200 bounces a second and more, each of them located.",
-            (Invariant("energy", 1e-5, share=True),),
+            (Invariant("energy", 1e-5, share=True), Reaches(events, high=300.0)),
             effects=("stops",),
             parameters=NARROW | {"substep": 1e-4, "start_second_rate": 1.0},
-            run=(0.1, 0.01),
+            run=(1.0, 0.1),
         ),
         "stops too stiff for the substep": HardCase(
             "1 GN.m/rad.",

@@ -18,7 +18,7 @@ import numpy as np
 from ....components.catalogue import CATALOGUE, component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
-from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Refused, seen
+from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Like, Refused, seen
 from ...output import write_table
 from ...run.progress import tracked
 from ..journal import once
@@ -115,21 +115,30 @@ def verdicts(name: str, case: HardCase) -> list[Verdict]:
 def _verdicts(name: str, case: HardCase) -> list[Verdict]:
     if isinstance(case.holds, Refused):
         return [_refusal(name, case, case.holds)]
-    component, rows = None, []
+    component, rows, others = None, [], {}
     try:
         component = _initial_component(name, case, {})
         rows = _run(component, case, case.holds)
+        others = {k: _end(name, case, claim) for k, claim in enumerate(case.holds) if isinstance(claim, Like)}
     except (BadInput, StepFailed) as error:
         why = math.nan, False, str(error)
         return [Verdict(name, case.name, case.text, claim.label, math.nan, claim.limit, *why) for claim in case.holds]
     times = np.array([t for t, *_ in rows])
     verdicts = []
     for k, claim in enumerate(case.holds):
-        reached = claim.reached(component, times, np.array([values[k] for _, values in rows]))
+        seen_by_it = [values[k] for _, values in rows]
+        reached = claim.reached(component, times, np.array([seen_by_it[-1], others[k]] if k in others else seen_by_it))
         margin = claim.limit / reached if reached > 0.0 else math.inf if reached == 0.0 else math.nan
         holds = reached <= claim.limit
         verdicts.append(Verdict(name, case.name, case.text, claim.label, reached, claim.limit, margin, holds))
     return verdicts
+
+
+def _end(name: str, case: HardCase, claim: Like) -> np.ndarray:
+    """What the claim looks at, at the end of its other run."""
+    other = replace(case, **claim.instead)
+    component = _initial_component(name, other, {})
+    return _run(component, other, [claim if claim.mirror is None else replace(claim, of=claim.mirror)])[-1][1][0]
 
 
 def _initial_component(name: str, case: HardCase, instead: Mapping[str, Any]) -> Component:
