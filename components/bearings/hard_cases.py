@@ -257,6 +257,12 @@ HARD_CASES = {
             inputs={"speed": 104.72},
             run=(0.5, 1e-3),
         ),
+        "an infinite load": HardCase(
+            "The run ends.",
+            Refused("not finite", "step", {"load": 196.0}),
+            effects=("clearance",),
+            inputs={"load": jumps(196.0, (0.0, math.inf))},
+        ),
     },
     "DimensionlessBallBearing": {
         "free flight": HardCase(
@@ -372,5 +378,15 @@ HARD_CASES = {
             inputs={"speed": InputSignal(lambda t: 1200.0 * t / PASSED * (1.0 - t / PASSED))},
             run=(PASSED, PASSED),
         ),
+        **{
+            f"{name} that is no number": HardCase(
+                "The run ends.",
+                Refused("not finite", "step", {name: 0.0}),
+                effects=("damping", "film"),
+                inputs={"displacement_z": 3e-5, "speed": 10.0, name: jumps(0.0, (0.0, math.nan))},
+                run=(1e-4, 1e-4),
+            )
+            for name in ("displacement_x", "tilt_y", "velocity_z")
+        },
     },
 } | HEAT_HARD_CASES

@@ -17,6 +17,7 @@ import numpy as np
 from .component import Component
 
 Quantity = str | Callable[[Component], float | Sequence[float] | np.ndarray]  # an output, "energy", or what a function says
+Value = float | Sequence[float] | np.ndarray
 ENERGY = "energy"
 
 
@@ -121,7 +122,7 @@ class Invariant(Claim):
     """
 
     kind = "invariant"
-    value: float | Callable[[float], float] | None = None
+    value: Value | Callable[[float], float] | None = None
     share: bool = False
 
     def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
@@ -138,12 +139,12 @@ class Ends(Claim):
     """At the end of the run it is `value`; `share` as of an `Invariant`."""
 
     kind = "ends"
-    value: float = 0.0
+    value: Value = 0.0
     share: bool = False
 
     def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
         """Deviation at the end."""
-        return float(np.abs(values[-1] - self.value).max() / (abs(self.value) if self.share else 1.0))
+        return float(np.abs(values[-1] - self.value).max() / (np.abs(self.value).max() if self.share else 1.0))
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,9 @@ def _turning(speed: float, phase: str) -> dict[str, float]:
     return {"start_speed": speed, phase: math.copysign(0.5, speed), "start_angle": math.copysign(0.2, speed)}
 
 
-def _backwards(speed: float, phase: str) -> tuple[Like, Like]:
+def _backwards(speed: float, phase: str, **steps: float) -> tuple[Like, Like]:
     """It ends as the mirror image of itself turned the other way."""
-    other = {"parameters": _turning(-speed, phase)}
+    other = {"parameters": _turning(-speed, phase) | steps}
     return (
         Like(_place, 1e-9, "mirrored displacement", instead=other, mirror=_mirrored, share=True),
         Like("angle", 1e-12, instead=other, mirror=lambda c: 2.0 * math.pi - c["angle"]),
@@ -120,9 +120,9 @@ HARD_CASES = {
         },
         "backwards": HardCase(
             "The mirror image, to rounding.",
-            _backwards(130.0, "unbalance.phase[1]"),
+            _backwards(130.0, "unbalance.phase[1]", element=0.25, substep=5e-5),
             effects=("unbalance", "internal_damping", "disks", "gyroscopic", "linear_supports"),
-            parameters=_turning(130.0, "unbalance.phase[1]"),
+            parameters=_turning(130.0, "unbalance.phase[1]") | {"element": 0.25, "substep": 5e-5},
             run=(0.05, 1e-3),
         ),
         "at rest": HardCase(
@@ -137,7 +137,7 @@ HARD_CASES = {
             (Ends("speed", 0.0, value=-50.0), Ends("angle", 1e-10, value=-25.0 % (2.0 * math.pi))),
             effects=("run_up",),
             parameters=LONG | {"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0},
-            run=(1.5, 0.01),
+            run=(1.5, 0.1),
         ),
         "one element": HardCase(
             "It is enough to run: half of the weight on each support.",

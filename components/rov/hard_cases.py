@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -55,6 +56,11 @@ def _attitude(component: Component) -> np.ndarray:
     return np.array([component[n] for n in ("roll", "pitch", "yaw")])
 
 
+def _speed_of(mass: float) -> Callable[[float], float]:
+    """Of a mass under 10 N, m/s."""
+    return lambda t: 10.0 * t / mass
+
+
 def _commands(component: Component) -> np.ndarray:
     return component.y[:6]
 
@@ -95,7 +101,7 @@ HARD_CASES = {
                         _attitude,
                         1e-12,
                         "angles given, rad",
-                        value=lambda t, angles=(roll, pitch, yaw): [math.remainder(a, 2.0 * math.pi) for a in angles],
+                        value=[math.remainder(a, 2.0 * math.pi) for a in (roll, pitch, yaw)],
                     ),
                 ),
                 parameters=BALL | {"start_pitch": pitch, "start_yaw": yaw, "start_roll": roll},
@@ -137,7 +143,7 @@ HARD_CASES = {
             f"added mass {share:g} times the mass": HardCase(
                 "In one unit there is no limit on their ratio: F = (m + m_A) a.",
                 (
-                    Invariant("heave", 1e-9, value=lambda t, m=11.5 * (1.0 + share): 10.0 * t / m, share=True),
+                    Invariant("heave", 1e-9, value=_speed_of(11.5 * (1.0 + share)), share=True),
                     Invariant("external.acceleration_z", 1e-12, value=10.0 / (11.5 * (1.0 + share)), share=True),
                 ),
                 effects=("added_mass", "coriolis", "restoring", "external"),

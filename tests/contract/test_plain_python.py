@@ -14,7 +14,7 @@ SHORT = (
     "tests/contract/test_declaration.py",
     "tests/contract/test_effect_sizes.py",
     "tests/contract/test_steps.py",
-    "tests/contract/test_hard_case_catalogue.py",
+    "tests/contract/test_hard_cases.py",
     "tests/contract/test_effects_absent.py",
     "tests/contract/test_ranges.py",
     "tests/harness/studies/test_effects.py",

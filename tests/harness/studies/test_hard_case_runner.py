@@ -13,10 +13,13 @@ from cosimo.components.core.hard_cases import (
     AtMost,
     BoundedEnergy,
     Ends,
+    Falling,
     Finite,
     HardCase,
     InputSignal,
     Invariant,
+    Like,
+    Reaches,
     Refused,
     jumps,
     ramp,
@@ -47,6 +50,11 @@ def one(holds, component=TOW, **more):
     (Ends("stretch", 2.0, value=0.04, share=True), 0.5),
     (BoundedEnergy(limit=2.0), 1.0),  # from nothing to all
     (Finite(limit=4.0), 1.0),  # 10 N are the nominal force
+    (Falling("stretch", 3.0), 2.0),  # as a part of the largest
+    (Reaches("stretch", 0.02, high=0.03), 0.01),
+    (Reaches("stretch", high=0.01), 0.0),
+    (Like("stretch", 0.1, instead={"inputs": {}}), 0.02 * math.sin(20.0 * math.pi / 8.0)),  # which ends without a stretch
+    (Like("stretch", 2.0, instead={"run": (math.pi / 4.0, math.pi / 80.0)}, mirror=lambda c: 2.0 * c["stretch"], share=True), 0.5),
     (AtMost(lambda c: c.y, 60.0), 10.0),  # of what they were in every step, not of what they are at the end
 ])  # fmt: skip
 def test_what_a_claim_reaches(claim, reached):

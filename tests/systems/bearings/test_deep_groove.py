@@ -1,6 +1,7 @@
 """The deep groove bearing against the published force law written the slow way, derivatives, frequencies of waves and defects."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -367,3 +368,131 @@ def test_too_much_clearance_is_refused():
 def test_a_defect_on_a_ball_that_is_not_there_is_refused():
     with pytest.raises(BadInput, match="ball"):
         moved(["ball_defect"], ball_defect__ball=10)
+
+
+ALL = ("film", "damping", "inner_waviness", "outer_waviness", "linearisation", "friction", "thermal_growth")
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("clearance", [-2e-5, -1e-6, 0.0, 1e-6, 5e-5])
+@pytest.mark.parametrize("force", [0.0, 1e-6, 1.0, 1000.0, 8000.0])
+def test_clearance_of_either_sign_under_any_load(clearance, force):
+    """From nothing to nearly the largest load of a ball, 6.5 kN: an equilibrium, and the component gives the load back there."""
+    bearing = moved(ALL, diametral_clearance=clearance, film__viscosity=0.02, speed=0.0)
+    for direction in (0.0, 1.3, math.radians(20.0), -0.5 * math.pi):
+        forces = force * np.array([math.cos(direction), math.sin(direction), 0.3, 0.0, 0.0])
+        found = bearing.equilibrium(forces)
+        assert found.status == DONE
+        for name, value in zip(DISPLACEMENT, found.displacement, strict=True):
+            bearing.set(name, value)
+        bearing.refresh()
+        assert np.isfinite(bearing.y).all()
+        # 1e-10 of the load and the preload; the component and the solver place the balls by different arithmetic
+        scale = force + 9.0 * found.ball_loads.max()
+        np.testing.assert_allclose([bearing[n] for n in LOAD[:3]], -forces[:3], rtol=0.0, atol=1e-8 * scale + 2e-10)
+
+
+@pytest.mark.full
+def test_newton_with_the_tangent_settles_a_weight_in_a_bearing_with_clearance():
+    """What a rotor does with the linearised bearing while it initializes: K q = intercept + weight, again and again.
+
+    The first answer has no contact: the idle spring is what brings the shaft to the ball below. 30 sweeps are allowed.
+    """
+    weight = np.array([0.0, -196.0])
+    for clearance in (0.0, 1e-5, 5e-5):
+        bearing = moved(["linearisation"], diametral_clearance=clearance)
+        q, residuals = np.zeros(2), []
+        while not residuals or residuals[-1] > 1e-6:
+            for name, value in zip(("displacement_x", "displacement_y"), q, strict=True):
+                bearing.set(name, value)
+            bearing.initialize(0.0)
+            left = np.array([bearing["force_x"], bearing["force_y"]]) + weight
+            residuals.append(np.abs(left).max())
+            K = np.array([[bearing[f"linearisation.stiffness[{i}]"] for i in row] for row in ((1, 2), (6, 7))])
+            intercept = np.array([bearing[f"linearisation.force_{n}"] for n in "xy"])
+            q = np.linalg.solve(K + 1e3 * np.eye(2), intercept + weight + 1e3 * q)
+            assert len(residuals) < 25, residuals
+
+
+@pytest.mark.full
+def test_ten_million_steps_do_not_drift():
+    """The angles' sum in one compiled loop: 1e7 steps of an exactly known turn, against the product."""
+    from cosimo.components.bearings.six_dof import constants, roll
+
+    bearing = moved(speed=314.159)
+    k, u, h = constants(bearing.arguments[0]), bearing.u, 1e-5
+
+    def many(x, n):
+        for _ in range(n):
+            roll(h, x, u, k)
+
+    try:
+        from numba import njit
+    except ImportError:
+        steps = 10**5
+    else:
+        steps, many = 10**7, njit(many)
+    x = bearing.x.copy()
+    many(x, steps)
+    turn = 314.159 * h * steps
+    for angle, ratio in zip(x, (1.0, k.cage_ratio), strict=True):
+        away = (angle - ratio * turn + math.pi) % (2.0 * math.pi) - math.pi
+        # each step rounds an angle below 2 pi, by 4e-16 on average without preference: sqrt(1e7) of them are 1e-12, and with
+        # all the same sign 4e-9; the product of 3e4 rad itself rounds by 4e-12
+        assert abs(away) < 5e-9
+
+
+def warned(bearing, h, steps=1):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for k in range(steps):
+            bearing.step(k * h, h)
+    return [str(w.message) for w in caught]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("effect", "ratio"), [("outer_defect", 0.4), ("inner_defect", 0.6), ("ball_defect", 2.3)])
+def test_a_defect_narrower_than_the_step_is_refused_and_a_scarcely_resolved_one_announced(effect, ratio):
+    """2 degrees at 300 rad/s. With under four steps a passage: one warning a run; with under one: no step, and what to do."""
+    width = math.radians(2.0)
+    parameters = {f"{effect}__width": width}
+    passage = width / (300.0 * ratio)  # s, roughly
+    assert warned(moved([effect], speed=300.0, **parameters), 0.2 * passage, 3) == []
+    messages = warned(moved([effect], speed=300.0, **parameters), 0.6 * passage, 3)
+    assert len(messages) == 1
+    assert effect in messages[0]
+    assert "need a macro step" in messages[0]
+    for speed in (300.0, -300.0):
+        bearing = moved([effect], speed=speed, **parameters)
+        state = bearing.save()
+        with pytest.raises(StepFailed, match=f"{effect}.*may miss it.*Reduce the macro step"):
+            bearing.step(0.0, 1.3 * passage)
+        assert bearing.save() == state  # nothing has moved: a smaller step may follow
+        bearing.step(0.0, 0.1 * passage)
+
+
+@pytest.mark.full
+def test_waves_shorter_than_two_steps_are_refused():
+    """They would show at a wrong frequency: 100 waves at 300 rad/s are 2800 a second, half of one passes in 0.18 ms."""
+    fast = {"outer_waviness__order[1]": 100}
+    assert warned(moved(["outer_waviness"], speed=300.0, **fast), 4e-5) == []
+    assert len(warned(moved(["outer_waviness"], speed=300.0, **fast), 1e-4)) == 1
+    with pytest.raises(StepFailed, match="order 100"):
+        moved(["outer_waviness"], speed=300.0, **fast).step(0.0, 3e-4)
+
+
+@pytest.mark.full
+def test_at_contact_angle_zero_the_equilibrium_lies_on_the_side_of_the_force():
+    """The axial stiffness is zero there: no division by it anywhere."""
+    for force in (1e-6, 1.0, -1000.0):
+        found = moved().equilibrium([0.0, 0.0, force, 0.0, 0.0])
+        assert found.status == DONE
+        assert math.copysign(1.0, found.displacement[2]) == math.copysign(1.0, force)
+
+
+@pytest.mark.full
+def test_a_speed_that_is_no_number_fails_the_step():
+    bearing = moved(["damping", "film"], (1e-5, 0.0, 3e-5, 0.0, 0.0), speed=10.0)
+    bearing.set("speed", math.nan)
+    with pytest.raises(StepFailed, match="not finite"):
+        bearing.step(0.0, 1e-4)

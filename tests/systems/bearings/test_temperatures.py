@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.radiation import STEFAN_BOLTZMANN, radiative_coefficient
 from cosimo.components.bearings.temperatures import BearingTemperatures, network_derivatives, network_jacobian
 from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.orchestrator.run.run import run as run_scene
+from cosimo.orchestrator.systems import read_scene
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -204,3 +207,60 @@ def test_a_warm_outer_ring_opens_the_bearing():
     made = started((), {"inner_share": 0.0, "outer_share": 1.0}, friction_power=40.0, conductance=0.0)
     made.step(0.0, 900.0)
     assert made["clearance_change"] > 1e-6
+
+
+@pytest.mark.full
+def test_balls_unload_one_after_the_other():
+    made = AngularContactConductance((), {"axial_force": 500.0}, preset="7210B")
+    made.initialize(0.0)
+    counts, values = [], []
+    for radial in np.linspace(0.0, 5e3, 60):
+        made.set("radial_force", radial)
+        made.refresh()
+        counts.append(made["loaded_balls"])
+        values.append(made["conductance"])
+    assert counts[0] == 16
+    assert counts[-1] <= 3
+    assert (np.diff(counts) <= 0).all()
+    # no jump where a ball lifts off: the largest change between neighbours is that of the steepest stretch
+    assert np.abs(np.diff(values)).max() < 0.2 * values[0]
+
+
+def coupled(step, stop, algorithm="gauss-seidel"):
+    """The conductance under a constant load, its radiation at the temperatures it brings about; 40 W of friction."""
+    scene = read_scene({
+        "stop_time": stop,
+        "connections": [
+            "path.conductance -> heat.conductance",
+            "heat.inner_temperature -> path.radiation.inner_temperature",
+            "heat.outer_temperature -> path.radiation.outer_temperature",
+        ],
+        "units": {
+            "path": {"component": "AngularContactConductance", "effects": ["ball_bulk", "gas_path", "radiation"],
+                     "parameters": {"axial_force": 300.0, "radiation.emissivity": 1.0}},
+            "heat": {"component": "BearingTemperatures", "parameters": {"friction_power": 40.0, "substep": min(step, 20.0)}},
+        },
+        "master": {"algorithm": algorithm, "step": step},
+    })  # fmt: skip
+    result = run_scene(scene, in_process=True)
+    assert result.outcome == "done", result.message
+    return result
+
+
+@pytest.mark.full
+def test_conductance_and_temperatures_settle_whatever_the_step():
+    """The steady state does not know the step, up to more than an hour."""
+    ends = []
+    for step in (20.0, 200.0, 4000.0):
+        result = coupled(step, 40000.0)
+        ends.append([result[f"heat.{part}_temperature"][-1] for part in ("inner", "ball", "outer")])
+    np.testing.assert_allclose(ends[1:], np.array(ends[:1]).repeat(2, 0), rtol=0.0, atol=1e-2)  # K, of a rise of 40 K
+
+
+@pytest.mark.full
+def test_first_order_in_the_macro_step_without_extrapolation():
+    """Held inputs: what couples is the weak radiation, so the error is small, and falls with the step."""
+    fine = coupled(2.0, 800.0)["heat.inner_temperature"][-1]
+    errors = [abs(coupled(step, 800.0, "jacobi")["heat.inner_temperature"][-1] - fine) for step in (100.0, 50.0)]
+    assert errors[0] < 0.05  # K
+    assert errors[1] < 0.7 * errors[0]

@@ -1,5 +1,11 @@
 """Behaviour of the whole catenary: superposition, slackening, window, second contact point, outputs."""
 
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
@@ -294,3 +300,38 @@ def test_slack_droppers_cost_the_implicit_method_few_factorisations():
     assert work["steps"] == 2000
     assert work["solves"] <= work["steps"] + 3 * work["factorizations"]
     assert work["factorizations"] < 0.05 * work["steps"]
+
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
+    catenary = Catenary(parameters={"spans": 2, "element": 0.1})
+    limit = catenary.stable_step()
+    assert limit < catenary["substep"]
+    with pytest.raises(BadInput, match=rf"at most {limit:.3g} s"):
+        catenary.initialize(0.0)
+    catenary.set("substep", 0.95 * limit)  # the mass matrix follows the substep, and with it the limit by 2 %
+    catenary.initialize(0.0)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read as Linux gives it")
+def test_sixty_spans_fit_in_400_megabytes():
+    source = """
+import json, re
+from cosimo.components.railway.catenary import Catenary
+c = Catenary(["dropper_slackening", "gravity_sag", "damping", "wire_profile"], {"spans": 60, "first_watched_support": 30})
+c.set("contact_force", 120.0)
+c.initialize(0.0)
+for k in range(200):
+    c.step(k * 1e-3, 1e-3)
+peak = re.search(r"VmHWM:\\s+(\\d+) kB", open("/proc/self/status").read())  # getrusage would count the parent's memory
+print(json.dumps([c["wire_height"], c["static_residual"], int(peak[1]) / 1024]))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT, env={**os.environ}
+    )
+    height, residual, megabytes = json.loads(done.stdout)
+    assert 0.01 < height < 0.2  # m; 120 N over 1.2 to 4.7 N/mm
+    assert residual < 1e-10
+    assert megabytes < 400.0

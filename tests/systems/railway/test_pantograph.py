@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.pantograph import Pantograph
 
 pytestmark = pytest.mark.interpreted
@@ -192,3 +193,61 @@ def test_presets_have_a_source_and_a_provenance():
         pantograph = Pantograph(preset=name)
         pantograph.initialize(0.0)
         assert np.isfinite(pantograph.y).all()
+
+
+def test_contact_is_lost_and_regained():
+    """The wire drops... upwards, out of reach for 0.3 s, and returns: a free flight between two contacts."""
+    h = 1e-3
+    pantograph = Pantograph(
+        ["contact_loss"], {"substep": 1e-4, "frame_stiffness": 0.0, "frame_damping": 0.0, "head_damping": 0.0}
+    )
+    pantograph.initialize(0.0)
+    p = pantograph.parameters
+    mass = np.array([p["head_mass"], p["frame_mass"]])
+    force, momentum = [], []
+    for k in range(1000):
+        t = k * h
+        pantograph.set("wire_height", 1.0 if 0.2 <= t < 0.5 else 0.0)
+        pantograph.step(t, h)
+        force.append(pantograph["contact_force"])
+        momentum.append(mass @ pantograph.x[[1, 3]])
+    force, momentum = np.array(force), np.array(momentum)
+    assert np.isfinite(force).all()
+    assert force.min() == 0.0  # a wire cannot pull
+    apart = slice(200, 500)
+    assert not force[apart].any()  # exactly nothing while apart
+    # Only the static force acts then: momentum grows by F0 t, to rounding of 3000 internal steps (1e-16 each, of 36 N.s).
+    gained = momentum[apart] - momentum[200]
+    np.testing.assert_allclose(gained, p["static_force"] * h * np.arange(300), rtol=0.0, atol=1e-10)
+    assert force[500] > 1e3  # N; the head has flown 0.2 m past the wire's place and is driven into it
+    assert (np.diff(np.sign(force)) != 0).sum() >= 3  # and it bounces
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"head_mass": m} for m in (1e-6, 1e-5, 1e-4, 1e-3)] + [{"contact_stiffness": k} for k in (1e7, 1e9, 1e12)],
+    ids=str,
+)
+def test_stiff_pantographs_are_refused_or_stable(changed):
+    """What is stable is said by `stable_step`: above it the default substep is refused, at it the run stays at rest."""
+    # The highest frequency is that of the head between contact spring and head spring; RK4 is trusted up to 2.61 over it.
+    stiff = Pantograph(["contact_loss"], changed)
+    omega = np.sqrt((stiff["contact_stiffness"] + stiff["head_stiffness"]) / stiff["head_mass"])
+    limit = stiff.stable_step()
+    # Damping and frame shift the eigenvalue: by c / (2 m omega) or less, most for the lightest head.
+    shift = stiff["head_damping"] / (stiff["head_mass"] * omega)
+    assert 1.0 / (1.0 + shift) < limit * omega / 2.61 < 1.02
+    if limit < stiff["substep"]:
+        with pytest.raises(BadInput, match="substep"):
+            stiff.initialize(0.0)
+    stiff.set("substep", min(limit, stiff["substep"]))
+    stiff.initialize(0.0)
+    rest = stiff.x.copy()
+    push = 0.5 * stiff["static_force"] / stiff["contact_stiffness"]  # m; takes half of the contact force away
+    stiff.x[0] -= push
+    for k in range(5):
+        stiff.step(k * 1e-3, 1e-3)
+    assert np.isfinite(stiff.x).all()
+    # A stable step keeps the push or damps it, an unstable one multiplies it. The frame, 15 kg, hardly moves in 5 ms.
+    assert abs(stiff.x[0] - rest[0]) <= 1.1 * push
+    assert abs(stiff.x[2] - rest[2]) <= 0.1 * push + 1e-15
