@@ -48,3 +48,10 @@ def nearest(name: str, names) -> str:
     if near:
         return "did you mean " + " or ".join(repr(n) for n in near) + "?"
     return "there is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
+
+
+def pick(name, known, where: str, expected: str):
+    """What a mapping has under a name, or the name itself of any other collection; raises `BadInput` with the near names."""
+    if name in known:
+        return known[name] if hasattr(known, "keys") else name
+    raise BadInput(where, repr(name), expected, nearest(name, known))

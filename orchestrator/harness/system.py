@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -16,16 +16,15 @@ if TYPE_CHECKING:
     from .charts.blocks import Block
     from .charts.motion import Kinematics
     from .summary import Summary
-    from .validation.case import Case
 
 
 @dataclass(frozen=True)
 class System:
-    """A system as the harness sees it. Its folder has scenes/*.toml, and any of cases/ (questions and tables), figures.py or
+    """A system as the harness sees it. Its folder has scenes/*.toml, and any of cases/ (TOML, rows as CSV, what is measured), figures.py or
     figures/, motion.py, summary.py, explore.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
-    Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
+    Figures are imported when they are asked for: they need plotting and all of the analysis.
     """
 
     name: str
@@ -37,11 +36,6 @@ class System:
         """The module or package of that name in its folder, None where there is none."""
         module = f"{self.package}.{name}"
         return import_module(module) if find_spec(module) else None
-
-    @property
-    def cases(self) -> tuple[Case, ...]:
-        """Validation cases of this system, in the order of their list in the package `cases`."""
-        return tuple(replace(case, system=self.name) for case in m.CASES) if (m := self.module("cases")) else ()
 
     @property
     def figures(self) -> Callable[..., list[Block]]:

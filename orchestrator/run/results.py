@@ -15,6 +15,7 @@ from ...components.core.errors import BadInput, nearest
 from ..output import UNFINISHED, is_locked, locked, not_written, write_json
 from ..scene.scene import Models, recorded_scene
 from .recording import INFO, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
+from .series import Series
 from .tables import TIME, StoredColumns, StoredTable, Table, joined
 
 if TYPE_CHECKING:
@@ -121,6 +122,16 @@ class Result:
                 raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, known))
             names |= dict.fromkeys(some)
         return list(names)
+
+    def series(self, signal: str, name: str = "", *, over: str = TIME, scale: float = 1.0, over_scale: float = 1.0, every: int = 1,
+               kind: str = "line", faint: bool = False) -> Series:  # fmt: skip
+        """A recorded signal as the line of a chart: `scale` times it over time, or over another signal times `over_scale`.
+
+        name: in the legend, the signal's own without one.  every: so many rows from one point to the next.  kind, faint: of `Series`.
+        Raises `BadInput` with the near names for a signal that is not recorded.
+        """
+        x = self.time if over == TIME else self[over]
+        return Series(name or signal, over_scale * x[::every], scale * self[signal][::every], kind, faint)
 
     def to_pandas(self, signals: Iterable[str] | None = None) -> pd.DataFrame:
         """Signals as columns over the index "time", s; units of measure by column in attrs["units"]."""

@@ -36,7 +36,8 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from .model import Model, Number, Positive
+from .chart import ChartSettings
+from .model import Model, Number, Positive, Truth
 from .plan import RunLimits
 
 COMPARED = ("mean", "standard deviation", "maximum", "minimum", "difference")
@@ -47,6 +48,13 @@ class RunSettings(Model):
     """One run of the case's scene."""
 
     condition: str = Field(description="what the run is called in rows, curves and the report")
+    changes: dict[str, Any] = Field(default={}, description="dotted place of a setting of the scene -> its value")
+
+
+class SceneChanges(Model):
+    """A shipped scene with other settings."""
+
+    scene: str
     changes: dict[str, Any] = Field(default={}, description="dotted place of a setting of the scene -> its value")
 
 
@@ -88,3 +96,41 @@ class CaseSettings(Model):
     runs: tuple[RunSettings, ...] = Field(default=(), description="without them one run of the scene with its own settings")
     rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
     curves: tuple[CurveSettings, ...] = ()
+    charts: tuple[ChartSettings, ...] = Field(default=(), description="figures of the runs, whose labels are the conditions")
+
+
+class QuestionSettings(Model):
+    """A question of a shipped case: the function that measures, and what is run for it."""
+
+    measure: str = Field(
+        description="module beside the case's file, with a function `measure(runs)` and, where it needs runs, `scenes()`; or "
+        '"module:function"'
+    )
+    scenes: str | dict[str, str | SceneChanges] = Field(
+        default="", description='"module:function" that gives scenes by label, or label -> a shipped scene and its changes'
+    )
+    arguments: dict[str, Any] = Field(default={}, description="of the function that measures, beside the runs")
+    may_fail: tuple[str, ...] = Field(default=(), description="labels of runs that may end before their end; patterns")
+    at_its_steps: tuple[str, ...] = Field(
+        default=(), description="labels of runs whose steps are what is asked about, so that a repetition leaves them; patterns"
+    )
+    in_process: Truth = Field(default=False, description="whatever is asked for, as there are many short runs")
+    study: Truth = Field(default=False, description="it explains the answers of the others, and is not repeated for errors")
+    claim: str = Field(default="", description="number of the paper's claim below whose rows its figures stand")
+    notes: tuple[str, ...] = Field(default=(), description="sentences, which may show what is measured: {name:.2f}")
+    show: tuple[str, ...] = Field(default=(), description="labels of runs whose figures are in the report; patterns")
+
+
+class ShippedCaseSettings(Model):
+    """The file of a shipped case; the rows of its table stand in the CSV file of its name."""
+
+    title: str
+    text: str = Field(description="what the case shows, and what it cannot show")
+    about: str = Field(default="", description="what the numbers of the table are of")
+    measures: str = Field(default="", description='"module:function" that gives the measures of the rows of any run')
+    rules: str = Field(default="", description='"module:function" that says of a run which conditions hold')
+    check: str = Field(default="", description='"module:function" that refuses a scene with nothing to compare')
+    sources: dict[str, str] = Field(default={}, description="of rows, by the keys in their column")
+    claims: tuple[dict[str, Any], ...] = Field(default=(), description="of a paper")
+    questions: tuple[QuestionSettings, ...]
+    charts: tuple[ChartSettings, ...] = ()

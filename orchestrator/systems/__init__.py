@@ -250,7 +250,9 @@ def compare(*runs: Result | Scene | str | Path, verify: Wish = "auto", progress:
 @cache
 def cases() -> dict[str, Case]:
     """All validation cases by name, system by system."""
-    return {case.name: case for system in SYSTEMS.values() for case in system.cases}
+    from ..harness.validation.shipped import shipped_cases
+
+    return {case.name: case for s in SYSTEMS.values() for case in shipped_cases(s.package, s.name, load_scene)}
 
 
 def _case(name: str) -> Case:

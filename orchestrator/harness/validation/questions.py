@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any
 
 from ...judgement.instability import unfollowed
 from ...run.run import run
 from ...scene.shorter_steps import shorter_steps
+from ..charts.described import Described, told
 
 if TYPE_CHECKING:
     from ...run.results import Result
     from ...scene.scene import Scene
+    from ...settings.chart import ChartSettings
     from ..charts.chart import Chart, Grid
-    from .reference import Row
+    from .reference import Row, TableRow
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,15 @@ def done(result: Result, label: str = "") -> Result:
     return result
 
 
+def named(label: Any) -> str:
+    """The label of a run as a text; one of several parts has them behind commas."""
+    return ", ".join(map(str, label)) if isinstance(label, tuple) else str(label)
+
+
+def _fits(label: str, patterns: Iterable[str]) -> bool:
+    return any(fnmatchcase(label, p) for p in patterns)
+
+
 class Runs(dict[Any, "Result"]):
     """Results of a question's scenes by their labels; `run` gives that of a further scene, such as one that depends on them.
 
@@ -48,14 +60,14 @@ class Runs(dict[Any, "Result"]):
     """
 
     def __init__(
-        self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[Any] = (), at_its_steps: Collection[Any] = ()
+        self, options: Options, scenes: Mapping[Any, Scene], may_fail: Collection[str] = (), at_its_steps: Collection[str] = ()
     ):
         self.options = options
         self.doubts: list[str] = []
         super().__init__()
         for label, scene in scenes.items():
-            text = ", ".join(map(str, label)) if isinstance(label, tuple) else str(label)
-            self[label] = self.run(scene, may_fail=label in may_fail, label=text, at_its_steps=label in at_its_steps)
+            text = named(label)
+            self[label] = self.run(scene, may_fail=_fits(text, may_fail), label=text, at_its_steps=_fits(text, at_its_steps))
 
     def run(self, scene: Scene, *, may_fail: bool = False, label: str = "", at_its_steps: bool = False) -> Result:
         """The result of a scene; raises `RunFailed` where it does not reach its end and is not expected to fail.
@@ -79,6 +91,7 @@ class Evidence:
     {condition: {measure: number}}.
     rows: rows of references that the case computes itself.  shown: label -> result.
     claim: number of the paper's claim whose rows the figures stand below; without it they come after all claims.
+    data: name -> further numbers for charts and texts: arrays, tables of a name -> array or -> (x, y), (x, y, values) of a picture.
     settings: condition -> how its numbers were computed (window, filter).  doubts: of `Runs`, which `ask` fills in.
     """
 
@@ -90,27 +103,47 @@ class Evidence:
     rows: tuple[Row, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
+    data: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Question:
     """One question of a case: `measure(runs)` gives the evidence from the results of the scenes, which the harness runs.
 
-    scenes: function that gives the scenes by label; without it nothing is run before.  may_fail: labels of runs that may end
-    before their end; any other run that does fails the case.
-    at_its_steps: labels of runs whose steps are what is asked about, so that a repetition leaves them.
+    measure: gives `Evidence`, or just the numbers by the measures of the table's rows.
+    scenes: function that gives the scenes by label; without it nothing is run before.  may_fail: patterns of labels of runs that
+    may end before their end; any other run that does fails the case.
+    at_its_steps: patterns of labels of runs whose steps are what is asked about, so that a repetition leaves them.
     in_process: runs are in process whatever is asked for: there are many short ones.
+    claim, charts, notes, show: what the case's file says, see `settings.case.QuestionSettings`.  rows: for the ranges in charts.
     """
 
-    measure: Callable[[Runs], Evidence]
+    measure: Callable[[Runs], Evidence | Mapping[str, Any]]
     scenes: Callable[[], Mapping[Any, Scene]] = dict
-    may_fail: Collection[Any] = ()
+    may_fail: Collection[str] = ()
     in_process: bool = False
-    at_its_steps: Collection[Any] = ()
+    at_its_steps: Collection[str] = ()
+    claim: str = ""
+    charts: tuple[ChartSettings, ...] = ()
+    notes: tuple[str, ...] = ()
+    show: tuple[str, ...] = ()
+    rows: Callable[[], Sequence[TableRow]] = tuple
 
     def ask(self, options: Options) -> Evidence:
         """Run the scenes and measure. Raises `RunFailed`; `StepFailed` of a component that is stepped alone."""
         if self.in_process:
             options = replace(options, in_process=True)
         runs = Runs(options, self.scenes(), self.may_fail, self.at_its_steps)
-        return replace(self.measure(runs), doubts=tuple(runs.doubts))
+        found = self.measure(runs)
+        evidence = found if isinstance(found, Evidence) else Evidence(found)
+        by_label = {named(label): result for label, result in runs.items()}
+        numbers = {**evidence.measured, **evidence.data}
+        drawn = Described("chart", numbers, by_label, self.rows() if self.charts else ())
+        return replace(
+            evidence,
+            claim=self.claim or evidence.claim,
+            charts=(*evidence.charts, *map(drawn.chart, self.charts)),
+            notes=(*evidence.notes, *(told(note, numbers) for note in self.notes)),
+            shown={**evidence.shown, **{label: r for label, r in by_label.items() if _fits(label, self.show)}},
+            doubts=tuple(runs.doubts),
+        )

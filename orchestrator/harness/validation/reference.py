@@ -1,7 +1,6 @@
 """Reference tables: ranges as data, each row with its provenance and its source, and rows beside what was measured.
 
-A table is two files: `NAME.csv` with a row a line, and `NAME.toml` with its sources in words. It may have a title and a text of its own;
-title and text of a case stand in `Case`.
+A table is two files: `NAME.csv` with a row a line, and `NAME.toml`, that of its case, with its sources in words.
 """
 
 from __future__ import annotations
@@ -219,7 +218,7 @@ def parse_table(name: str, text: str, lines: str) -> Table:
             )
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
-    return Table(name, data.get("title", name), data.get("text", ""), rows, claims, **functions(data))
+    return Table(name, data.get("title", name), data.get("about", ""), rows, claims, **functions(data))
 
 
 def functions(data: Mapping[str, Any]) -> dict[str, str]:
@@ -305,4 +304,4 @@ def load_table(name: str) -> Table:
 
 def table_files() -> dict[str, Path]:
     """Shipped tables by name."""
-    return shipped("cases", ".toml")
+    return shipped("cases", ".csv")

@@ -9,7 +9,7 @@ import numpy as np
 
 from .....components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from .statics import at_rest
 
 MASS, GRAVITY = 20.0, 9.81
@@ -82,13 +82,3 @@ def _chart(clearance: np.ndarray, held: np.ndarray, free: np.ndarray) -> Chart:
         "with it what holds the shaft sideways.",
         columns=2,
     )  # fmt: skip
-
-
-CASE = Case(
-    "clearance-lowers-frequency",
-    "Clearance lowers the natural frequencies",
-    "Linearises the bearing in its equilibrium under the weight of a rigid mass, over the clearance. It shows the "
-    "published fall of the frequencies, and meets an independent solver's numbers; the numbers of the published bearing "
-    "itself were not at hand.",
-    (Question(measure),),
-)

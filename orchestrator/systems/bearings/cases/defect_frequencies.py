@@ -12,7 +12,7 @@ from ....harness.analysis.records import after_transient
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.charts.chart import Chart, Lines, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
 from ....units.component import make
@@ -152,14 +152,3 @@ def _lines(bearing: str, pit: str) -> dict[str, float]:
         "inner": {"ball passes inner race": f["inner"], "shaft": shaft},
         "ball": {"twice the ball's spin": 2.0 * f["ball"], "cage": f["cage"]},
     }[pit]
-
-
-CASE = Case(
-    "defect-frequencies",
-    "Frequencies of bearing defects",
-    "Reads the lines of pits in the outer race, in the inner race and on a ball off the envelope spectrum of the simulated "
-    "acceleration, and holds them against published multiples of the shaft's speed. It shows that angles, rolling without slip "
-    "and the passing of the pits are right, and that a line is the pit's and not that of the varying compliance; amplitudes are "
-    "compared with an independent integration of the same equations only.",
-    (Question(measure, scenes),),
-)

@@ -10,7 +10,7 @@ from .....components.bearings.film import Lubricant, entrainment_speed, film_thi
 from .....components.bearings.geometry import BallGeometry
 from .....components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, point_contact
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import load_table
 
 RATIOS = (1.0001, 2.0, 5.0, 10.0, 20.0, 32.35, 100.0)  # Ry / Rx
@@ -90,13 +90,3 @@ def _fit_chart() -> Chart:
         "Against the exact solution. Marked: the races of the textbook bearing, whose fit of both races together is 1 % "
         "too stiff.",
     )  # fmt: skip
-
-
-CASE = Case(
-    "hertz-textbook",
-    "Hertz contacts and films of textbook bearings",
-    "Evaluates elliptic contacts, curvature sums, stiffnesses, contact ellipses and oil films of bearings that textbooks "
-    "work out. It shows that the constants of all bearing models are right to the printed digits, units and factors of "
-    "two included; it says nothing about the assumptions behind them (elastic half spaces, smooth surfaces, ample oil).",
-    (Question(measure),),
-)

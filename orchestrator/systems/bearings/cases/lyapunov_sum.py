@@ -11,7 +11,7 @@ from ....harness.analysis.lyapunov import Lyapunov, lyapunov_spectrum
 from ....harness.analysis.sections import distinct, stroboscopic_points
 from ....harness.charts.chart import Band, Chart, Panel, Series
 from ....harness.report.bifurcation import bifurcation_chart
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 
 SPEED = 1000.0 * 2.0 * math.pi / 60.0  # rad/s
 STATES, SCALES = (0, 1, 2, 3), (6e-6, 6e-6, 8e-3, 8e-3)  # m, m/s: of the bearing's dimensionless form
@@ -82,13 +82,3 @@ def _diagram(by_gap: dict[float, Lyapunov]) -> Chart:
         text="Position across the load at 300 passages of a ball. What the exponent says of a motion shows in the points: one or "
         "few below zero, a cloud above.",
     )  # fmt: skip
-
-
-CASE = Case(
-    "lyapunov-sum",
-    "Lyapunov exponents of a ball bearing",
-    "Computes the four exponents of the ball bearing's motion. Their sum is known exactly and tests integration and method "
-    "together, in chaos as well; their sign is compared with an independent computation at small clearance and at 30 um, where "
-    "it is beyond doubt. Single chaotic trajectories are not compared: nobody can.",
-    (Question(measure),),
-)

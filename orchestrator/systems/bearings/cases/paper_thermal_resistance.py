@@ -17,7 +17,7 @@ from .....components.bearings.constriction import conductances_in_series, noted_
 from .....components.bearings.load_zone import load_integrals
 from .....components.bearings.radiation import STEFAN_BOLTZMANN
 from ....harness.charts.chart import Band, Chart, Panel, Picture, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ..heat_path import ball_path
 
 BORES = {"7008C": (40e-3, 68e-3), "7210B": (50e-3, 90e-3)}  # bore, outside diameter, m
@@ -119,7 +119,7 @@ def over_both_loads(runs: Runs) -> Evidence:
         "A radial load beside an axial one raises the resistance: a cube root gains less where the load grows than it loses "
         "where it falls. Once balls are free, more radial load presses the few that are left, and the resistance falls again."
     )
-    return Evidence(measured, (_plane(models), _lines(models)), notes=(note,), claim="J3")
+    return Evidence(measured, (_plane(models), _lines(models)), notes=(note,))
 
 
 def zone(epsilon: float) -> float:
@@ -193,9 +193,7 @@ def over_the_ratio(runs: Runs) -> Evidence:
         f"{measured[f'{preset}.boundary'] - STEPS[1]:.2f}"
         for preset in ANGLES
     )
-    return Evidence(
-        measured, (_exponents(curves),), notes=(f"{note}. Further on balls join or leave as the load grows.",), claim="J3"
-    )
+    return Evidence(measured, (_exponents(curves),), notes=(f"{note}. Further on balls join or leave as the load grows.",))
 
 
 def _exponents(curves: dict[str, np.ndarray]) -> Chart:
@@ -231,7 +229,7 @@ def by_path(runs: Runs) -> Evidence:
         "With air in the narrow gap beside the contacts, the groove that follows the ball carries much of the heat: the contacts "
         "have a smaller share than between rings that exchange heat over their distance alone."
     )
-    return Evidence(measured, (_paths(),), notes=(note,), claim="J2")
+    return Evidence(measured, (_paths(),), notes=(note,))
 
 
 def side_paths(preset: str) -> float:
@@ -277,7 +275,7 @@ def around_the_circumference(runs: Runs) -> Evidence:
         measured[f"{preset}.bulk"] = 100.0 * np.abs(solid / solid[0] - (bulk / bulk[0])[at]).max()
         measured[f"{preset}.area"] = np.abs(area / area.max() - root**2).max()
         curves[preset] = (area, lumped / lumped.max(), solid / solid[0], root)
-    return Evidence(measured, (_around(curves),), claim="J1")
+    return Evidence(measured, (_around(curves),))
 
 
 def areas(model, loads: np.ndarray) -> np.ndarray:
@@ -302,13 +300,3 @@ def _around(curves: dict[str, tuple[np.ndarray, ...]]) -> Chart:
         "1 kN axial and 1 kN radial. Heat follows the cube root of a ball's load, contact areas its square.",
         columns=2,
     )
-
-
-CASE = Case(
-    "paper-thermal-resistance",
-    "Thermal resistance of an angular contact bearing (Spence and Kaminski 1996)",
-    "Asks what the abstract of Spence & Kaminski (1996) announces: contact areas around the circumference, conduction, "
-    "convection and radiation from race to race, and the resistance over radial and axial load. Criteria are closed forms, an "
-    "independent solver's table and finite volumes; that paper's bearing and curves were not at hand, and nothing rotates.",
-    (Question(over_both_loads), Question(over_the_ratio), Question(by_path), Question(around_the_circumference)),
-)

@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 from ....harness.analysis.recurrence import Quantification, embed, line_survival, quantify, recurrence_matrix
 from ....harness.charts.chart import Chart, Panel, Picture, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow
 
 STATES = 2000
@@ -196,12 +196,3 @@ def _survival(noise: np.ndarray, chaos: np.ndarray) -> Chart:
         "entropy is ln 2 a step."
     )
     return Chart("Lengths of the diagonal lines", "length, samples", (panel,), text)
-
-
-CASE = Case(
-    "recurrence",
-    "Recurrence quantification against closed forms",
-    "Counts, rates and line lengths of recurrence plots where they are known exactly. It shows that the measures are counted as "
-    "defined; it says nothing of which threshold, sampling or embedding suits a measured motion.",
-    (Question(measure),),
-)

@@ -17,7 +17,7 @@ from .....components.bearings.six_dof import constants
 from .....components.core.errors import StepFailed
 from .....components.core.kernels import DONE, REASONS
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from .hertz_textbook import NEWTON_PER_MM
 
 PRESET = "ISO/TS 16281 example"
@@ -121,22 +121,3 @@ def _over_clearance() -> Chart:
         "Nine balls, one on the load line. A light preload spreads the load over more balls; a heavy one adds to it; "
         "with clearance one ball takes all in the end, and the number is that of the balls.",
     )  # fmt: skip
-
-
-ISO16281 = Case(
-    "iso16281",
-    "Displacements of a deep groove bearing after ISO/TS 16281",
-    "Solves the static equilibrium of the published example under radial and axial load. It shows that geometry, contact "
-    "stiffness, clearance and solver together give what the standard's own method gives. Tilting moments are not "
-    "covered: the published cases with a moment do not say their conventions.",
-    (Question(displacements),),
-)
-
-STRIBECK = Case(
-    "stribeck",
-    "Distribution of a load over the balls",
-    "Compares the loads of the balls in static equilibrium with closed forms, discrete sums and Sjövall's integrals. It "
-    "shows that the component shares a load as rigid rings do, for any number and position of balls; flexible rings and "
-    "housings, which share it differently, are not modelled.",
-    (Question(shares),),
-)

@@ -12,7 +12,7 @@ from scipy.special import ellipkm1
 from .....components.bearings.conductance import AngularContactConductance
 from .....components.bearings.constriction import constriction
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow, load_table
 from ..heat_path import Surroundings, solve_bearing
 
@@ -167,13 +167,3 @@ def _notes(studies: list[Study]) -> tuple[str, ...]:
         f"{saved:.0f} % off the resistance at 1 kN in finite volumes, and is nearly all there is without load.",
         "Not shown: the curves of Spence & Kaminski (1996), which were not at hand, and rotation.",
     )
-
-
-CASE = Case(
-    "thermal-scaling",
-    "Heat resistance of angular contact bearings",
-    "Holds the resistance through the contacts against the law R ~ F^(-1/3) and against an independent computation under axial "
-    "and radial load, and the lumped path, ball and rings included, against finite volumes. It says nothing of rotating "
-    "bearings, and does not reproduce a published curve.",
-    (Question(measure),),
-)

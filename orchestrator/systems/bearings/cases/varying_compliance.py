@@ -13,7 +13,7 @@ from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
 from ....harness.analysis.sections import Bifurcation, bifurcation
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....scene.scene import Scene
 from ... import load_scene
 
@@ -157,13 +157,3 @@ def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
         return dx.copy()
 
     return solve_ivp(right_hand_side, (0.0, end), model.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]
-
-
-CASE = Case(
-    "varying-compliance",
-    "Varying compliance of a ball bearing",
-    "Holds the static deflection, the resonances that the passing balls excite and the motion over the clearance against an "
-    "independent solution of the same equations. It shows that contact law, geometry and integration are right for a bearing "
-    "without faults; the parameters are a recalled set, so that it says nothing about any measured bearing.",
-    (Question(measure, scenes),),
-)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -117,13 +117,3 @@ def _paths(runs: Mapping[str, Result]) -> Chart:
               for label, key, factor in (("feed, mm", "feed", 1e3), ("rotation, rad", "rotation", 1.0))]  # fmt: skip
     return Chart("In one unit and in three", "time, s", tuple(panels),
                  "Voltages of 6 and 2 V from rest; macro steps of the split.")  # fmt: skip
-
-
-CASE = Case(
-    "friction-drive",
-    "Friction-wheel drive against closed forms",
-    "Feed and rotation of the three layouts without load, speed and loss of plain skewed wheels under load up to where the "
-    "sleeve slides back, loads just inside and outside what the contacts bear, and the drive in three units against the one in "
-    "one. Frączak's drive (2013) is known by its abstract: layouts and numbers are ours, and no measurement of it is in here.",
-    (Question(measure, scenes),),
-)

@@ -9,7 +9,7 @@ import numpy as np
 
 from .....components.core.pulled_mass import IDEAL, LUGRE, SAMPLE, pulled
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -52,6 +52,11 @@ def scene(stop: float = 14.0) -> Scene:
     record = {"signals": [f"{name}{signal}" for name in KINDS for signal in of_drive]}
     master = {"extrapolation": 0, "order": order}
     return build_scene(units, links, stop_time=stop, step=1e-3, name="hunting", master=master, record=record)
+
+
+def scenes() -> dict[str, Scene]:
+    """The three drives side by side."""
+    return {"drives": scene()}
 
 
 def standing_errors(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -103,14 +108,3 @@ def _drives_chart(result: Result) -> Chart:
         "integral the drive stays where friction holds it. The start goes beyond the axes."
     )
     return Chart("Three controllers", "time, s", panels, text)
-
-
-CASE = Case(
-    "hunting",
-    "Dry friction under control: standing, hunting, stick-slip",
-    "A motor with dry friction under a sampled controller: with an integral and friction that falls once it moves, a limit cycle "
-    "of stick and slip; with an integral alone, errors that die out; without an integral, rest within what friction holds. A "
-    "mass that a spring pulls, with bristles (LuGre) and with a rigid contact. Shows that friction holds exactly and lets go "
-    "where it should; the drives are ours, and nothing measured is in it.",
-    (Question(drives, lambda: {"drives": scene()}), Question(masses)),
-)

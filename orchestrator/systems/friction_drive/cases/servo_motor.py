@@ -9,7 +9,7 @@ import numpy as np
 
 from ....harness.analysis.signals import accumulated
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -82,13 +82,3 @@ def _chart(result: Result) -> Chart:
     currents = tuple(Series(n, time, result[f"{n}.current"][shown]) for n in ("bare", "loaded", "stalled"))
     return Chart("Let go at 12 V", "time, ms", (Panel("rate, rad/s", rates), Panel("current, A", currents)),
                  "The motor alone, without gear and wheel: free, under 0.02 N.m, and under the load that stalls it.")  # fmt: skip
-
-
-CASE = Case(
-    "servo-motor",
-    "Servo motor against closed forms",
-    "Poles and response of rate and current, steady rates without load and under load, stall, the share of heat in a run-up, "
-    "dry friction that brings the shaft to rest and holds it. A check of equations and integration; a real motor's numbers are "
-    "not in it.",
-    (Question(measure, scenes),),
-)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....harness.analysis.signals import accumulated
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
 from ..robots import BACKWARD, DAMPING, FORWARD, INNER, STUCK, TURN, last_speed, shaken, side_by_side
@@ -103,15 +103,3 @@ def _phase_chart(result: Result) -> Chart:
         "Closed lines: the motion repeats. Their corners are where the body turns and friction changes.",
         height=320,
     )
-
-
-CASE = Case(
-    NAME,
-    "Balances and thresholds of a pipe robot",
-    "Over a period of the steady motion the mean friction is weight and load, and what the exciter gives is what friction, "
-    "damper, weight and load take. Below the threshold of the force the body stands, above it it moves as an independent "
-    "solution says, and with friction alike in both directions it gets nowhere. On a slope, shaken below the threshold "
-    "for a minute, the body with exact friction stays exactly at rest, while those with smoothed and with LuGre friction creep "
-    "as far as independent integrations of their equations do.",
-    (Question(measure, scenes),),
-)

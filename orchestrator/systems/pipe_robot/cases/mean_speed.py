@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
 from ..robots import BACKWARD, BODY, FORWARD, GRAVITY, INNER, TURN, last_speed, shaken, side_by_side
@@ -186,15 +186,3 @@ def _slope_chart(measured: Mapping[str, float]) -> Chart:
               x_label="sine of the slope, 1", x_marks=((TURNS, "turns back"),)),
     )  # fmt: skip
     return Chart("Mean speed on a slope", "", panels, "The robot turns back where the line passes zero.", columns=2)
-
-
-CASE = Case(
-    NAME,
-    "Mean speed of a pipe robot",
-    "Robots whose friction is weaker forwards than backwards, with a prescribed motion of the inner mass and with a harmonic "
-    "force: mean speed against the exact periodic solution and its limit of weak friction, b cos(pi F+ / (F+ + F-)), against an "
-    "independent solution of the piecewise linear equations, on slopes up to the one at which the robot turns back, and the "
-    "share of true standstill. It says nothing of the robot that Matuliauskas and Spruogis built, whose equations and numbers "
-    "are not known to us.",
-    (Question(measure, scenes),),
-)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -141,14 +141,3 @@ def _motor_chart(measured: Mapping[str, float]) -> Chart:
         (panel,),
         "Where the curve falls, a speed is not stable: from rest the motor stays at the first point on its voltage.",
     )
-
-
-CASE = Case(
-    NAME,
-    "Resonance of a pipe robot and capture of its motor",
-    "The inner mass resonates against the free body and against one that sticks: amplitudes against closed forms, mean speeds "
-    "with friction against an independent solution. A motor of limited power that drives an unbalance is caught below the "
-    "resonance or passes it (Sommerfeld effect): steady speeds against an independent integration and against the balance of "
-    "powers in the mean.",
-    (Question(measure, scenes),),
-)

@@ -11,7 +11,7 @@ from .....components.railway.contact import wire_height
 from .....components.railway.mesh import GRAVITY
 from .....components.railway.statics import elasticity, messenger_shape
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow, compare, load_table
 from ....units.component import make
 from ... import load_scene
@@ -144,12 +144,3 @@ def _row(scene: str, quantity: str, unit: str, expected: float, measured: float)
     condition = f"closed forms, {scene}"
     reference = TableRow(quantity, quantity, condition, unit, float(expected - half), float(expected + half), "computed", source)
     return Row(reference, float(measured))
-
-
-CASE = Case(
-    "catenary-statics",
-    "Statics of the reference catenaries",
-    "Holds the elasticity along the span against an independent solver, and dropper tensions and sags against closed forms. "
-    "It shows that geometry, weights, tensions and unilateral droppers are right at rest; it says nothing of waves.",
-    (Question(measure),),
-)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ....harness.analysis.signals import Filter
 from ....harness.charts.chart import Band, Chart, Grid, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, Table, compare, load_table
 from ....run.run import run
 from ....scene.scene import Scene
@@ -175,14 +175,3 @@ def _notes(rows: tuple[Row, ...]) -> tuple[str, ...]:
         "The table was found reprinted, in two independent places that agree; the standard itself was not at hand. Whether the "
         "stiffness of the messenger supports (50 kN/m) is the standard's own is not known.",
     )
-
-
-CASE = Case(
-    "en50318-2002",
-    "EN 50318:2002 reference model",
-    "Holds the distributed catenary and the two-mass pantograph against the published ranges of the reference model at 250 and "
-    "300 km/h, eight rows each. It shows that the coupled model reproduces a published table; it says nothing of a real line, "
-    "and the damping of the wires, which the table leaves open, is an effective value whose influence the studies show.",
-    (Question(measure),),
-    (Question(study),),
-)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from .....components.railway.contact import contact_compliance, wire_height
 from .....components.railway.statics import Statics, elasticity
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import compare, load_table
 from ....run.results import Result
 from ....units.component import make
@@ -26,44 +24,34 @@ MESH = {"element": 0.04}  # m: right at a node a mesh is softer by the mean of w
 CONTACT = 50e3  # N/m, of a contact with a wire in the sharing of a force
 
 
-@dataclass(frozen=True)
-class Model:
-    """A model of the standard: its scene and case, speeds in km/h, mean force at 0 km/h in N, its statics, what is to be said."""
+def measure(runs: Runs, name: str, speeds: Sequence[float], mean_at_rest: float, statics: str = "") -> Evidence:
+    """Every speed with the mean force set by the static force; then statics, where the table has them.
 
-    name: str
-    title: str
-    speeds: tuple[float, ...]
-    mean_at_rest: float
-    statics: Callable[[Any], Mapping[str, float]] | None
-    notes: tuple[str, ...]
-    text: str
-
-
-def measure(model: Model, runs: Runs) -> Evidence:
-    """Every speed with the mean force set by the static force; then statics, where the table has them."""
+    name: of the scene.  speeds: km/h.  mean_at_rest: mean force at 0 km/h, N.  statics: a key of `STATICS`.
+    """
     results: dict[str, Result] = {}
     measured: dict[str, dict[str, float]] = {}
     notes: list[str] = []
-    for v in model.speeds:
-        name, target = f"{v:g} km/h", target_mean(v, model.mean_at_rest)
-        results[name], static_force, trial = set_mean_run(model.name, v, target, runs.options)
-        of_speed = numbers(results[name])
-        measured[name] = {**of_speed, "std_over_mean": of_speed["std"] / of_speed["mean"]}
+    for v in speeds:
+        speed, target = f"{v:g} km/h", target_mean(v, mean_at_rest)
+        results[speed], static_force, trial = set_mean_run(name, v, target, runs.options)
+        of_speed = numbers(results[speed])
+        measured[speed] = {**of_speed, "std_over_mean": of_speed["std"] / of_speed["mean"]}
         notes.append(
-            f"At {name} the static force was set to {static_force:.1f} N, from one trial run whose mean was {trial:.1f} N, to "
-            f"bring the mean to {target:.1f} N (0.00097 v² + {model.mean_at_rest:g}); the run's own mean is "
+            f"At {speed} the static force was set to {static_force:.1f} N, from one trial run whose mean was {trial:.1f} N, to "
+            f"bring the mean to {target:.1f} N (0.00097 v² + {mean_at_rest:g}); the run's own mean is "
             f"{of_speed['mean']:.1f} N. That row is set, not found."
         )
-    if model.statics is not None:
-        measured[AT_REST] = dict(model.statics(resting_catenary(model.name, MESH, bending=False)))
-    rows = compare(load_table(model.name).rows, measured)
+    if statics:
+        measured[AT_REST] = STATICS[statics](resting_catenary(name, MESH, bending=False))
+    rows = compare(load_table(name).rows, measured)
     outside = [
         f"{r.reference.quantity} at {r.reference.condition}" for r in rows if r.reference.standing == "recalled" and not r.inside
     ]
     notes.append("Outside the recalled ranges: " + ("; ".join(outside) if outside else "none") + ".")
-    charts = (data_grid(model.name, make("catenary", load_scene(model.name).units["catenary"])),)
-    settings = {name: statistics(result).settings for name, result in results.items()}
-    return Evidence(measured, charts, results, (*notes, *model.notes), settings=settings)
+    charts = (data_grid(name, make("catenary", load_scene(name).units["catenary"])),)
+    settings = {speed: statistics(result).settings for speed, result in results.items()}
+    return Evidence(measured, charts, results, tuple(notes), settings=settings)
 
 
 def stitched_statics(catenary: Any) -> dict[str, float]:
@@ -120,49 +108,4 @@ def first_share(mesh: Any, position: float, force: float) -> float:
     return low / force
 
 
-NO_RANGES = (
-    "What the standard's table allows for this model is not known here. The ranges are general rules (EN 50367, EN 50119), and "
-    "recalled.",
-    "Data of the model: recalled for a class of lines, or inferred from a drawing; see the table. So the runs show a line of "
-    "this kind, not the standard's model number by number.",
-)
-MODELS = (
-    Model(
-        "en50318-2018-ac-simple",
-        "EN 50318:2018, AC simple catenary",
-        (275.0, 320.0),
-        70.0,
-        None,
-        (
-            "At 320 km/h the ranges of the contact point's height and of the uplift are left out: what is recalled contradicts "
-            "itself.",
-        ),
-        "Runs the AC simple catenary with the three-mass pantograph at 275 and 320 km/h. The model data are read in public "
-        "sources but for the steady arm and the order of the dampers; the ranges are recalled. So this shows where the model "
-        "stands beside what is remembered of the table, and is no evidence of conformance to the standard.",
-    ),
-    Model(
-        "en50318-2018-ac-stitched",
-        "EN 50318:2018, AC stitched catenary",
-        (275.0, 320.0),
-        70.0,
-        stitched_statics,
-        NO_RANGES,
-        "Runs a stitched catenary of the standard's form at 275 and 320 km/h, and compares it at rest with an independent "
-        "solver. Tensions and wires are recalled for a class of lines, the droppers' places measured in a drawing; the "
-        "standard's ranges are not known here. So it says nothing of conformance; the rows at rest judge "
-        "the stitch wires.",
-    ),
-    Model(
-        "en50318-2018-dc-simple",
-        "EN 50318:2018, DC simple catenary",
-        (200.0, 250.0),
-        110.0,
-        two_wire_statics,
-        (*NO_RANGES, "The speeds are a choice. The force is the sum over both wires."),
-        "Runs a catenary with two contact wires, as the standard's DC simple model, at 200 and 250 km/h, and compares it at rest "
-        "with an independent solver: how both wires share a force, too. Tensions and wires are recalled for a class of lines, "
-        "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here.",
-    ),
-)
-AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (Case(m.name, m.title, m.text, (Question(partial(measure, m)),)) for m in MODELS)
+STATICS = {"stitched": stitched_statics, "two wires": two_wire_statics}

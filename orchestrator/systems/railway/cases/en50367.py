@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ....harness.charts.chart import Grid
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....harness.validation.limits_of_run import Rules
 from ....harness.validation.reference import Row, TableRow, compare, load_table
 from .. import RailwayKeys
@@ -113,12 +113,3 @@ def _measures(result: Result, pantograph: int) -> dict[str, float]:
             "loss_gaps": s.arcing,
         }
     )
-
-
-CASE = Case(
-    "en50367",
-    "Rules of EN 50367, EN 50119 and TSI ENE",
-    "Applies the rules on mean force, scatter, force limits, wave speed and arcing to the runs of both reference models. The "
-    "rules are recalled, so the case never passes; it shows how far the models are from each rule.",
-    (Question(measure),),
-)

@@ -9,7 +9,7 @@ import numpy as np
 from .....components.railway.contact import wire_height
 from ....harness.analysis.signals import Filter, uniform, window
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs, done
+from ....harness.validation import Evidence, Runs, done
 from ....harness.validation.reference import Row, TableRow
 from ....run.results import Result
 from ....run.run import run
@@ -130,13 +130,3 @@ def _notes(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> tup
         "pantograph would meet.",
         "The coefficients of k(x) are this project's own fit, not those of a paper on lumped catenaries.",
     )
-
-
-CASE = Case(
-    "lumped-against-distributed",
-    "Lumped against distributed catenary",
-    "Runs the same pantograph under a mass on a spring that varies along the span, with and without an inerter, and under the "
-    "distributed catenary. It shows for which questions the lumped model may be used: its rows hold only what such a "
-    "model can get right.",
-    (Question(measure),),
-)

@@ -12,7 +12,7 @@ from .....components.rotor.beam import BeamRotor
 from .....components.rotor.modal import campbell, critical_speeds, modes
 from ....harness.analysis.spectra import peak
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -83,13 +83,3 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
         series.append(Series(f"{name}, from the motion", points[:, 0], points[:, 1], "points"))
     return Chart("Campbell diagram", "speed, rpm", (Panel("whirl frequency, rad/s", tuple(series)),),
                  "Lines: eigenvalues. Points: lines in the spectrum of x + i y of the runs.")  # fmt: skip
-
-
-CASE = Case(
-    "friswell-5.9.1",
-    "Whirl frequencies of a rotor with two disks",
-    "A Timoshenko shaft of six elements with two disks on isotropic springs: whirl frequencies at rest, at 1000 and 4000 rpm, "
-    "and synchronous critical speeds. It shows that elements, disks, gyroscopic matrix and supports are those of the book and of "
-    "an independent program, and that the time integration whirls at the same frequencies. It says nothing about damping.",
-    (Question(measure, scenes),),
-)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -79,13 +79,3 @@ def _chart(measured: dict[str, float]) -> Chart:
         points = [measured[f"{name}.{ratio:g}"] for ratio in RATIOS]
         panels.append(Panel(title, (Series("closed form", r, curve), Series("runs", RATIOS, points, "points"))))
     return Chart("Unbalance response", "speed / critical speed", tuple(panels), "Runs: last turn after 24 time constants.")
-
-
-CASE = Case(
-    "jeffcott",
-    "Unbalance response and stability of the Jeffcott rotor",
-    "Amplitude and phase of the unbalance response below, at and above the critical speed, its peak, and the speed from which on "
-    "internal damping makes the rotor whirl by itself, against closed forms. A check of signs, phases and of the integration; "
-    "a rotor of one mass has no gyroscopic effect to check.",
-    (Question(measure, scenes),),
-)

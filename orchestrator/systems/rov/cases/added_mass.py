@@ -7,7 +7,7 @@ import numpy as np
 from .....components.rov.added_mass import AddedMassForce
 from .....components.rov.hull import RovHull
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
 from ... import load_scene
@@ -96,15 +96,3 @@ def _exchange_chart(plain: np.ndarray, relaxed: np.ndarray) -> Chart:
     )
     panel = Panel("distance from the true one, m/s²", series, logarithmic=True)
     return Chart("One instant, exchange by exchange", "exchanges", (panel,))
-
-
-CASE = Case(
-    "rov-added-mass",
-    "Added mass exchanged as a force",
-    "A vehicle that takes more water along than it weighs (14.57 kg to 11.5 kg in heave, Wu 2018), the water's inertia once "
-    "inside the hull and once as a force from another unit. Exchanged once per step, the acceleration grows by the ratio of the "
-    "masses a step, however short the step; the loop solved in every instant, by relaxation here, gives the motion of the one"
-    " unit. Reported by users of several simulators as instability, such as uuvsimulator/uuv_simulator #181 and #96, gazebo-"
-    "classic #2066, gz-sim #749.",
-    (Question(measure, scenes, may_fail=FAILING, at_its_steps=FAILING),),
-)

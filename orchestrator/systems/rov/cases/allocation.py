@@ -9,7 +9,7 @@ import numpy as np
 from .....components.rov.allocation import allocate, allocation_of
 from .....components.rov.arrangement import HORIZONTAL_HEIGHT, HORIZONTAL_RADIUS, VERTICAL_RADIUS, wrench_matrix, y_arrangement
 from ....harness.charts.chart import Grid
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 
 FORWARD, REVERSE = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
 AXES = ("X", "Y", "Z", "K", "M", "N")
@@ -68,13 +68,3 @@ def printed() -> np.ndarray:
             [0.0, 0.0, 1.0, aside[1], -near[1], 0.0],
         ]
     ).T
-
-
-CASE = Case(
-    "rov-allocation",
-    "Thruster allocation of the Y-arrangement",
-    "Determinant, singular values and rank of the matrix from six thrusts to the wrench, and the largest force or moment "
-    "along each axis within the limits of a T200 thruster, against closed forms. Six thrusters give six degrees of freedom; "
-    "without any one of them it is five. Says nothing on the water: thrusters that draw each other's wake are not in it.",
-    (Question(measure),),
-)

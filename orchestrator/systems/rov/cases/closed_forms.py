@@ -11,7 +11,7 @@ import numpy as np
 from .....components.rov.hull import WATER, RovHull
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -140,14 +140,3 @@ def _munk_chart(result: Result) -> Chart:
         (Panel("pitch rate, rad/s", series, logarithmic=True),),
         "Munk's moment turns a body broadside to its way.",
     )
-
-
-CASE = Case(
-    "rov-closed-forms",
-    "Hull of an underwater vehicle against closed forms",
-    "Terminal speeds and the start from rest, frequencies of roll and pitch, the period of a large roll, energy and impulse "
-    "of a tumbling body in a perfect fluid, the growth of Munk's instability, and the same motion in still and in moving "
-    "water. A check of the equations and their integration. Whether coefficients of drag are those of a vehicle is another "
-    "question: published sets of one and the same vehicle differ eightfold.",
-    (Question(measure, scenes),),
-)

@@ -12,7 +12,7 @@ from .....components.two_axis_joint.chain import TwoLinkChain
 from .....components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -158,13 +158,3 @@ def _friction_chart(result: Result, closed: list[float]) -> Chart:
     series = (Series("closed form", k, np.abs(closed)), Series("run", np.arange(len(points)), np.abs(points), "points"))
     text = f"A pendulum of 9.81 N.m with {FRICTION:g} N.m of dry friction, released at 1 rad; it rests where friction bears it."
     return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)
-
-
-CASE = Case(
-    "chain-closed-forms",
-    "Chain of two links against closed forms",
-    "Frequencies of small motion, eigenvalues and the exact solution of the damped chain, energy and angular momentum of a "
-    "large free motion, the pendulum's period at large amplitudes, turning points and rest of a pendulum with dry friction. A "
-    "check of equations, integration and events. The double pendulum's chaos has no closed form; of it only energy is kept.",
-    (Question(measure, scenes),),
-)

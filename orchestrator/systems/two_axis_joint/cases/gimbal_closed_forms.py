@@ -11,7 +11,7 @@ import numpy as np
 from .....components.two_axis_joint.closed_forms import governor
 from ....harness.analysis.sections import swing_frequency
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....scene.build import unit
 from ....scene.scene import Scene
 from ... import build_scene
@@ -110,13 +110,3 @@ def _chart(measured: Mapping[str, float]) -> Chart:
         points = [measured[f"governor.{name}.{w:g}"] for w in ABOVE]
         panels.append(Panel(title, (Series("closed form", speeds, curve), Series("runs", ABOVE, points, "points"))))
     return Chart("Governor", "imposed speed, rad/s", tuple(panels), "Above 8.58 rad/s the hanging body swings out.")
-
-
-CASE = Case(
-    "gimbal-closed-forms",
-    "Body on two axes against closed forms",
-    "Motion without torques (period of the inner axis, momentum and energy), the governor's critical speed, its angles and "
-    "frequencies above it, small motion about a horizontal axis, nutation of a rotor, and its precession under a torque. A check "
-    "of equations and integration; friction, stops and motors are not in it.",
-    (Question(measure, scenes),),
-)

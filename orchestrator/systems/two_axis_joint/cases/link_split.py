@@ -10,7 +10,7 @@ import numpy as np
 
 from .....components.two_axis_joint.chain import TwoLinkChain
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....scene.scene import Scene
 from ... import load_scene
 
@@ -182,14 +182,3 @@ def _compliance_chart(differences: list[float]) -> Chart:
     panel = Panel("difference, rad", (Series("split less whole", names, differences, "line+points"),), logarithmic=True)
     text = f"Largest difference of an angle over {SPAN:g} s from the chain in one unit: what the joint gives way."
     return Chart("What the compliance costs", "stiffness of the joint", (panel,), text)
-
-
-CASE = Case(
-    "link-split",
-    "Two links in two units",
-    "A double pendulum cut at its second joint, the links in units of their own with a stiff spring and damper between them: the "
-    "small motion against the eigenvalues of the chain with that joint, the large one against the chain in one unit, and what "
-    "macro step and algorithm cost. It shows when forces between two inertias may be exchanged plainly and when they must be "
-    "iterated; it says nothing of contacts.",
-    (Question(shown, scenes), Question(measure, in_process=True)),
-)

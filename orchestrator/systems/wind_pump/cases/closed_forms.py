@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -174,14 +174,3 @@ def _chart(runs: Runs) -> Chart:
     betz = Series("Betz", ends, [16.0 / 27.0, 16.0 / 27.0], faint=True)
     text = "As the runs passed them. The farm windmill has its best ratio at 1.2, where the others hardly give any torque."
     return Chart("Power coefficients", "tip speed ratio, 1", (Panel("power coefficient, 1", (betz, *series)),), text)
-
-
-CASE = Case(
-    "wind-pump-closed-forms",
-    "Closed forms of a wind pump's parts",
-    "Largest power coefficients of the turbine's curves and where they lie, Betz's limit, torque at standstill; mean and peak "
-    "torque and volume of piston pumps; affinity laws of the centrifugal pump in a pipe; Willis's relation and torques of the "
-    "planetary gear set; torque and power of the averaged converter. Measured in runs of the units, not by evaluating their "
-    "functions. It shows that the equations are the ones cited; it does not show that a real windmill has these curves.",
-    (Question(measure, scenes),),
-)

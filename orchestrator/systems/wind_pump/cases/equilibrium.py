@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....scene.build import unit
 from ....scene.scene import Scene
 from ... import build_scene
@@ -79,14 +79,3 @@ def _chart(measured: dict[str, float]) -> Chart:
         points = Series("runs", WINDS, [measured[f"{name}.{v:g}"] for v in WINDS], "points")
         panels.append(Panel(label, (Series("closed form", wind, values), points), logarithmic=name == "ratio"))
     return Chart("Operating points", "wind, m/s", tuple(panels), "The ratio follows the wind without any control.", columns=2)
-
-
-CASE = Case(
-    "wind-pump-equilibrium",
-    "Operating points of a wind pump whose ratio adjusts itself",
-    "A farm windmill and the cycle-averaged inertial converter under the mean torque of a piston pump, coupled units that start "
-    "at rest: speeds, ratio, power coefficient and power balance in a steady wind of 2 to 6 m/s against the root of the two "
-    "equilibrium equations, found outside of this project. It checks causality, signs and powers of the coupling; that the "
-    "averaged converter is the mean of the full one is for another case.",
-    (Question(measure, scenes),),
-)

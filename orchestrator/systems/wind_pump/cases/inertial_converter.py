@@ -10,7 +10,7 @@ import numpy as np
 
 from ....harness.analysis.operating_point import SceneRates, operating_line, operating_point
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -224,14 +224,3 @@ def _points(measured: Mapping[str, float]) -> Chart:
         tuple(panels),
         "Growth: real parts of the eigenvalues of the averaged set, which is stable where both are negative.",
     )
-
-
-CASE = Case(
-    "inertial-converter",
-    "The inertial converter in full and in the mean",
-    "Crank, floating lever and rigid one-way clutches, integrated through up to four engagements a revolution, against the mean "
-    "over a revolution: torque and power at held speeds from near stall to near the largest speed, speeds under a load, "
-    "operating points behind a farm windmill, and the swing back to one of them. Each model validates the other, and the "
-    "differences show what the averaged one leaves out. It says nothing of a converter that was built.",
-    (Question(measure, scenes),),
-)

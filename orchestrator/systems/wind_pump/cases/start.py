@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -93,14 +93,3 @@ def _chart(measured: dict[str, float]) -> Chart:
     series = [Series(kind, list(places.values()), values, "points") for kind, values in winds.items()]
     text = "In the slow wind the start is against the peak torque, the stop against the mean; else piston and flywheel decide."
     return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
-
-
-CASE = Case(
-    "wind-pump-start",
-    "Start and stop wind of a piston pump, fixed ratio against inertial converter",
-    "A single-acting piston takes pi times its mean torque at the peak of its stroke, so that a pump that stands needs sqrt(pi) "
-    "times the wind that keeps it running. Start and stop winds of both transmissions in a slow wind against closed forms, and a "
-    "whole rise and fall of the wind, where piston and flywheel decide, against an integration of the same equations by SciPy "
-    "outside of this project. Turbine, pump and flywheel are the same for both; the numbers are no statement about real pumps.",
-    (Question(measure, scenes),),
-)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -122,13 +122,3 @@ def _chart(turning: Result, stopped: Result) -> Chart:
         panels.append(Panel("ratio, 1", (ratio,), title=title, x_label="angle of the input, degrees", y_range=limits))
     text = "One linkage, driven from either side: where the rocker turns back on the left, it cannot go on on the right."
     return Chart("Ratio", "", tuple(panels), text, columns=2)
-
-
-CASE = Case(
-    "four-bar",
-    "Closed forms of the planar four-bar linkage",
-    "Extremes of rocker and transmission angle of a crank-rocker, closure of its loop, virtual work under load and with damped "
-    "pins, the toggle at which a run has to fail, and change points that are passed without a kink. It shows that the unit is "
-    "this linkage; that a wrist is made of two of them is a reading of the abstract of Sandow (2020), and not shown.",
-    (Question(measure, scenes, may_fail=(TOGGLE,)),),
-)

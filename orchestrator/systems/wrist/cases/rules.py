@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.chart import Chart, Grid, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -129,14 +129,3 @@ def _grid(measured: dict[str, float]) -> Grid:
         (unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD
     )
     return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")
-
-
-CASE = Case(
-    "wrist-rules",
-    "Row rules, roll, ligaments and energy of the wrist",
-    "What the rows do in flexion, extension, radial and ulnar deviation against the rule of the abstract of Sandow (2020), their "
-    "angles and the roll of the hand against the exact inverse of two rotations, isometric ligaments, reciprocity of the "
-    "stiffness, decay of energy. Measured in runs. That real carpal bones turn by these angles it does not show: axes, extents "
-    "and stiffness are not published with that abstract.",
-    (Question(measure, scenes),),
-)

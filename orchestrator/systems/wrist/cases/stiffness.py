@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Case, Evidence, Question, Runs
+from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -100,13 +100,3 @@ def _chart(ranges: dict[str, np.ndarray]) -> Chart:
         "measured on six wrists, 26.6 ± 4.4 degrees from flexion and extension, towards ulnar flexion."
     )
     return Chart("Envelope of the passive wrist", "", (panel,), text, columns=2, height=380)
-
-
-CASE = Case(
-    "wrist-stiffness",
-    "Passive stiffness of the wrist against cadaver data",
-    "Moments of 2 N.m in 24 directions, as six cadaver wrists were tested: orientation of the envelope, direction and size of "
-    "the largest and the smallest stiffness. The stiffness is the preset's, made from the same publication; the range of motion, "
-    "most of which is a neutral zone that a linear stiffness does not have, is not compared.",
-    (Question(measure, scenes),),
-)

@@ -12,7 +12,7 @@ from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
 from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 
 RPM = 2.0 * math.pi / 60.0
 SPEED = 3000.0 * RPM
@@ -64,7 +64,7 @@ def measure(runs: Runs) -> Evidence:
         "Multiplication by a scale only shifts the exponent: with units of 2^-18 m and 2^-10 s the trajectory is the same bit "
         "for bit. What scaling cures are absolute thresholds: tolerances, differences, and numbers of a short range."
     )
-    return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(note,), claim="A1")
+    return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(note,))
 
 
 def binary_units() -> float:
@@ -241,6 +241,3 @@ def _solvers(table: dict[str, dict[str, tuple[float, int]]]) -> Chart:
         "Relative tolerance 1e-3, absolute 1e-6: a quarter of the deflection, if lengths are in metres. The same "
         "tolerance per state, in the scales of the motion, does what the dimensionless form does.",
     )
-
-
-QUESTION = Question(measure)

@@ -13,7 +13,7 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 
 BASE = {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 0.05}  # ten times the set's damping: transients die out
 SPEED, GAP = 0.05, 0.3  # Om, G
@@ -40,7 +40,7 @@ def measure(runs: Runs) -> Evidence:
     for zeta in (0.005, 0.02):
         measured[f"exponents.{zeta:g}"] = exponent_sum(zeta) / (-4.0 * zeta)
     curves = {f"G = {g:g}": response({}, {"clearance.radial_clearance": g}, ["clearance"]) for g in GAPS}
-    return Evidence(measured, (_chart({"number of balls": lines, "clearance": curves}),), claim="A2")
+    return Evidence(measured, (_chart({"number of balls": lines, "clearance": curves}),))
 
 
 def equal_groups() -> float:
@@ -129,6 +129,3 @@ def _chart(groups: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]) -> Chart
         f"Dimensionless bearing at Om = {SPEED:g}, no fault. The balls set where the lines are, the clearance how high.",
         columns=2,
     )
-
-
-QUESTION = Question(measure)

@@ -7,7 +7,7 @@ import numpy as np
 from ......components.bearings.ball_bearing import BallBearing
 from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from ..lyapunov_sum import INTERVAL, SCALES, SPEED, STATES, TRANSIENT
 
 GAPS = (5.0, 15.0, 19.0, 21.0, 24.0, 27.0, 30.0)  # um, radial
@@ -31,7 +31,7 @@ def measure(runs: Runs) -> Evidence:
         f"Order up to 19 um and chaos from 21 um on is what 1000 rpm, 200 N.s/m and 196 N have. It holds in {len(held)} of "
         f"{len(SETS)} other sets ({', '.join(held) or 'none'}); " + "; ".join(_chaos(n, e) for n, e in largest.items()) + "."
     )
-    return Evidence(measured, (_chart(largest),), notes=(note,), claim="A6")
+    return Evidence(measured, (_chart(largest),), notes=(note,))
 
 
 def largest_exponent(clearance: float, given: dict[str, float]) -> float:
@@ -66,6 +66,3 @@ def _chart(largest: dict[str, np.ndarray]) -> Chart:
         "One parameter at a time, halved and doubled. Above zero: chaos.",
         columns=3,
     )
-
-
-QUESTION = Question(measure)

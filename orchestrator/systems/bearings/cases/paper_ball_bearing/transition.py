@@ -12,7 +12,7 @@ from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.recurrence import Quantification, quantify, recurrence_matrix, standardised
 from .....harness.analysis.sections import distinct
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from ..lyapunov_sum import INTERVAL, INTERVALS, SAME, SCALES, SPEED, STATES, TRANSIENT, bearing, passages
 
 GAPS = np.arange(0.0, 30.5, 1.0)  # um, radial
@@ -51,7 +51,7 @@ def measure(runs: Runs) -> Evidence:
         "Sampled finely, any smooth motion stays near its past for some samples: DET is high in chaos, too, and does not tell it "
         "from order. Sampled once a natural period, it does.",
     )
-    return Evidence(measured, charts, notes=notes, claim="A6")
+    return Evidence(measured, charts, notes=notes)
 
 
 def separation(largest: np.ndarray, plots: list[Quantification]) -> dict[str, float]:
@@ -139,6 +139,3 @@ def _plots(matrices: list[np.ndarray]) -> Chart:
         columns=3,
         height=300,
     )
-
-
-QUESTION = Question(measure)

@@ -9,7 +9,7 @@ import numpy as np
 from .....harness.analysis.signals import amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .shaft import BALL_PASS, BALLS, FREQUENCY, LENGTH, MASS, acceleration, over_a_pitch, scene, stiffness
@@ -57,7 +57,7 @@ def measure(runs: Runs) -> Evidence:
         "From where two balls carry the weight on, the loads follow from their directions alone, and with them the stiffness: "
         "more clearance changes nothing any more.",
     )
-    return Evidence(measured, (_frequencies(static), _levels(levels)), notes=notes, claim="C4")
+    return Evidence(measured, (_frequencies(static), _levels(levels)), notes=notes)
 
 
 def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
@@ -143,6 +143,3 @@ def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:
     squares = (sum(k * f(at) ** 2 for k, at in zip(stiffness, (a, b), strict=True)) for f in (np.cos, np.sin))
     along, across = (float(np.sqrt(s).mean()) for s in squares)
     return along, across
-
-
-QUESTION = Question(measure, scenes, in_process=True)

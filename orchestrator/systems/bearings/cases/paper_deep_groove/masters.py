@@ -18,7 +18,7 @@ from fmpy.ssp.ssd import Parameter, ParameterSet
 from ......components.bearings.ball_bearing import BallBearing
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.other_masters import as_other_masters
-from .....harness.validation import Evidence, Question, Runs, done
+from .....harness.validation import Evidence, Runs, done
 from .....run.run import run
 from .....scene.scene import Scene
 from .....scene.shorter_steps import coarser_meshes, shorter_steps
@@ -61,7 +61,7 @@ def measure(runs: Runs) -> Evidence:
     header = ("master", "macro step, us", "largest difference from the system in one piece, %")
     text = "All but the last of ours hand over values once a step and hold them, as simple masters do."
     grid = Grid("One package, several masters", header, rows, text)
-    return Evidence(measured, (_chart(exact, histories), grid), notes=(NOTE,), claim="C8")
+    return Evidence(measured, (_chart(exact, histories), grid), notes=(NOTE,))
 
 
 NOTE = (
@@ -185,6 +185,3 @@ def _chart(exact: np.ndarray, histories: dict[tuple[str, float], np.ndarray]) ->
         (Panel("height of the shaft, um", tuple(lines)), Panel("difference from one piece, nm", tuple(away))),
         f"Macro step {1e6 * fine:g} us, held inputs. The shaft falls into the bearing and then follows the balls.",
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -9,7 +9,7 @@ import numpy as np
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .shaft import BALL_PASS, BALLS, LENGTH, scene
@@ -67,7 +67,7 @@ def measure(runs: Runs) -> Evidence:
     measured["harmonic.rate"] = math.log(second[1] / second[0]) / math.log(LARGER[1] / LARGER[0])
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
     note = f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm."
-    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(note,), claim="C6")
+    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(note,))
 
 
 def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Scene:
@@ -149,6 +149,3 @@ def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
         (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
         "Lines: load zone of a bearing with many balls and no clearance, in closed form.",
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

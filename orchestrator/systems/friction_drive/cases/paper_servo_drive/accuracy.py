@@ -9,7 +9,7 @@ import numpy as np
 
 from ......components.friction_drive.kinematics import ANGLE, LAYOUTS, sleeve_rates
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .drive import (
@@ -94,6 +94,3 @@ def band() -> float:
     voltage = RESISTANCE * torque / (GEAR * CONSTANT)
     wheel_rate = voltage / (GEAR * CONSTANT + RATE_GAIN)
     return wheel_rate * WHEEL / COSINE / GAIN + STEP
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .drive import COSINE, FRICTION, GRAVITY, MASS, NORMAL, SINE, WHEEL, side_by_side
@@ -100,6 +100,3 @@ def per_metre(force: float) -> float:
 
 def _wheels(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return unit("FrictionWheels", effects=["exact_slip", "trocar_friction", "gravity"], **parameters)
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....scene.scene import Scene
 from .drive import CONSTANT, FULL, GEAR, RESISTANCE, ROLLERS, controlled, wheel_inertia
 
@@ -106,6 +106,3 @@ def _whole_chart(runs: Runs) -> Chart:
         "rate and voltage. Together the two axes share the rate that the wheels may have.",
         columns=2,
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
@@ -93,6 +93,3 @@ def _hunting_chart(slow: Result) -> Chart:
         "leaves an error that stays.",
         height=200,
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

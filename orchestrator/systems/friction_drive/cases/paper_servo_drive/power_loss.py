@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .drive import CONSTANT, COSINE, FRICTION, FULL, GEAR, NORMAL, RESISTANCE, ROLLERS, SHAFT, SHAFT_STATIC, WHEEL, side_by_side
@@ -89,6 +89,3 @@ def brake() -> float:
 
 def _drive(parameters: dict[str, Any]) -> dict[str, Any]:
     return unit("FrictionDrive", effects=FULL, layout=ROLLERS, **parameters)
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ......components.pipe_robot.rolling import RING
 from .....harness.charts.chart import Chart, Panel, Picture, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -69,7 +69,7 @@ def measure(runs: Runs) -> Evidence:
         f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
         "is no solution, and the body sticks for a part of the period."
     )
-    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,), claim="F3")
+    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,))
 
 
 def _side_by_side(designs: Iterable[Design], least: float = SETTLED) -> Scene:
@@ -174,6 +174,3 @@ def _lines(speeds: Mapping[Key, float]) -> Chart:
         points = Series("runs", FREQUENCIES, [speeds[r, q] for r in FREQUENCIES], "points")
         panels.append(Panel("mean speed, m/s", (Series("balance", x, closed), points), title=f"friction 1 : {q:g}"))
     return Chart("Mean speed over the frequency", "exciter over resonance, 1", tuple(panels), "Two lines of it.", columns=2)
-
-
-QUESTION = Question(measure, scenes)

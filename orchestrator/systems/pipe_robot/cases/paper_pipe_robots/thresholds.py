@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from ...robots import TURN, last_speed, side_by_side
@@ -55,7 +55,7 @@ def measure(runs: Runs) -> Evidence:
     holds = runs["holds"]
     measured |= {f"holds.{name}": float(np.ptp(holds[f"r{k}.position"])) for k, name in enumerate(("below", "above"))}
     measured["holds.angle"] = math.degrees(math.asin(STEEPEST))
-    return Evidence(measured, (_chart(),), claim="F3")
+    return Evidence(measured, (_chart(),))
 
 
 def _pair(result: Result, frequency: float) -> dict[str, float]:
@@ -92,6 +92,3 @@ def _chart() -> Chart:
         "Between both lines of a spring a body steps forwards only. It takes least where the inner mass resonates "
         "against the body at rest.",
     )
-
-
-QUESTION = Question(measure, scenes)

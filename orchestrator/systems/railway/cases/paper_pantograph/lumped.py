@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs, done
+from .....harness.validation import Evidence, Runs, done
 from .....run.results import Result
 from .....run.run import run
 from .....scene.shorter_steps import kept_runs
@@ -119,6 +119,3 @@ def scatter(swing: float, speed: float) -> float:
     """Standard deviation of the contact force over swing and mean."""
     _, force = last_force(lumped_run(speed, swings=(swing,), stop=LONG))
     return float(force.std() / (swing * force.mean()))
-
-
-QUESTION = Question(measure)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ......components.railway.statics import elasticity, stiffness_series
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from ..catenary_statics import RIGID, resting_catenary
 from .lumped import SPAN, STIFFNESS, SWING
 
@@ -42,6 +42,3 @@ def measure(runs: Runs) -> Evidence:
         "droppers a thirteenth.",
     )
     return Evidence(measured, (chart,))
-
-
-QUESTION = Question(measure)

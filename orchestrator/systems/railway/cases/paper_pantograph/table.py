@@ -6,7 +6,7 @@ import numpy as np
 
 from .....harness.analysis.signals import Filter, uniform, window
 from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....harness.validation.reference import compare, load_table
 from .....run.results import Result
 from ...records import analysis_window, passages
@@ -126,6 +126,3 @@ def inside(of_speed: dict[float, dict[str, float]]) -> str:
     """How many cells of the table hold."""
     rows = [r for v in SPEEDS for r in compare(load_table("en50318-2002").under(f"{v:g} km/h"), of_speed[v])]
     return f"{sum(r.inside for r in rows)} of {len(rows)}"
-
-
-QUESTION = Question(measure, in_process=True)

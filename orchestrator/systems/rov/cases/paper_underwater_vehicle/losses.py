@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from ...records import vehicles
@@ -86,6 +86,3 @@ def _panel(layout: str, results: dict[int, Result]) -> Panel:
         distance = np.sqrt(sum(vehicle.errors[n] ** 2 for n in ("error_north", "error_east", "error_down")))
         series.append(Series(f"without {k}" if k else "all", result.time[::10], np.maximum(distance[::10], 1e-4), faint=not k))
     return Panel("distance, m", tuple(series), title=f"{layout} thrusters", logarithmic=True)
-
-
-QUESTION = Question(measure, scenes, in_process=True)

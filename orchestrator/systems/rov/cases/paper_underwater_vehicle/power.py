@@ -6,7 +6,7 @@ import numpy as np
 
 from ......components.rov.allocation import allocate, allocation_of
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .layouts import AHEAD, ASTERN, MATRICES, ideal_power
 from .wrench_sets import circle, largest
 
@@ -80,6 +80,3 @@ def given(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
     for wrench, result in zip(wrenches, results, strict=True):
         allocate(wrench, per_wrench, matrix, AHEAD, ASTERN, thrust, result)
     return np.linalg.norm(results, axis=1)
-
-
-QUESTION = Question(measure)

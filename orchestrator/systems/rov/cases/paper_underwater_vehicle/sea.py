@@ -10,7 +10,7 @@ import numpy as np
 from ......components.rov.hull import WATER, RovHull
 from ......components.rov.waves import wave_number
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -137,6 +137,3 @@ def _free_chart(free: Result) -> Chart:
         "Inertia, added mass and the pressure gradient together let a neutral vehicle move as the water does.",
         height=200,
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

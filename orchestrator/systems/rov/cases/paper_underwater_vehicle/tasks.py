@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
@@ -117,6 +117,3 @@ def _power_chart(runs: Runs) -> Chart:
         "Work of the jets alone; motors and propellers take a multiple of it, the same for both.",
         height=170,
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from .....harness.charts.chart import Chart, Grid, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .layouts import AHEAD, ASTERN, AXES, MATRICES
 
 RESIDUAL = 0.01  # N or N.m per N or N.m asked for: what may be left over of a wrench that five thrusters give
@@ -158,6 +158,3 @@ def _axes_grid() -> Grid:
         "Of five thrusters 1 % of another component may be left "
         "over: the horizontal ones lie 3.9 mm off the plane of the others.",
     )
-
-
-QUESTION = Question(measure)

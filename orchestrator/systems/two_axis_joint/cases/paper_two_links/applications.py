@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import quad, solve_ivp
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -95,7 +95,7 @@ def measure(runs: Runs) -> Evidence:
         measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
     measured |= _free(runs["satellite-panel"]) | _tracking(runs["two-link-manipulator"]) | _crusher(runs["jaw-crusher"])
     shown = {n: runs[n] for n in ("satellite-panel", "two-link-manipulator")}
-    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown, claim="I4")
+    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown)
 
 
 def _panels() -> Scene:
@@ -222,6 +222,3 @@ def _jaw(result: Result) -> Chart:
                                               Series("along y", result.time, 1e-3 * result["foot.second_force_y"])),
                   x_label="time, s")  # fmt: skip
     return Chart("Jaw crusher, idling", "", (foot, force), "The lower end of the jaw goes round a flat loop.", columns=2)
-
-
-QUESTION = Question(measure, scenes)

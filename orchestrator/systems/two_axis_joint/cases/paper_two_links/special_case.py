@@ -10,7 +10,7 @@ import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -64,7 +64,7 @@ def measure(runs: Runs) -> Evidence:
         "The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
         "stiffness alone is out of reach of joint dampers."
     )
-    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,), claim="I3")
+    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,))
 
 
 def matrices(name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -176,6 +176,3 @@ def _decay(result: Result) -> Chart:
     errors = (Series("first link", result.time, (_angles(result, "d0") - closed)[:, 0] / SMALL),)
     panels = (Panel("angle over amplitude, 1", series), Panel("run less closed form, 1", errors))
     return Chart("Equal point masses with equal dampers: one mode decays alone", "time, s", panels)
-
-
-QUESTION = Question(measure, scenes)

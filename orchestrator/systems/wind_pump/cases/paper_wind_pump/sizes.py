@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from ..start import FREE
@@ -60,7 +60,7 @@ def measure(runs: Runs) -> Evidence:
         f"At {MEAN:g} m/s {len(lost)} of {len(over)} sizes give less than the best fixed ratio: {names}. With a lever of 20 kg the "
         f"converter wins with gears from {low:.2f} to {high:.2f}: below, it starts too late; above, it brakes the turbine in strong winds."
     )
-    return Evidence(measured, (_chart(over),), notes=(note,), claim="H2")
+    return Evidence(measured, (_chart(over),), notes=(note,))
 
 
 def scenes_of() -> list[tuple[float, float]]:
@@ -93,6 +93,3 @@ def _chart(over: dict[tuple[float, float], float]) -> Chart:
         (Panel("1", (*lines, level)),),
         f"Rayleigh, {MEAN:g} m/s mean wind, 20 m of lift. Below 1 the converter loses: its size has to suit the site.",
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)

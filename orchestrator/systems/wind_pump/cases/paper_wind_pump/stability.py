@@ -12,7 +12,7 @@ import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene
@@ -80,7 +80,7 @@ def measure(runs: Runs) -> Evidence:
         measured |= _eigenvalues(wind)
     for branch, speed in _branches().items():
         measured[f"fixed.{branch}"] = abs(runs[branch]["turbine.speed"][-1] / speed - 1.0) / (PUSH - 1.0)
-    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), claim="H1")
+    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])))
 
 
 @cache
@@ -252,6 +252,3 @@ def _worst(points: list[Point]) -> list[Point]:
         if key not in cells or p.growth > cells[key].growth:
             cells[key] = p
     return list(cells.values())
-
-
-QUESTION = Question(measure, scenes, in_process=True)  # thousands of starts in all

@@ -9,7 +9,7 @@ import numpy as np
 
 from .....harness.analysis.fatigue import Endurance, rainflow
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -48,7 +48,7 @@ def measure(runs: Runs) -> Evidence:
         f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
         f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled."
     )
-    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,), claim="H1")
+    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,))
 
 
 def piston() -> Scene:
@@ -165,6 +165,3 @@ def _damage(fixed: Result, held: Result) -> Chart:
                  (Panel("Miner's sum, 1", tuple(lines), logarithmic=True),),
                  "Elementary rule of Palmgren and Miner, rainflow cycles of the nominal stress; the endurance is recalled, and "
                  "notches are not in it.")  # fmt: skip
-
-
-QUESTION = Question(measure, scenes)

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -95,7 +95,7 @@ def measure(runs: Runs) -> Evidence:
         f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
         "start against the pump's peak."
     )
-    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,), claim="H2")
+    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
 
 
 def _balanced(ratio: float) -> float:
@@ -202,6 +202,3 @@ def _sites(measured: dict[str, float]) -> Chart:
         (Panel("m³", water),),
         "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.",
     )
-
-
-QUESTION = Question(measure, scenes, in_process=True)  # a hundred units

@@ -11,7 +11,7 @@ from ......components.wrist.kinematics import inverse
 from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachments, lengths
 from ......components.wrist.ligaments import LigamentBundle
 from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
@@ -47,7 +47,7 @@ def measure(runs: Runs) -> Evidence:
         "back": _back(),
     }
     measured |= _interventions(runs["cuts"]) | _person(runs["person"])
-    return Evidence(measured, (_chart(named, control), _ranges(measured)), claim="G6")
+    return Evidence(measured, (_chart(named, control), _ranges(measured)))
 
 
 def _strains(ends: np.ndarray) -> np.ndarray:
@@ -146,6 +146,3 @@ def _ranges(measured: dict[str, float]) -> Chart:
         (Panel("degrees", series),),
         "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".",
     )
-
-
-QUESTION = Question(measure, scenes)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ......components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, inverse, jacobian, pose, row_rotation
 from .....harness.charts.chart import Chart, Grid, Panel, Picture, Series
-from .....harness.validation import Evidence, Question, Runs
+from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -60,7 +60,7 @@ def measure(runs: Runs) -> Evidence:
         measured |= {f"roll.most.{name}": DEGREES * most, f"roll.share.{name}": 100.0 * most / largest}
         measured |= {f"{what}.{name}": v for what, v in zip(("s", "p", "slope"), _small(runs[f"small, {name}"]), strict=True)}
     measured |= _arc() | _distal_axis() | _roll_stiffness(runs["rolling"])
-    return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)), claim="G2")
+    return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)))
 
 
 def axes(name: str) -> Axes:
@@ -206,6 +206,3 @@ def _rows_grid(held: Mapping[str, Mapping[str, float]]) -> Grid:
         rows,
         "In runs, held by torques against 1 N.m/rad.",
     )
-
-
-QUESTION = Question(measure, scenes)
