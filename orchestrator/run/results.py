@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
+from ...components.core.measure import conversion
 from ..output import UNFINISHED, is_locked, locked, not_written, write_json
 from ..scene.scene import Models, recorded_scene
 from .recording import INFO, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
@@ -123,15 +124,33 @@ class Result:
             names |= dict.fromkeys(some)
         return list(names)
 
-    def series(self, signal: str, name: str = "", *, over: str = TIME, scale: float = 1.0, over_scale: float = 1.0, every: int = 1,
-               kind: str = "line", faint: bool = False) -> Series:  # fmt: skip
-        """A recorded signal as the line of a chart: `scale` times it over time, or over another signal times `over_scale`.
+    def series(
+        self,
+        signal: str,
+        name: str = "",
+        *,
+        over: str = TIME,
+        scale: float | str = 1.0,
+        over_scale: float | str = 1.0,
+        since: float | None = None,
+        until: float | None = None,
+        every: int = 1,
+        kind: str = "line",
+        faint: bool = False,
+    ) -> Series:
+        """A recorded signal as the line of a chart: over time, or over another signal.
 
-        name: in the legend, the signal's own without one.  every: so many rows from one point to the next.  kind, faint: of `Series`.
-        Raises `BadInput` with the near names for a signal that is not recorded.
+        name: in the legend, the signal's own without one.  scale, over_scale: a number, or the unit of measure that is shown.
+        since, until: s, ends of what is shown.  every: rows from one point to the next.  kind, faint: of `Series`.
+        Raises `BadInput` with the near names for a signal that is not recorded, and for a unit of another dimension.
         """
-        x = self.time if over == TIME else self[over]
-        return Series(name or signal, over_scale * x[::every], scale * self[signal][::every], kind, faint)
+        first = 0 if since is None else int(np.searchsorted(self.time, since))
+        kept = slice(first, None if until is None else int(np.searchsorted(self.time, until, "right")), every)
+        x = self._shown(over, over_scale) if over != TIME else _scaled(self.time, "s", over_scale)
+        return Series(name or signal, x[kept], self._shown(signal, scale)[kept], kind, faint)
+
+    def _shown(self, signal: str, scale: float | str) -> np.ndarray:
+        return _scaled(self[signal], self.measures.get(signal, "1"), scale)
 
     def to_pandas(self, signals: Iterable[str] | None = None) -> pd.DataFrame:
         """Signals as columns over the index "time", s; units of measure by column in attrs["units"]."""
@@ -352,3 +371,9 @@ def result_of(
         dict(zip(strings, texts.T, strict=True)),
         directory,
     )
+
+
+def _scaled(values: np.ndarray, unit: str, scale: float | str) -> np.ndarray:
+    """Numbers times a factor, or in another unit of measure."""
+    factor, offset = conversion(unit, scale) if isinstance(scale, str) else (scale, 0.0)
+    return factor * values + offset if offset else factor * values

@@ -19,8 +19,12 @@ class LineSettings(Model):
     )
     over: str = Field(default="time", description='"unit.output" along the x axis; without it time')
     x: Names = Field(default="", description="numbers along the x axis: the name of what is measured, or a list")
-    scale: Number = Field(default=1.0, description="times the signal or the numbers")
-    x_scale: Number = Field(default=1.0, description="times what is along the x axis")
+    scale: Number | str = Field(
+        default=1.0, description="times the signal or the numbers; of a signal also the unit that is shown"
+    )
+    x_scale: Number | str = Field(default=1.0, description="times what is along the x axis; of a signal also its unit")
+    since: Number | None = Field(default=None, description="s, where what is shown of a run begins")
+    until: Number | None = Field(default=None, description="s, where it ends")
     every: Whole = Field(default=1, description="rows of the run from one point to the next", ge=1)
     kind: Literal["line", "points", "line+points", "dots"] = "line"
     faint: Truth = Field(default=False, description="context, thin and pale")

@@ -85,8 +85,7 @@ class Described:
             yield self._points(s, name, self._values(s.x), self._values(s.y))
 
     def _points(self, s: SeriesSettings, name: str, x: Any, y: Any) -> Series:
-        x = x if s.x_scale == 1.0 else s.x_scale * np.asarray(x)
-        y = y if s.scale == 1.0 else s.scale * np.asarray(y)
+        x, y = (v if by == 1.0 else by * np.asarray(v) for v, by in ((x, s.x_scale), (y, s.scale)))
         return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, s.labels)
 
     def _values(self, names: Any) -> Any:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -50,13 +49,13 @@ def measure(runs: Runs) -> Evidence:
         name = f"kept.{p.name}"
         measured[name] = min(measured.get(name, 1.0), float(p.rule is True))
     measured["roll.moved"] = DEGREES * float(np.abs(record.signals["roll"]).max())
-    notes = (
-        "The abstract of Sandow (2020) says which way the rows go and that roll is largely prevented, not by how much. Angles "
-        "are those of axes tilted by 15 and 45 degrees, which are a choice of this project.",
-        "In radial deviation the rows of OpenSim's wrist model, each with half of everything, do not flex at all: it contradicts "
-        "the rule, and is there as an alternative with a name.",
-    )
-    return Evidence(measured, (_chart(held), _grid(measured)), runs, notes)
+    drawn = {
+        f"{kind}.{row}": [measured[f"{prefix}{unit}.{row}_flexion"] for unit in units]
+        for kind, prefix, units in (("rules", "", HELD), ("half", "half_", ("flexion", "radial")))
+        for row in ("proximal", "distal")
+    }
+    angles = [(unit, *(round(measured[f"{unit}.{n}"], 3) for n in ("proximal_angle", "distal_angle", "roll"))) for unit in HELD]
+    return Evidence(measured, data={**drawn, "angles": angles})
 
 
 def scenes() -> dict[str, Scene]:
@@ -106,26 +105,3 @@ def _slope(result: Result, angle: str, torque: str) -> float:
     """Change of an angle by a torque of the hand, rad/(N.m), by central differences."""
     more, less = (float(result[f"{torque}_{way}.{angle}"][-1]) for way in ("more", "less"))
     return (more - less) / (2.0 * STEP)
-
-
-def _chart(held: Result) -> Chart:
-    x, y = ([DEGREES * float(held[f"{unit}.{row}_flexion"][-1]) for unit in HELD] for row in ("proximal", "distal"))
-    rules = Series("rules", x, y, "points", labels=list(HELD))
-    first, second = ([DEGREES * float(held[f"half_{unit}.{row}_flexion"][-1]) for unit in ("flexion", "radial")]
-                     for row in ("proximal", "distal"))  # fmt: skip
-    half = Series("half and half, flexion and radial deviation", first, second, "points", labels=["flexion", "radial"])
-    text = (
-        "Lower right: radial deviation, the proximal row flexes and the distal one extends; upper left: ulnar deviation. "
-        "Both rows flex in flexion, to the right, and extend in extension."
-    )
-    panel = Panel("flexion of the distal row, degrees", (rules, half), x_label="flexion of the proximal row, degrees", equal=True)
-    return Chart("What the rows do", "", (panel,), text, columns=2, height=340)
-
-
-def _grid(measured: dict[str, float]) -> Grid:
-    header = ("posture", "proximal row, degrees", "distal row, degrees", "roll, degrees")
-    names = ("proximal_angle", "distal_angle", "roll")
-    rows: tuple[tuple[str | float, ...], ...] = tuple(
-        (unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD
-    )
-    return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")

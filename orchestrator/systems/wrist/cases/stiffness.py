@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -41,14 +40,16 @@ def measure(runs: Runs) -> Evidence:
         "symmetry": compliance[0, 1] / compliance[1, 0],
         "rows": float(np.abs(ranges["two rows"] - way).max()),
     }
-    notes = (
-        "Orientation and stiffness are inside because the preset was put together from these very numbers: it shows that the "
-        "unit has the stiffness of the cadaver wrists, with the right signs, and nothing about the rows.",
-        "The range of motion, 111.5 ± 10.2 degrees between moments of -2 and 2 N.m in ulnar flexion, is not compared: a linear "
-        f"stiffness gives {2.0 * size[softest]:.1f} degrees, since it has no neutral zone, in which a wrist hardly resists. Most "
-        "of the measured range lies there.",
-    )
-    return Evidence(measured, (_chart(ranges),), notes=notes)
+    angles = np.radians((-26.6, -26.6 - 4.4, -26.6 + 4.4))
+    reach = 1.3 * float(np.abs(way).max())
+    orientation = np.array([(-v, v, math.nan) for f in (np.cos, np.sin) for v in reach * f(angles)]).reshape(2, -1)
+    drawn = {
+        "orientation": {"measured orientation, mean and deviation": tuple(orientation)},
+        "small": {"small angles": tuple(np.append(way, way[:1], axis=0).T)},
+        "two": {"two rows": tuple(ranges["two rows"].T)},
+        "range": 2.0 * size[softest],
+    }
+    return Evidence(measured, data=drawn)
 
 
 def directions() -> np.ndarray:
@@ -83,20 +84,3 @@ def _acute(direction: int) -> float:
     """Angle in degrees between a direction of the moment and the axis of pure flexion and extension."""
     angle = 360.0 / COUNT * direction
     return min(angle % 180.0, 180.0 - angle % 180.0)
-
-
-def _chart(ranges: dict[str, np.ndarray]) -> Chart:
-    closed = np.append(ranges["small angles"], ranges["small angles"][:1], axis=0)
-    rows = ranges["two rows"]
-    lines = [Series("small angles", closed[:, 0], closed[:, 1]), Series("two rows", rows[:, 0], rows[:, 1], "points")]
-    reach = float(np.abs(ranges["small angles"]).max())
-    axes = []
-    for angle in (-26.6, -26.6 - 4.4, -26.6 + 4.4):
-        end = 1.3 * reach * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-        axes.append(Series("measured orientation, mean and deviation", [-end[0], end[0]], [-end[1], end[1]], faint=True))
-    panel = Panel("radial deviation, degrees", (*axes, *lines), x_label="flexion, degrees", equal=True)
-    text = (
-        "Where the hand comes to rest under 2 N.m in each of 24 directions. Pale lines: orientation of the envelope "
-        "measured on six wrists, 26.6 ± 4.4 degrees from flexion and extension, towards ulnar flexion."
-    )
-    return Chart("Envelope of the passive wrist", "", (panel,), text, columns=2, height=380)

@@ -10,7 +10,6 @@ import numpy as np
 from ......components.wrist.kinematics import inverse
 from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachments, lengths
 from ......components.wrist.ligaments import LigamentBundle
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -47,7 +46,16 @@ def measure(runs: Runs) -> Evidence:
         "back": _back(),
     }
     measured |= _interventions(runs["cuts"]) | _person(runs["person"])
-    return Evidence(measured, (_chart(named, control), _ranges(measured)))
+    middle = int(np.argmin(np.abs(DEVIATIONS)))
+    drawn = {
+        "flexion": DEGREES * FLEXIONS,
+        "isometric": {name.replace("_", "-"): 100.0 * named[:, middle, j] for j, name in enumerate(LIGAMENTS)},
+        "control.strains": {f"pair {j + 1}": 100.0 * control[:, middle, j] for j in range(COUNT)},
+        "cuts": list(CUTS),
+        "ranges": {way: [measured[f"rom.{n}.{way}"] for n in CUTS] for way in DIRECTIONS},
+        "ligaments": ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)),
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _strains(ends: np.ndarray) -> np.ndarray:
@@ -126,23 +134,3 @@ def _person(result: Result) -> dict[str, float]:
             f"person.p.{name}": to["proximal_flexion"] / to["deviation"],
         }
     return measured
-
-
-def _chart(named: np.ndarray, control: np.ndarray) -> Chart:
-    middle = int(np.argmin(np.abs(DEVIATIONS)))
-    panels = tuple(Panel("strain, %", tuple(Series(name.replace("_", "-") if title == "isometric pairs" else f"pair {j + 1}",
-                                                   DEGREES * FLEXIONS, 100.0 * values[:, middle, j])
-                                            for j, name in enumerate(LIGAMENTS)), title=title)
-                   for title, values in (("isometric pairs", named), ("control: ends at random", control)))  # fmt: skip
-    return Chart("Strain of the ligaments over flexion", "flexion, °", panels, "No deviation; slack at rest.", columns=2)
-
-
-def _ranges(measured: dict[str, float]) -> Chart:
-    names = list(CUTS)
-    series = tuple(Series(way, names, [measured[f"rom.{n}.{way}"] for n in names], "points") for way in DIRECTIONS)
-    return Chart(
-        "Range of motion under 2 N.m after cuts",
-        "",
-        (Panel("degrees", series),),
-        "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".",
-    )

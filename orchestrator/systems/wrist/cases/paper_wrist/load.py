@@ -10,7 +10,6 @@ import numpy as np
 
 from ......components.wrist.kinematics import small_angle_matrix
 from ......components.wrist.ligament_springs import COUNT
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -49,12 +48,13 @@ def measure(runs: Runs) -> Evidence:
     measured |= {f"wrist.{side}": _growth(runs["wrist", f]) for side, f in zip(("below", "above"), SIDES, strict=True)}
     raised = max((f for f in TRIED if _growth(runs["tense", f]) < 1.0), default=0.0)
     measured |= {"raised": raised, "grip": critical / LIGHT_GRIP, "grip.held": raised * critical / LIGHT_GRIP}
-    note = (
-        f"With a passive stiffness of 1 N.m/rad the free hand is stable up to {critical:.1f} N along the forearm, with five "
-        f"ligaments under tension up to {measured['raised']:g} times as much. A grip loads the wrist by hundreds of newtons: "
-        "muscles that guide the load, and contact, have to bear the rest."
-    )
-    return Evidence(measured, (_chart(critical),), notes=(note,))
+    stiffness = np.geomspace(0.5, 30.0, 60)
+    loads = {
+        "wrist of two rows": critical * stiffness,
+        "planar column, free": [column(k, k) for k in stiffness],
+        "planar column, hand held": 2.0 * stiffness / FIRST,
+    }
+    return Evidence(measured, data={"stiffness": stiffness, "loads": loads})
 
 
 def column(first: float, second: float) -> float:
@@ -116,18 +116,3 @@ def _growth(result: Result) -> float:
     """Distance of the hand from rest at the end over that of the push; 1e6 where the run ends because the wrist gives way."""
     away = np.hypot(result["wrist.flexion"], result["wrist.deviation"])
     return float(away[-1] / away[0]) if result.outcome == "done" else 1e6
-
-
-def _chart(critical: float) -> Chart:
-    stiffness = np.geomspace(0.5, 30.0, 60)
-    lines = (
-        Series("wrist of two rows", stiffness, critical * stiffness),
-        Series("planar column, free", stiffness, [column(k, k) for k in stiffness]),
-        Series("planar column, hand held", stiffness, 2.0 * stiffness / FIRST),
-    )
-    return Chart(
-        "Load along the forearm at which the wrist gives way",
-        "stiffness of each hinge, N.m/rad",
-        (Panel("load, N", lines, logarithmic=True),),
-        "Rows of 15 and 55 mm; the load keeps its direction.",
-    )

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ......components.wrist.kinematics import OPENSIM_HALF, RULES, Axes, inverse, jacobian, pose, row_rotation
-from .....harness.charts.chart import Chart, Grid, Panel, Picture, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -60,7 +59,14 @@ def measure(runs: Runs) -> Evidence:
         measured |= {f"roll.most.{name}": DEGREES * most, f"roll.share.{name}": 100.0 * most / largest}
         measured |= {f"{what}.{name}": v for what, v in zip(("s", "p", "slope"), _small(runs[f"small, {name}"]), strict=True)}
     measured |= _arc() | _distal_axis() | _roll_stiffness(runs["rolling"])
-    return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)))
+    flexes = ("proximal_flexion", "distal_flexion", "roll")
+    drawn = {
+        "roll": (DEGREES * FLEXIONS, DEGREES * DEVIATIONS, DEGREES * fields[STANDARD].T),
+        "held.flexion": [flexion for flexion, _ in HELD.values()],
+        "held.deviation": [deviation for _, deviation in HELD.values()],
+        "rows": [(n, *(round(DEGREES * held[n][s], 2) for s in flexes)) for n in HELD],
+    }
+    return Evidence(measured, data=drawn)
 
 
 def axes(name: str) -> Axes:
@@ -188,21 +194,3 @@ def _roll_stiffness(result: Result) -> dict[str, float]:
     rolls = [float(result[f"w{k}_more.roll"][-1] - result[f"w{k}_less.roll"][-1]) for k in range(len(PUSHED + MIDDLE))]
     stiffness = [2.0 * ROLLING / abs(r) for r in rolls]
     return {"roll.stiffness": min(stiffness[: len(PUSHED)]), "roll.stiffness.middle": min(stiffness[len(PUSHED) :])}
-
-
-def _roll_chart(rolls: np.ndarray) -> Chart:
-    picture = Picture(DEGREES * FLEXIONS, DEGREES * DEVIATIONS, DEGREES * rolls.T, "roll, °", "diverging")
-    points = Series("held in runs", [a for a, _ in HELD.values()], [b for _, b in HELD.values()], "points")
-    panel = Panel("radial deviation, °", (points,), picture=picture)
-    return Chart("Roll of the hand over all postures", "flexion, °", (panel,), "Tilts of 15 and 45 degrees.")
-
-
-def _rows_grid(held: Mapping[str, Mapping[str, float]]) -> Grid:
-    names = ("proximal_flexion", "distal_flexion", "roll")
-    rows: tuple[tuple[str | float, ...], ...] = tuple((n, *(round(DEGREES * held[n][s], 2) for s in names)) for n in HELD)
-    return Grid(
-        "What the rows do",
-        ("posture", "proximal row flexes, °", "distal row flexes, °", "roll, °"),
-        rows,
-        "In runs, held by torques against 1 N.m/rad.",
-    )
