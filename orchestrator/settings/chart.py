@@ -40,6 +40,8 @@ class SeriesSettings(LineSettings):
     )
     each: str = Field(default="", description="name of a table that is measured: name of a series -> its y, or its (x, y)")
     labels: tuple[str, ...] = Field(default=(), description="a text for each point")
+    shades: str = Field(default="", description="numbers that are shown as the colours of the points: the name of what is measured")
+    shade_label: str = ""
 
 
 class BandSettings(Model):

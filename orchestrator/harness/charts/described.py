@@ -75,7 +75,7 @@ class Described:
             for label in labels:
                 shown = name or (label if several and len(labels) > 1 else "")
                 yield self.runs[label].series(
-                    s.signal, shown, over=s.over, scale=s.scale, over_scale=s.x_scale, every=s.every, kind=s.kind, faint=s.faint
+                    s.signal, shown, over=s.over, scale=s.scale, over_scale=s.x_scale, since=s.since, until=s.until, every=s.every, kind=s.kind, faint=s.faint
                 )
         elif s.each:
             for name, values in self._named(s.each).items():
@@ -86,7 +86,8 @@ class Described:
 
     def _points(self, s: SeriesSettings, name: str, x: Any, y: Any) -> Series:
         x, y = (v if by == 1.0 else by * np.asarray(v) for v, by in ((x, s.x_scale), (y, s.scale)))
-        return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, s.labels)
+        shades = self._values(s.shades) if s.shades else ()
+        return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, s.labels, shades, s.shade_label)
 
     def _values(self, names: Any) -> Any:
         """What a name stands for, or a list of numbers and names; a pattern stands for all names that it fits."""

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -88,32 +87,22 @@ def measure(runs: Runs) -> Evidence:
             measured[f"{name}.{way}"] = float(np.hypot(*rates))
     apart = [_apart(runs[f"split {h:g}"], runs["whole"]) for h in STEPS]
     measured["split.order"] = float(np.polyfit(np.log(STEPS), np.log(apart), 1)[0])
-    return Evidence(measured, (_chart(measured), _paths(runs)))
+    f = np.linspace(0.0, 0.95, 400)
+    root = np.sqrt(1.0 - f * f)
+    drawn = {
+        "load": f,
+        "closed.rate": RADIUS * RATE * (math.cos(ANGLE) - math.sin(ANGLE) * f / root),
+        "closed.power": LIMIT * RADIUS * RATE * math.sin(ANGLE) / root,
+        "shares": SHARES,
+        **{
+            f"runs.{key}": [measured[f"{n}.{key}"] for n in ("skewed_feed", *map(_loaded, SHARES[1:]))]
+            for key in ("rate", "power")
+        },
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _apart(split: Result, reference: Result) -> float:
     """Largest distance of the sleeve's surface from that of the whole drive, m."""
     ways = [split[f"drive.{n}"] - reference[f"drive.{n}"] for n in ("feed", "rotation")]
     return float(np.hypot(ways[0], SLEEVE * ways[1]).max())
-
-
-def _chart(measured: Mapping[str, float]) -> Chart:
-    f = np.linspace(0.0, 0.95, 400)
-    root = np.sqrt(1.0 - f * f)
-    curves = RADIUS * RATE * (math.cos(ANGLE) - math.sin(ANGLE) * f / root), LIMIT * RADIUS * RATE * math.sin(ANGLE) / root
-    names = ["skewed_feed", *(_loaded(s) for s in SHARES[1:])]
-    panels = []
-    for label, key, curve in (("feed rate, m/s", "rate", curves[0]), ("loss, W", "power", curves[1])):
-        points = [measured[f"{n}.{key}"] for n in names]
-        panels.append(Panel(label, (Series("closed form", f, curve), Series("runs", SHARES, points, "points"))))
-    text = ("Plain skewed wheels at 20 rad/s. They slip across all the time, so that their dry friction acts along the axis like "
-            "a viscous one; at cos 30° = 0.866 the sleeve stands, and slides back beyond.")  # fmt: skip
-    return Chart("Under load", "load over what both contacts bear, 1", tuple(panels), text, columns=2)
-
-
-def _paths(runs: Mapping[str, Result]) -> Chart:
-    shown = [(n, r) for n, r in runs.items() if n != "wheels"]
-    panels = [Panel(label, tuple(Series(n if n == "whole" else f"{n} s", r.time, factor * r[f"drive.{key}"]) for n, r in shown))
-              for label, key, factor in (("feed, mm", "feed", 1e3), ("rotation, rad", "rotation", 1.0))]  # fmt: skip
-    return Chart("In one unit and in three", "time, s", tuple(panels),
-                 "Voltages of 6 and 2 V from rest; macro steps of the split.")  # fmt: skip

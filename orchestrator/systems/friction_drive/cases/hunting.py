@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from .....components.core.pulled_mass import IDEAL, LUGRE, SAMPLE, pulled
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -23,6 +22,7 @@ KINDS: Mapping[str, tuple[float, float]] = {  # integral gain of the way, 1/s2; 
     "without_drop": (400.0, 1.0),
     "standing": (0.0, 1.5),
 }
+ERRORS = {"seeking": "integral, friction falls", "without_drop": "integral, no drop", "standing": "no integral"}
 LEVEL = 0.01  # N.m at the wheel
 SETTLED = 5.0  # s, from when on the cycle is measured
 END = 16.0  # s, of the pulled masses
@@ -79,7 +79,9 @@ def drives(runs: Runs) -> Evidence:
     }
     _, falling = standing_errors(result, "without_drop")
     measured |= {f"falling.{k + 1}": float(abs(falling[k + 1] / falling[k])) for k in range(min(2, falling.size - 1))}
-    return Evidence(measured, (_drives_chart(result),))
+    return Evidence(
+        measured, data={"t": result.time, "errors": {ERRORS[n]: 1e6 * (TARGET - RADIUS * result[f"{n}.angle"]) for n in KINDS}}
+    )
 
 
 def masses(runs: Runs) -> Evidence:
@@ -91,20 +93,5 @@ def masses(runs: Runs) -> Evidence:
         measured |= {f"{name}.first": begins[0], f"{name}.period": begins[1] - begins[0], f"{name}.fastest": rows[:, 2].max()}
     ends = ideal[1:][(ideal[1:, 2] == 0.0) & (ideal[:-1, 2] > 0.0), 0]
     measured["ideal.slip"] = ends[0] - measured["ideal.first"]
-    lines = [Series(text, rows[:, 0], rows[:, 2]) for text, rows in (("bristles (LuGre)", bristles), ("rigid contact", ideal))]
-    text = "1 kg at a spring of 2 N/m whose end moves at 0.1 m/s."
-    chart = Chart("A mass pulled by a spring", "time, s", (Panel("velocity, m/s", tuple(lines)),), text)
-    return Evidence(measured, (chart,))
-
-
-def _drives_chart(result: Result) -> Chart:
-    names = {"seeking": "integral, friction falls", "without_drop": "integral, no drop", "standing": "no integral"}
-    errors = [Series(text, result.time, 1e6 * (TARGET - RADIUS * result[f"{n}.angle"])) for n, text in names.items()]
-    voltages = [Series(text, result.time, result[f"{n}_controller.first_voltage"]) for n, text in names.items()]
-    panels = (Panel("error, µm", tuple(errors), y_range=(-75.0, 75.0)), Panel("voltage, V", tuple(voltages), y_range=(-1.5, 1.5)))
-    text = (
-        "With an integral of the way and friction that falls once the shaft moves, the drive goes past its set point again and "
-        "again. Without that drop each error is a fixed share of the one before, and the stands become longer; without the "
-        "integral the drive stays where friction holds it. The start goes beyond the axes."
-    )
-    return Chart("Three controllers", "time, s", panels, text)
+    velocities = {text: (rows[:, 0], rows[:, 2]) for text, rows in (("bristles (LuGre)", bristles), ("rigid contact", ideal))}
+    return Evidence(measured, data={"velocities": velocities})

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....harness.analysis.signals import accumulated
-from ....harness.charts.chart import Chart, Panel, Series
-from ....harness.validation import Evidence, Runs
+from ....harness.validation import Runs
 from ....run.results import Result
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -53,7 +52,7 @@ def poles(result: Result) -> np.ndarray:
     return np.sort(np.log(np.linalg.eigvals(following).real) / STEP)[::-1]
 
 
-def measure(runs: Runs) -> Evidence:
+def measure(runs: Runs) -> dict[str, float]:
     """A unit for each closed form."""
     result = runs["motors"]
     slow, fast = poles(result)
@@ -72,13 +71,4 @@ def measure(runs: Runs) -> Evidence:
     }
     for name, times in READ.items():
         measured |= {f"{name}.{1e3 * t:g}": np.interp(t, result.time, result[f"bare.{name}"]) for t in times}
-    return Evidence(measured, (_chart(result),))
-
-
-def _chart(result: Result) -> Chart:
-    shown = result.time <= 0.03
-    time = 1e3 * result.time[shown]
-    rates = tuple(Series(n, time, result[f"{n}.rate"][shown]) for n in ("bare", "loaded"))
-    currents = tuple(Series(n, time, result[f"{n}.current"][shown]) for n in ("bare", "loaded", "stalled"))
-    return Chart("Let go at 12 V", "time, ms", (Panel("rate, rad/s", rates), Panel("current, A", currents)),
-                 "The motor alone, without gear and wheel: free, under 0.02 N.m, and under the load that stalls it.")  # fmt: skip
+    return measured

@@ -11,7 +11,6 @@ import numpy as np
 from .....components.rotor.beam import BeamRotor
 from .....components.rotor.modal import campbell, critical_speeds, modes
 from ....harness.analysis.spectra import peak
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -43,12 +42,7 @@ def measure(runs: Runs) -> Evidence:
     measured = {f"modal.{rpm:g}.{k}": w for rpm in whirl for k, w in enumerate(whirl[rpm].frequency, 1)}
     measured |= {f"motion.{rpm:g}.{k}": abs(w) for rpm in SPEEDS for k, w in enumerate(lines[rpm], 1)}
     measured |= {f"critical.{k}": w for k, w in enumerate(critical_speeds(matrices)[:CRITICAL], 1)}
-    notes = (
-        "The lines of the motion are those of x + i y at the first disk, so that forward whirl stands at positive and backward "
-        "whirl at negative frequencies. A rotating unbalance that sets in at once excites both, although it turns one way.",
-        "The third forward mode has no critical speed: it rises faster than the speed.",
-    )
-    return Evidence(measured, (_diagram(matrices, lines),), runs, notes)
+    return Evidence(measured, data=_diagram(matrices, lines))
 
 
 def scene(speed: float) -> Scene:
@@ -69,17 +63,18 @@ def whirl_lines(result: Result, near: np.ndarray) -> np.ndarray:
     return np.array([math.copysign(peak(frequency, forward if w > 0.0 else backward, abs(w), 3.0)[0], w) for w in near])
 
 
-def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
+def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> dict[str, Any]:
+    """What the diagram shows: without gyroscopic moments, there is neither forward nor backward whirl."""
     speed = np.linspace(0.0, 4500.0, 91)
     frequency, direction = campbell(matrices, speed * RPM, MODES)
-    series = [Series("1 × speed", speed[[0, -1]], speed[[0, -1]] * RPM, faint=True)]
+    drawn: dict[str, Any] = {"speed": speed[[0, -1]]}
     for sign, name in ((1, "forward"), (-1, "backward")):
-        columns = np.flatnonzero(direction[-1] == sign)
-        if not columns.size:  # without gyroscopic moments there is neither
-            continue
-        x = np.concatenate([[*speed, np.nan] for _ in columns])
-        series.append(Series(f"{name}, from the matrices", x, np.concatenate([[*frequency[:, k], np.nan] for k in columns])))
-        points = np.array([(rpm, abs(w)) for rpm, frequencies in lines.items() for w in frequencies if np.sign(w) == sign])
-        series.append(Series(f"{name}, from the motion", points[:, 0], points[:, 1], "points"))
-    return Chart("Campbell diagram", "speed, rpm", (Panel("whirl frequency, rad/s", tuple(series)),),
-                 "Lines: eigenvalues. Points: lines in the spectrum of x + i y of the runs.")  # fmt: skip
+        if (columns := np.flatnonzero(direction[-1] == sign)).size:
+            x, y = (
+                np.concatenate([[*speed, np.nan] for _ in columns]),
+                np.concatenate([[*frequency[:, k], np.nan] for k in columns]),
+            )
+            drawn[f"{name}.lines"] = {f"{name}, from the matrices": (x, y)}
+            points = np.array([(rpm, abs(w)) for rpm, frequencies in lines.items() for w in frequencies if np.sign(w) == sign])
+            drawn[f"{name}.points"] = {f"{name}, from the motion": (points[:, 0], points[:, 1])}
+    return drawn

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -41,9 +40,10 @@ def measure(runs: Runs) -> Evidence:
         measured |= {f"amplitude.{name}": abs(response) / ECCENTRICITY, f"lag.{name}": -math.degrees(np.angle(response))}
     rates = [growth(runs[label]) for label in WHIRLING.values()]
     measured["onset"] = ONSET * (1.0 + AROUND * (rates[0] + rates[1]) / (rates[0] - rates[1]))
-    notes = (f"Free whirl decays by {-rates[0]:.3f} 1/s at {1.0 - AROUND:g} and grows by {rates[1]:.3f} 1/s at {1.0 + AROUND:g} "
-             "of the onset speed; the onset is where the line through both is zero.",)  # fmt: skip
-    return Evidence(measured, (_chart(measured),), runs, notes)
+    r = np.linspace(0.01, 2.2, 800)
+    closed = r**2 / (1.0 - r**2 + 2j * DAMPING_RATIO * r)
+    drawn = {"ratio": r, "closed.amplitude": np.abs(closed), "closed.lag": -np.degrees(np.angle(closed))}
+    return Evidence(measured, data={**drawn, "decay": -rates[0], "growth": rates[1]})
 
 
 def scene(speed: float, duration: float, effects: list[str], **parameters: Any) -> Scene:
@@ -68,14 +68,3 @@ def growth(result: Result) -> float:
     t, free = result.time[SAMPLES:], np.abs(z[SAMPLES:] - z[:-SAMPLES])
     late = t > 2.0  # the backward whirl, damped by both, is gone
     return float(np.polyfit(t[late], np.log(free[late]), 1)[0])
-
-
-def _chart(measured: dict[str, float]) -> Chart:
-    r = np.linspace(0.01, 2.2, 800)
-    closed = r**2 / (1.0 - r**2 + 2j * DAMPING_RATIO * r)
-    panels = []
-    for title, curve, name in (("amplitude / eccentricity", np.abs(closed), "amplitude"),
-                               ("lag, degrees", -np.degrees(np.angle(closed)), "lag")):  # fmt: skip
-        points = [measured[f"{name}.{ratio:g}"] for ratio in RATIOS]
-        panels.append(Panel(title, (Series("closed form", r, curve), Series("runs", RATIOS, points, "points"))))
-    return Chart("Unbalance response", "speed / critical speed", tuple(panels), "Runs: last turn after 24 time constants.")

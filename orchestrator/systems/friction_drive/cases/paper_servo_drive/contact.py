@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -56,35 +55,14 @@ def measure(runs: Runs) -> Evidence:
         "wet.bears": 2.0 * WET * NORMAL,
     }
     f = np.linspace(0.0, 0.86, 200) * BEARS
-    panels = (
-        Panel(
-            "speed lost, %",
-            (Series("closed form", f, [100.0 * share_lost(F) for F in f]), Series("runs", LOADS, 100.0 * lost, "points")),
-        ),
-        Panel(
-            "slip for a metre of travel, mm",
-            (Series("closed form", f, [per_metre(F) for F in f]), Series("runs", LOADS, 1e3 * lost / (1.0 - lost), "points")),
-            logarithmic=True,
-        ),
-    )
-    chart = Chart(
-        "Slip of plain skewed wheels against the load",
-        "load along the axis, N",
-        panels,
-        "What the wheels' "
-        "encoders count and the sleeve does not do. A sensor at the sleeve is needed, or rollers that turn freely "
-        "across.",
-        columns=2,
-    )
-    return Evidence(
-        measured,
-        (chart,),
-        notes=(
-            f"Force at the tip while the sleeve moves upwards through a seal of {TROCAR:g} N: {TIP:.1f} of the {BEARS:g} N that "
-            f"both contacts bear. Wet wheels ({WET:g}) bear {2.0 * WET * NORMAL:.1f} N, less than a seal of {WORST_TROCAR:g} N "
-            "takes: the sleeve stands while the wheels turn.",
-        ),
-    )
+    drawn = {
+        "load": f,
+        "closed.lost": [100.0 * share_lost(F) for F in f],
+        "closed.slip": [per_metre(F) for F in f],
+        "slip": 1e3 * lost / (1.0 - lost),
+        "tip": TIP,
+    }
+    return Evidence(measured, data=drawn)
 
 
 def share_lost(force: float) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....scene.scene import Scene
 from .drive import CONSTANT, FULL, GEAR, RESISTANCE, ROLLERS, controlled, wheel_inertia
@@ -45,7 +44,8 @@ def measure(runs: Runs) -> Evidence:
         measured[f"response.{way}"] = response_time(whole.time, whole[f"drive.{way}"] / LARGE[way]) / limit
     result = runs["whole", "both"]
     measured["response.both"] = max(response_time(result.time, result[f"drive.{w}"] / LARGE[w]) for w in LARGE) / limit
-    return Evidence(measured, (_linear_chart(runs), _whole_chart(runs)))
+    t = runs["linear", "feed"].time
+    return Evidence(measured, data={"t": t, **{f"closed.{way}": closed_form(t, way) for way in SMALL}})
 
 
 def time_constant(way: str) -> float:
@@ -65,44 +65,3 @@ def response_time(t: np.ndarray, share: np.ndarray) -> float:
     """Time from which on a response stays within 5 % of its step, s; NaN if it does not."""
     outside = np.flatnonzero(np.abs(share - 1.0) > BAND)
     return float(t[outside[-1] + 1]) if outside.size and outside[-1] + 1 < t.size else float("nan")
-
-
-def _linear_chart(runs: Runs) -> Chart:
-    panels = []
-    for way in SMALL:
-        t = runs["linear", way].time
-        panels.append(
-            Panel(
-                f"{way} over its step, 1",
-                (
-                    Series("closed form", t, closed_form(t, way)),
-                    Series("run", t[::10], runs["linear", way][f"drive.{way}"][::10] / SMALL[way], "points"),
-                    Series("plain wheels, both axes at once", t, runs["skewed", "both"][f"drive.{way}"] / SMALL[way]),
-                ),
-            )
-        )
-    return Chart(
-        "Small steps: 2 mm and 18 degrees",
-        "time, s",
-        tuple(panels),
-        "Free rollers decouple both axes; plain wheels slip across, and each axis feels the other.",
-        columns=2,
-    )
-
-
-def _whole_chart(runs: Runs) -> Chart:
-    panels = tuple(
-        Panel(
-            label,
-            tuple(Series(name, runs["whole", name].time, factor * runs["whole", name][f"drive.{way}"]) for name in (way, "both")),
-        )
-        for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578))
-    )
-    return Chart(
-        "Steps of 10 mm and 90 degrees",
-        "time, s",
-        panels,
-        "With friction of shafts and trocar and the limits of "
-        "rate and voltage. Together the two axes share the rate that the wheels may have.",
-        columns=2,
-    )

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
 from .... import load_scene
-from .drive import FULL, ROLLERS, VOLTAGE, controlled
+from .drive import FULL, ROLLERS, controlled
 
 TIMES = [0.1, 0.6, 0.8, 1.3, 1.5, 2.0, 2.0, 2.0]  # s
 FEED = [0.0, 0.03, 0.03, -0.01, -0.01, 0.0, 0.0, 0.0]  # m
@@ -49,7 +48,10 @@ def measure(runs: Runs) -> Evidence:
     late = slow.time > END + QUIET
     for name in ("seeking", "plain"):
         measured[f"hunting.{name}"] = 1e6 * float(np.ptp(slow[f"{name}.feed"][late]))
-    return Evidence(measured, (_chart(path), _hunting_chart(slow)))
+    kept = slow.time > END - 0.2
+    kinds = (("seeking", "with an integral of the way"), ("plain", "without"))
+    rest = {text: 1e6 * (slow[f"{name}.feed"][kept] - 1.5e-3) for name, text in kinds}
+    return Evidence(measured, data={"t": slow.time[kept], "rest": rest})
 
 
 def _error(result: Result, way: str) -> float:
@@ -58,38 +60,3 @@ def _error(result: Result, way: str) -> float:
 
 def _most(result: Result, name: str) -> float:
     return max(float(np.abs(result[name.format(k)]).max()) for k in ("first", "second"))
-
-
-def _chart(path: Result) -> Chart:
-    t = path.time
-    panels = [
-        Panel(
-            label,
-            (Series("wanted", t, factor * path[f"controller.wanted_{way}"]), Series("run", t, factor * path[f"drive.{way}"])),
-        )
-        for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578))
-    ]
-    voltages = tuple(Series(f"{k} motor", t, path[f"controller.{k}_voltage"]) for k in ("first", "second"))
-    return Chart(
-        "A path there and back",
-        "time, s",
-        (*panels, Panel("voltage, V", voltages)),
-        f"At most {VOLTAGE:g} V and {RATE:g} rad/s are asked for.",
-        height=180,
-    )
-
-
-def _hunting_chart(slow: Result) -> Chart:
-    kept = slow.time > END - 0.2
-    series = tuple(
-        Series(text, slow.time[kept], 1e6 * (slow[f"{name}.feed"][kept] - 1.5e-3))
-        for name, text in (("seeking", "with an integral of the way"), ("plain", "without"))
-    )
-    return Chart(
-        "At rest after a slow feed",
-        "time, s",
-        (Panel("feed less its set point, µm", series),),
-        "Static friction of the shafts is twice the kinetic one: the integral makes the drive hunt, its absence "
-        "leaves an error that stays.",
-        height=200,
-    )

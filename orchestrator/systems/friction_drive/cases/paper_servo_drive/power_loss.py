@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -51,27 +50,14 @@ def measure(runs: Runs) -> Evidence:
     limit = float(max(held, default=np.nan))
     measured = {f"{name}.{way}": speed[f"{name}_{way}"] for name in limits() for way in ("below", "above")}
     measured |= {"sudden.limit": limit, "sudden.share": limit / (backdrive(SHAFT_STATIC) + SEAL_STATIC)}
-    panel = Panel(
-        "speed at the end, mm/s",
-        (Series("runs", LOADS, [speed[f"load_{i}"] for i in range(LOADS.size)], "line+points"),),
-        x_marks=((backdrive(SHAFT) + SEAL, "all in motion"), (backdrive(SHAFT_STATIC) + SEAL_STATIC, "all at rest")),
-    )
-    chart = Chart(
-        "Without power, a load put on at once",
-        "load, N",
-        (panel,),
-        "The wheels are stiffer than the seal and "
-        "take the load first. Their shafts give way before the seal bears its part: what all bear at rest is not "
-        "reached.",
-    )
-    return Evidence(
-        measured,
-        (chart,),
-        notes=(
-            f"Short-circuited windings brake with {brake():.0f} N.s/m along the sleeve: a load of 1 N more than friction holds "
-            f"moves it at {1e3 / brake():.2f} mm/s. With open windings it would fall.",
-        ),
-    )
+    drawn = {
+        "loads": LOADS,
+        "speeds": [speed[f"load_{i}"] for i in range(LOADS.size)],
+        "marks": ((backdrive(SHAFT) + SEAL, "all in motion"), (backdrive(SHAFT_STATIC) + SEAL_STATIC, "all at rest")),
+        "brake": brake(),
+        "creep": 1e3 / brake(),
+    }
+    return Evidence(measured, data=drawn)
 
 
 def backdrive(torque: float) -> float:
