@@ -39,8 +39,10 @@ class SeriesSettings(LineSettings):
         default="", description='numbers: the name of what is measured, a pattern such as "lag.*", or a list of both'
     )
     each: str = Field(default="", description="name of a table that is measured: name of a series -> its y, or its (x, y)")
-    labels: tuple[str, ...] = Field(default=(), description="a text for each point")
-    shades: str = Field(default="", description="numbers that are shown as the colours of the points: the name of what is measured")
+    labels: str | tuple[str, ...] = Field(default=(), description="a text for each point, or the name of what is measured")
+    shades: str = Field(
+        default="", description="numbers that are shown as the colours of the points: the name of what is measured"
+    )
     shade_label: str = ""
 
 

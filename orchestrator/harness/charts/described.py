@@ -74,9 +74,9 @@ class Described:
                 raise BadInput(self.where, f"run {s.run!r}", "the label of a run", nearest(s.run, self.runs))
             for label in labels:
                 shown = name or (label if several and len(labels) > 1 else "")
-                yield self.runs[label].series(
-                    s.signal, shown, over=s.over, scale=s.scale, over_scale=s.x_scale, since=s.since, until=s.until, every=s.every, kind=s.kind, faint=s.faint
-                )
+                ends = {"since": s.since, "until": s.until, "every": s.every}
+                scales = {"over": s.over, "scale": s.scale, "over_scale": s.x_scale}
+                yield self.runs[label].series(s.signal, shown, **scales, **ends, kind=s.kind, faint=s.faint)
         elif s.each:
             for name, values in self._named(s.each).items():
                 x, y = values if isinstance(values, tuple) else (self._values(s.x), values)
@@ -86,8 +86,8 @@ class Described:
 
     def _points(self, s: SeriesSettings, name: str, x: Any, y: Any) -> Series:
         x, y = (v if by == 1.0 else by * np.asarray(v) for v, by in ((x, s.x_scale), (y, s.scale)))
-        shades = self._values(s.shades) if s.shades else ()
-        return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, s.labels, shades, s.shade_label)
+        labels, shades = (self._named(v) if v and isinstance(v, str) else v for v in (s.labels, s.shades))
+        return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, labels, shades, s.shade_label)
 
     def _values(self, names: Any) -> Any:
         """What a name stands for, or a list of numbers and names; a pattern stands for all names that it fits."""

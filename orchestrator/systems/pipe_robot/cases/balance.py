@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from ....harness.analysis.signals import accumulated
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
@@ -55,10 +54,10 @@ def measure(runs: Runs) -> Evidence:
     creep = runs["rest on a slope"]
     measured |= {f"creep.{n}": float(creep[f"{n}.position"][-1] - creep[f"{n}.position"][0]) for n in LAWS}
     measured["largest.exact"] = float(np.abs(creep["exact.position"]).max())
-    note = (f"In {REST:g} s on the slope the smoothed law creeps down by {-1e3 * measured['creep.smoothed']:.1f} mm and LuGre's "
-            f"bristles by {-1e3 * measured['creep.lugre']:.1f} mm, both as their equations say; with exact friction not even the "
-            "last bit of the position changes.")  # fmt: skip
-    return Evidence(measured, (_phase_chart(runs["a period"]),), {"rest on a slope": creep}, (note,))
+    last, period = slice(-1 - SEEN, None), runs["a period"]
+    stretches = {n: 1e3 * (period[f"{n}.inner_position"][last] - period[f"{n}.position"][last]) for n in CASES}
+    drawn = {"phases": {n: (stretch, period[f"{n}.velocity"][last]) for n, stretch in stretches.items()}}
+    return Evidence(measured, data={**drawn, **{f"down.{n}": -1e3 * measured[f"creep.{n}"] for n in ("smoothed", "lugre")}})
 
 
 def _balances(result: Result, name: str) -> dict[str, float]:
@@ -87,19 +86,3 @@ def _until_zero(before: np.ndarray) -> float:
     bend = 0.5 * (before[2] - 2.0 * before[1] + before[0])
     slope = before[2] - before[1] + bend
     return float(-2.0 * before[2] / (slope + math.copysign(math.sqrt(slope**2 - 4.0 * bend * before[2]), slope)))
-
-
-def _phase_chart(result: Result) -> Chart:
-    last = slice(-1 - SEEN, None)
-    series = []
-    for name in CASES:
-        stretch = result[f"{name}.inner_position"][last] - result[f"{name}.position"][last]
-        series.append(Series(name, 1e3 * stretch, result[f"{name}.velocity"][last]))
-    panel = Panel("velocity of the body, m/s", tuple(series))
-    return Chart(
-        "One period",
-        "way of the inner mass from the body, mm",
-        (panel,),
-        "Closed lines: the motion repeats. Their corners are where the body turns and friction changes.",
-        height=320,
-    )

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
@@ -47,15 +46,18 @@ def measure(runs: Runs) -> Evidence:
     measured = _prescribed(runs) | _by_force(runs)
     distances = _distances(runs["from rest"])
     measured["averaging order"] = _slope(FROM_REST, distances)
-    notes = (
-        "Averaging predicts the mean speed to the first order in the friction; in the periodic motion itself the error is of "
-        "second order, as the exact solution has it: V = -b cos(pi p) sqrt(1 - d²), d = (F+ + G) pi p / (M b w sin(pi p)). The "
-        "first order is seen in the transient: the distance from the averaged motion, from rest on.",
-        "A robot turns back where (F- - F+) / 2 is its weight down the pipe, whatever shakes it: weight and friction together "
-        "are then the same in both directions.",
-    )
-    charts = (_limit_chart(measured, distances), _slope_chart(measured))
-    return Evidence(measured, charts, {"two robots": runs["two robots"]}, notes)
+    per_scale = 0.1 * GRAVITY / (AMPLITUDE * FREQUENCY**2)
+    limit, fine, sines = B * math.cos(0.25 * math.pi), np.geomspace(min(SCALES), max(SCALES), 40), np.linspace(0.0, 0.13, 60)
+    at_slopes = {0.0: measured["force.level"], TURNS: measured["force.turns"], **{s: measured[f"force.{s:g}"] for s in FORCED}}
+    drawn = {
+        "exact": {"exact": (per_scale * fine, [limit - _exact(s) for s in fine])},
+        "runs": {"runs": ([per_scale * s for s in SCALES], [limit - measured[f"weak.{s:g}"] for s in SCALES])},
+        "distances": {"runs": ([per_scale * s for s in FROM_REST], distances)},
+        "slopes": {"exact": (sines, [_exact(1.0, s) for s in sines])},
+        "forced": {"runs": tuple(zip(*sorted(at_slopes.items()), strict=True))},
+        "turning": ((TURNS, "turns back"),),
+    }
+    return Evidence(measured, data=drawn)
 
 
 def exact_speed(forward: float, backward: float, weight: float = 0.0) -> float:
@@ -143,46 +145,3 @@ def _by_force(runs: Mapping[str, Result]) -> dict[str, float]:
     strong = np.round(runs["two robots"]["strong.mode"][late])
     measured["switches"] = float(np.count_nonzero(np.diff(strong))) / 10.0
     return measured
-
-
-def _limit_chart(measured: Mapping[str, float], distances: list[float]) -> Chart:
-    epsilon = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in SCALES]
-    limit = B * math.cos(0.25 * math.pi)
-    errors = [limit - measured[f"weak.{s:g}"] for s in SCALES]
-    fine = np.geomspace(min(SCALES), max(SCALES), 40)
-    closed = [limit - _exact(s) for s in fine]
-    ripple = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in FROM_REST]
-    panels = (
-        Panel(
-            "b cos(pi/4) - V, m/s",
-            (Series("exact", epsilon[0] * fine, closed), Series("runs", epsilon, errors, "points")),
-            logarithmic=True,
-            y_range=(1e-6, 1e-3),
-            x_label="ε = μ+ g / (a ω²), 1",
-            title="periodic motion: second order",
-        ),
-        Panel(
-            "distance from the averaged motion over b, 1",
-            (Series("runs", ripple, distances, "line+points"),),
-            logarithmic=True,
-            y_range=(1e-3, 1.0),
-            x_label="ε, 1",
-            title="from rest: first order",
-        ),
-    )
-    return Chart("Approach to the limit of weak friction", "", panels, "Prescribed motion, friction 1 : 3.", columns=2)
-
-
-def _slope_chart(measured: Mapping[str, float]) -> Chart:
-    sines = np.linspace(0.0, 0.13, 60)
-    closed = [_exact(1.0, s) for s in sines]
-    runs = Series("runs", SINES, [measured[f"slope.{s:g}"] for s in SINES], "points")
-    by_force = {0.0: measured["force.level"], TURNS: measured["force.turns"], **{s: measured[f"force.{s:g}"] for s in FORCED}}
-    at = sorted(by_force)
-    panels = (
-        Panel("mean speed, m/s", (Series("exact", sines, closed), runs), title="prescribed motion",
-              x_label="sine of the slope, 1"),
-        Panel("mean speed, m/s", (Series("runs", at, [by_force[s] for s in at], "line+points"),), title="force of 20 N",
-              x_label="sine of the slope, 1", x_marks=((TURNS, "turns back"),)),
-    )  # fmt: skip
-    return Chart("Mean speed on a slope", "", panels, "The robot turns back where the line passes zero.", columns=2)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -50,13 +48,21 @@ def measure(runs: Runs) -> Evidence:
     start = runs["motor start"]
     late = start.time >= 0.5 * start.time[-1]
     measured |= {f"start.{n}": float(start[f"{n}.unbalance.rate"][late].mean()) for n in ("caught", "passing")}
-    speeds = {n: float(np.ptp(start[f"{n}.position"][late]) / np.ptp(start.time[late])) for n in ("caught", "passing")}
-    note = (f"The motor of {VOLTAGES[1]:g} V is caught at {measured['motor.14.4']:.1f} rad/s, below the resonance; with "
-            f"{VOLTAGES[2]:g} V it passes and reaches {measured['motor.15']:.1f} rad/s: the resonance takes "
-            f"{_voltage(np.linspace(70.0, 85.0, 3001)).max():.2f} V. With friction the caught robot is the faster one: "
-            f"{speeds['caught']:.3f} m/s against {speeds['passing']:.3f} m/s.")  # fmt: skip
-    charts = (_response_chart(measured), _speed_chart(measured), _motor_chart(measured))
-    return Evidence(measured, charts, {"motor start": start}, (note,))
+    speeds = {f"{n}.speed": float(np.ptp(start[f"{n}.position"][late]) / np.ptp(start.time[late])) for n in ("caught", "passing")}
+    w, rates, at = np.linspace(25.0, 135.0, 400), np.linspace(50.0, 160.0, 600), (*FREQUENCIES, *NEAR)
+    drawn = {
+        "frequency": w,
+        "closed.free": 1e3 * _amplitude(w),
+        "closed.stuck": QUIET * 1e3 / np.abs(STIFFNESS - INNER * w * w + 1j * DAMPING * w),
+        "at": at,
+        **{f"runs.{n}": [1e3 * measured[f"{n}.{v:g}"] for v in at] for n in ("free", "stuck")},
+        "frequencies": FREQUENCIES,
+        "speeds": [measured[f"speed.{v:g}"] for v in FREQUENCIES],
+        "resonances": ((FREE, "free"), (STUCK, "stuck")),
+        "steady": {"steady speeds": (rates, _voltage(rates))},
+        "barrier": _voltage(np.linspace(70.0, 85.0, 3001)).max(),
+    }
+    return Evidence(measured, data={**drawn, **speeds})
 
 
 def _name(value: float) -> str:
@@ -110,34 +116,3 @@ def _voltage(w: np.ndarray) -> np.ndarray:
     stretch = UNBALANCE * w * w * REDUCED / INNER / np.abs(STIFFNESS - REDUCED * w * w + 1j * DAMPING * w)
     torque = BEARING * w + 0.5 * DAMPING * w * stretch**2
     return CONSTANT * w + RESISTANCE / CONSTANT * torque
-
-
-def _response_chart(measured: Mapping[str, float]) -> Chart:
-    w = np.linspace(25.0, 135.0, 400)
-    stuck = QUIET * 1e3 / np.abs(STIFFNESS - INNER * w * w + 1j * DAMPING * w)
-    at = (*FREQUENCIES, *NEAR)
-    panels = (
-        Panel("stretch of the spring, mm", (Series("closed form", w, 1e3 * _amplitude(w)),
-              Series("runs", at, [1e3 * measured[f"free.{v:g}"] for v in at], "points")), title="20 N, no friction"),
-        Panel("stretch of the spring, mm", (Series("closed form", w, stuck),
-              Series("runs", at, [1e3 * measured[f"stuck.{v:g}"] for v in at], "points")), title=f"{QUIET:g} N, the body sticks"),
-    )  # fmt: skip
-    return Chart("Amplitude over the frequency", "exciter, rad/s", panels, columns=2)
-
-
-def _speed_chart(measured: Mapping[str, float]) -> Chart:
-    runs = Series("runs", FREQUENCIES, [measured[f"speed.{w:g}"] for w in FREQUENCIES], "line+points")
-    panel = Panel("mean speed, m/s", (runs,), x_marks=((FREE, "free"), (STUCK, "stuck")))
-    return Chart("Mean speed over the frequency", "exciter, rad/s", (panel,), "Force of 20 N; resonances as thin lines.")
-
-
-def _motor_chart(measured: Mapping[str, float]) -> Chart:
-    w = np.linspace(50.0, 160.0, 600)
-    runs = Series("runs from rest", [measured[f"motor.{v:g}"] for v in VOLTAGES], VOLTAGES, "points")
-    panel = Panel("voltage, V", (Series("steady speeds", w, _voltage(w)), runs))
-    return Chart(
-        "Steady speeds of the motor",
-        "unbalance, rad/s",
-        (panel,),
-        "Where the curve falls, a speed is not stable: from rest the motor stays at the first point on its voltage.",
-    )

@@ -6,7 +6,6 @@ import numpy as np
 
 from .....components.rov.added_mass import AddedMassForce
 from .....components.rov.hull import RovHull
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
@@ -48,12 +47,13 @@ def measure(runs: Runs) -> Evidence:
         "heave": float(np.abs(solved["hull.heave"] - solved["whole.heave"]).max()),
         "depth": float(np.abs(solved["hull.depth"] - solved["whole.depth"]).max()),
     }
+    sizes = {name: (r.time, np.abs(r[SPLIT])) for name, r in runs.items()}
+    sizes["inside the hull"] = solved.time, np.abs(solved[WHOLE])
+    exchanges = {"as exchanged": plain, f"relaxed by {RELAXATION:g}": relaxed}
+    distances = {name: np.maximum(np.abs(a - TRUE), 1e-16) for name, a in exchanges.items()}
     lost = runs["exchanged once per step"]
-    notes = (
-        f"Exchanged once per step the run ends after {lost.time[-1]:.3g} s with: {lost.message}.",
-        "The factor per exchange is the ratio of added mass to mass. A shorter step makes it fail earlier, not later.",
-    )
-    return Evidence(measured, (_runs_chart(runs), _exchange_chart(plain, relaxed)), {"loop solved": solved}, notes)
+    drawn = {"sizes": sizes, "exchange": np.arange(EXCHANGES + 1), "distances": distances}
+    return Evidence(measured, data={**drawn, "end": lost.time[-1], "message": lost.message})
 
 
 def exchanged(relaxation: float) -> np.ndarray:
@@ -78,21 +78,3 @@ def growth(result: Result) -> float:
     size = np.abs(np.diff(result[SPLIT]))
     half = size[size.size // 2 :]
     return float((half[-1] / half[0]) ** (1.0 / (half.size - 1)))
-
-
-def _runs_chart(runs: Runs) -> Chart:
-    series = [Series(name, r.time, np.abs(r[SPLIT])) for name, r in runs.items()]
-    shown = max(r.time[-1] for name, r in runs.items() if name != "loop solved")
-    series.append(Series("inside the hull", runs["loop solved"].time, np.abs(runs["loop solved"][WHOLE])))
-    panel = Panel("size of the acceleration, m/s²", tuple(series), logarithmic=True, x_range=(0.0, 1.2 * shown))
-    return Chart("Added mass as a force", "time, s", (panel,), "Heave under 10 N; where a line ends, the run has failed.")
-
-
-def _exchange_chart(plain: np.ndarray, relaxed: np.ndarray) -> Chart:
-    k = np.arange(EXCHANGES + 1)
-    series = tuple(
-        Series(n, k, np.maximum(np.abs(a - TRUE), 1e-16))
-        for n, a in (("as exchanged", plain), (f"relaxed by {RELAXATION:g}", relaxed))
-    )
-    panel = Panel("distance from the true one, m/s²", series, logarithmic=True)
-    return Chart("One instant, exchange by exchange", "exchanges", (panel,))

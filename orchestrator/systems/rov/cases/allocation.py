@@ -8,7 +8,6 @@ import numpy as np
 
 from .....components.rov.allocation import allocate, allocation_of
 from .....components.rov.arrangement import HORIZONTAL_HEIGHT, HORIZONTAL_RADIUS, VERTICAL_RADIUS, wrench_matrix, y_arrangement
-from ....harness.charts.chart import Grid
 from ....harness.validation import Evidence, Runs
 
 FORWARD, REVERSE = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
@@ -28,21 +27,11 @@ def measure(runs: Runs) -> Evidence:
     measured |= {"rank": float(np.linalg.matrix_rank(matrix)), "rank.least": float(min(ranks)), "rank.most": float(max(ranks))}
     article = printed()
     measured |= {"printed.determinant": float(np.linalg.det(article)), "printed.condition": float(np.linalg.cond(article))}
-    reach = {}
     for j, axis in enumerate(AXES):
         for sign, word in ((1.0, "plus"), (-1.0, "minus")):
-            reach[axis, word] = measured[f"{axis}.{word}"] = largest(matrix, j, sign)
-    grid = Grid(
-        "Largest force or moment along one axis alone",
-        ("axis", "unit", "ahead", "back"),
-        tuple((a, u, round(reach[a, "plus"], 3), round(reach[a, "minus"], 3)) for a, u in zip(AXES, UNITS, strict=True)),
-        "The other five components stay zero; the first thruster at its limit ends it.",
-    )
-    notes = (
-        "The columns as the article prints them, with the magnitudes of its table, are no arrangement of 120 degrees: their "
-        "condition is three times worse. The matrix is built from positions and directions instead.",
-    )
-    return Evidence(measured, (grid,), notes=notes)
+            measured[f"{axis}.{word}"] = largest(matrix, j, sign)
+    rows = [(a, u, *(round(measured[f"{a}.{word}"], 3) for word in ("plus", "minus"))) for a, u in zip(AXES, UNITS, strict=True)]
+    return Evidence(measured, data={"rows": rows})
 
 
 def largest(matrix: np.ndarray, axis: int, sign: float) -> float:

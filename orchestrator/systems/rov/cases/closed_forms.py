@@ -10,7 +10,6 @@ import numpy as np
 
 from .....components.rov.hull import WATER, RovHull
 from ....harness.analysis.sections import swing_frequency
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -47,8 +46,11 @@ def measure(runs: Runs) -> Evidence:
     munk = runs["ahead, slightly disturbed"]
     measured["munk"] = float(np.polyfit(munk.time, np.log(munk["hull.pitch_rate"]), 1)[0])
     measured["galileo"] = apart(runs["in still and in moving water"])
-    shown = {name: runs[name] for name in ("roll from 90 degrees", "tumbling")}
-    return Evidence(measured, (_start_chart(runs), _munk_chart(munk)), shown)
+    t = runs["10 N ahead"].time
+    begin = t[: np.searchsorted(t, 8.0)]
+    starts = {f"closed.{force:g}": start_up(begin, force) for force in FORCES}
+    growth = munk["hull.pitch_rate"][0] * np.exp(_munk_rate() * munk.time)
+    return Evidence(measured, data={"begin": begin, **starts, "munk.time": munk.time, "munk.rate": growth})
 
 
 def scenes() -> dict[str, Scene]:
@@ -117,26 +119,3 @@ def apart(result: Result) -> float:
 
 def _munk_rate() -> float:
     return math.sqrt(17.0 * (26.07 - 17.0) / (26.07 * 0.28))
-
-
-def _start_chart(runs: Mapping[str, Result]) -> Chart:
-    series = []
-    for force in FORCES:
-        result = runs[f"{force:g} N ahead"]
-        kept = slice(0, np.searchsorted(result.time, 8.0), 8)
-        series += [
-            Series(f"{force:g} N, closed form", result.time[: kept.stop], start_up(result.time[: kept.stop], force)),
-            Series(f"{force:g} N, run", result.time[kept], result["hull.surge"][kept], "points"),
-        ]
-    return Chart("Start from rest", "time, s", (Panel("surge, m/s", tuple(series)),), "Force ahead, linear and quadratic drag.")
-
-
-def _munk_chart(result: Result) -> Chart:
-    t, q = result.time, result["hull.pitch_rate"]
-    series = (Series("closed form", t, q[0] * np.exp(_munk_rate() * t)), Series("run", t[::10], q[::10], "points"))
-    return Chart(
-        "Ahead at 1 m/s, slightly disturbed",
-        "time, s",
-        (Panel("pitch rate, rad/s", series, logarithmic=True),),
-        "Munk's moment turns a body broadside to its way.",
-    )

@@ -11,7 +11,6 @@ import numpy as np
 from .....components.two_axis_joint.chain import TwoLinkChain
 from .....components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 from ....harness.analysis.sections import swing_frequency
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -64,9 +63,12 @@ def measure(runs: Runs) -> Evidence:
     same = min(len(turning_points), len(closed))
     measured["turn"] = float(np.abs(np.abs(turning_points[:same]) - np.abs(closed[:same])).max())
     measured |= {"rest": rubbed["chain.first_angle"][-1], "rest.rate": abs(rubbed["chain.first_rate"][-1])}
-    shown = {name: runs[name] for name in ("free motion", "swings with dry friction")}
-    charts = (_damped_chart(exact), _friction_chart(rubbed, closed))
-    return Evidence(measured, charts, shown)
+    drawn = {
+        f"{n}.{which}": x / SMALL for n in EXACT for which, x in zip(("first", "second"), solution(n, exact.time), strict=True)
+    }
+    turned = {"closed": np.abs(closed), "turned": np.abs(turning_points)}
+    counts = {"closed.count": np.arange(len(closed)), "turned.count": np.arange(len(turning_points))}
+    return Evidence(measured, data={"t": exact.time, **drawn, **turned, **counts})
 
 
 def scenes() -> dict[str, Scene]:
@@ -138,23 +140,3 @@ def turns(result: Result) -> np.ndarray:
     ends = np.append(moving[:-1][rate[moving[:-1]] != rate[moving[1:]]], moving[-1])
     last = len(angle) - 1
     return np.array([angle[0], *(max(angle[k], angle[min(k + 1, last)], key=abs) for k in ends[:-1]), angle[-1]])
-
-
-def _damped_chart(result: Result) -> Chart:
-    panels = []
-    titles = {"proportional": "proportional damping", "strong": "strong proportional damping", "coasting": "no gravity"}
-    for name, title in titles.items():
-        series = []
-        for label, run_, closed in zip(("first", "second"), motion_of(result, name), solution(name, result.time), strict=True):
-            series += [Series(f"{label}, closed form", result.time, closed / SMALL),
-                       Series(f"{label}, run", result.time[::10], run_[::10] / SMALL, "points")]  # fmt: skip
-        panels.append(Panel(f"{title}, 1e-5 rad", tuple(series)))
-    return Chart("Damped small motion", "time, s", tuple(panels), "Exact solution of the linear chain beside the runs.")
-
-
-def _friction_chart(result: Result, closed: list[float]) -> Chart:
-    points = turns(result)
-    k = np.arange(len(closed))
-    series = (Series("closed form", k, np.abs(closed)), Series("run", np.arange(len(points)), np.abs(points), "points"))
-    text = f"A pendulum of 9.81 N.m with {FRICTION:g} N.m of dry friction, released at 1 rad; it rests where friction bears it."
-    return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)

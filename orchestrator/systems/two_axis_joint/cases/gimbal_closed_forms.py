@@ -10,7 +10,6 @@ import numpy as np
 
 from .....components.two_axis_joint.closed_forms import governor
 from ....harness.analysis.sections import swing_frequency
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -52,8 +51,11 @@ def measure(runs: Runs) -> Evidence:
     measured["nutation"] = swing_frequency(spun.time, spun["nutating.inner_rate"])
     for name in INCLINATIONS:
         measured[f"precession.{name}"] = float(np.mean(spun[f"{name}.outer_rate"]))
-    shown = {"motion without torques": free, "governor, damped": rested}
-    return Evidence(measured, (_chart(measured),), shown)
+    speeds = np.linspace(0.0, 22.0, 400)
+    angles, frequencies = np.array(
+        [governor(w, WEIGHT, *(SLENDER[f"{n}_inertia"] for n in ("inner", "cross", "axial"))) for w in speeds]
+    ).T
+    return Evidence(measured, data={"speeds": speeds, "angles": angles, "frequencies": frequencies})
 
 
 def scenes() -> dict[str, Scene]:
@@ -99,14 +101,3 @@ def _gimbal(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, 
 def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
     record = {"signals": [f"{u}.{s}" for u in units for s in signals]}
     return build_scene(units, stop_time=stop, step=step, name="gimbal", title="Body on two axes", record=record)
-
-
-def _chart(measured: Mapping[str, float]) -> Chart:
-    inertias = [SLENDER[f"{n}_inertia"] for n in ("inner", "cross", "axial")]
-    speeds = np.linspace(0.0, 22.0, 400)
-    angles, frequencies = np.array([governor(w, WEIGHT, *inertias) for w in speeds]).T
-    panels = []
-    for title, curve, name in (("inner angle, rad", angles, "angle"), ("frequency about it, rad/s", frequencies, "frequency")):
-        points = [measured[f"governor.{name}.{w:g}"] for w in ABOVE]
-        panels.append(Panel(title, (Series("closed form", speeds, curve), Series("runs", ABOVE, points, "points"))))
-    return Chart("Governor", "imposed speed, rad/s", tuple(panels), "Above 8.58 rad/s the hanging body swings out.")

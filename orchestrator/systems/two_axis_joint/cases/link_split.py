@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from .....components.two_axis_joint.chain import TwoLinkChain
-from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....scene.scene import Scene
 from ... import load_scene
@@ -29,16 +28,6 @@ LOST = 0.1  # rad, an error beyond which a run has not followed the motion
 HALVINGS, TRIAL = 10, 1000  # macro steps of a trial
 
 
-def scenes() -> dict[str, Scene]:
-    """The scene itself."""
-    return {"the scene": load_scene("link-split").with_changes({"stop_time": 2.0})}
-
-
-def shown(runs: Runs) -> Evidence:
-    """The run of the scene, which is shown."""
-    return Evidence(shown=runs)
-
-
 def measure(runs: Runs) -> Evidence:
     """Eigenvalues of the small motion, difference from the chain over the stiffness, error over the macro step, its limit."""
     measured: dict[str, float] = {
@@ -53,16 +42,14 @@ def measure(runs: Runs) -> Evidence:
     measured["survivors"] = sum(errors[kind][-1] < LOST for kind in PLAIN)
     measured["order.iterative, held"] = _slope(STEPS, errors["iterative, held"])
     measured["limit"] = 1e3 * longest_step(runs)
-    tear = errors["gauss-seidel, linear"][1] / errors["jacobi, linear"][1]
-    notes = (
-        "Plain coupling with held forces is stable up to 2 c / k, that is 2 ms here, as long as the joint's damping is light; "
-        "without damping it never is. With 5 ms every plain algorithm fails. Iterated with held inputs, a step is one of the "
-        "implicit Euler method for the joint's vibration and may be longer; with linear inputs the iteration ends there, too.",
-        f"Gauss-Seidel steps one link, then the other with what the first one gave: for the length of a step the joint sees one "
-        f"end moved and the other not. At {1e3 * STEPS[1]:g} ms its error is {tear:.0f} times that of jacobi, which moves both.",
-        "All runs of the study are in process; the scene itself ran as the options say.",
-    )
-    return Evidence(measured, (_step_chart(errors), _step_table(errors), _compliance_chart(differences)), notes=notes)
+    drawn = {
+        "steps": [f"{1e3 * s:g} ms" for s in STEPS],
+        "errors": {kind: [e if e < LOST else math.nan for e in by_step] for kind, by_step in errors.items()},
+        "rows": [(kind, *(f"{e:.1e} rad" if e < LOST else "lost" for e in by_step)) for kind, by_step in errors.items()],
+        "differences": differences,
+        "tear": errors["gauss-seidel, linear"][1] / errors["jacobi, linear"][1],
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -160,25 +147,3 @@ def _grows(runs: Runs, step: float) -> bool:
         return True
     vibration = np.abs(np.diff(result["joint.first_force_x"], 4))
     return bool(vibration[-TRIAL // 4 :].max() > vibration[TRIAL // 4 : TRIAL // 2].max())
-
-
-def _step_chart(errors: Mapping[str, list[float]]) -> Chart:
-    steps = [f"{1e3 * s:g} ms" for s in STEPS]
-    series = tuple(Series(kind, steps, [e if e < LOST else math.nan for e in by_step], "line+points")
-                   for kind, by_step in errors.items())  # fmt: skip
-    panel = Panel("error, rad", series, logarithmic=True)
-    text = f"Largest error of an angle over {SPAN:g} s, against a run with 50 µs. A point is missing where the motion was lost."
-    return Chart("What the macro step costs", "macro step", (panel,), text, height=360)
-
-
-def _step_table(errors: Mapping[str, list[float]]) -> Grid:
-    header = ("algorithm, inputs", *(f"{1e3 * s:g} ms" for s in STEPS))
-    rows = [(kind, *(f"{e:.1e} rad" if e < LOST else "lost" for e in by_step)) for kind, by_step in errors.items()]
-    return Grid("Error over the macro step", header, tuple(rows), "Lost: failed, or off by more than 0.1 rad.")
-
-
-def _compliance_chart(differences: list[float]) -> Chart:
-    names = [f"{1e-3 * k:g} kN/m" for k in COMPLIANT]
-    panel = Panel("difference, rad", (Series("split less whole", names, differences, "line+points"),), logarithmic=True)
-    text = f"Largest difference of an angle over {SPAN:g} s from the chain in one unit: what the joint gives way."
-    return Chart("What the compliance costs", "stiffness of the joint", (panel,), text)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -63,7 +62,10 @@ def measure(runs: Runs) -> Evidence:
     for name, (crank, driven) in CONVERTERS.items():
         measured |= _torques(runs[f"averaged converter, {name}"], name, crank, driven)
     measured["highest"] = max(measured[f"cp.{name}"] for name in CURVES)
-    return Evidence(measured, (_chart(runs),))
+    curves = {n: (runs[n]["turbine.tip_speed_ratio"], np.maximum(runs[n]["turbine.power_coefficient"], 0.0)) for n in CURVES}
+    named = {f"{n.replace('.', ' at a pitch of ')} degrees" if "." in n else n: curve for n, curve in curves.items()}
+    ends = [0.0, max(float(x.max()) for x, _ in curves.values())]
+    return Evidence(measured, data={"curves": named, "betz": {"Betz": (ends, [16.0 / 27.0, 16.0 / 27.0])}})
 
 
 def _scene(
@@ -164,13 +166,3 @@ def _torques(result: Result, name: str, crank: float, driven: float) -> dict[str
     """Torque on the driven shaft, N.m; where that turns, power given over power taken."""
     torque, taken, speed = (result[f"converter.{n}"][0] for n in OF_CONVERTER)
     return {name: torque, **({"power.converter": torque * speed / (taken * crank / 6.0)} if driven else {})}
-
-
-def _chart(runs: Runs) -> Chart:
-    curves = {n: (runs[n]["turbine.tip_speed_ratio"], runs[n]["turbine.power_coefficient"]) for n in CURVES}
-    names = {n: f"{n.replace('.', ' at a pitch of ')} degrees" if "." in n else n for n in CURVES}
-    series = [Series(names[n], x, np.maximum(y, 0.0)) for n, (x, y) in curves.items()]
-    ends = [0.0, max(float(x.max()) for x, _ in curves.values())]
-    betz = Series("Betz", ends, [16.0 / 27.0, 16.0 / 27.0], faint=True)
-    text = "As the runs passed them. The farm windmill has its best ratio at 1.2, where the others hardly give any torque."
-    return Chart("Power coefficients", "tip speed ratio, 1", (Panel("power coefficient, 1", (betz, *series)),), text)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....scene.build import unit
 from ....scene.scene import Scene
@@ -35,11 +34,7 @@ def measure(runs: Runs) -> Evidence:
             f"power_ratio.{wind:g}": MEAN_TORQUE * pump / float(result["turbine.power"][-1]),
         }
     span, least = measured["ratio.2"] / measured["ratio.6"], min(measured[f"cp.{v:g}"] for v in WINDS[1:])
-    note = (
-        f"From 2 to 6 m/s the ratio of the speeds changes by a factor of {span:.1f}, by itself, while from 2.5 m/s on the "
-        f"power coefficient is {least:.3f} or more; the largest of this rotor is 0.3."
-    )
-    return Evidence(measured, (_chart(measured),), runs, (note,))
+    return Evidence(measured, data={**closed_forms(), "span": span, "least": least})
 
 
 def scene(wind: float) -> Scene:
@@ -59,8 +54,8 @@ def scene(wind: float) -> Scene:
     )
 
 
-def _chart(measured: dict[str, float]) -> Chart:
-    """Points of the runs on the curves of the closed form, solved for the wind at given turbine speeds."""
+def closed_forms() -> dict[str, np.ndarray]:
+    """The closed form, solved for the wind at given turbine speeds."""
     gear, k1, k2, area = 6.0, 0.2 / np.pi, 0.10125 / np.pi, np.pi * 1.5**2
     crank = gear * np.linspace(2.42, 4.2, 400)
     pump = (k1 * crank**2 - MEAN_TORQUE) / (k2 * crank)
@@ -69,13 +64,4 @@ def _chart(measured: dict[str, float]) -> Chart:
     half = turbine * 1.5 / (2.0 * 2.4)
     wind = half + np.sqrt(half**2 + torque / (0.5 * 1.225 * area * 1.5 * 0.5))
     cp = torque * turbine / (0.5 * 1.225 * area * wind**3)
-    panels = []
-    for label, values, name in (
-        ("turbine speed, rad/s", turbine, "turbine_speed"),
-        ("pump speed, rad/s", pump, "pump_speed"),
-        ("turbine speed over pump speed, 1", turbine / pump, "ratio"),
-        ("power coefficient Cp, 1", cp, "cp"),
-    ):
-        points = Series("runs", WINDS, [measured[f"{name}.{v:g}"] for v in WINDS], "points")
-        panels.append(Panel(label, (Series("closed form", wind, values), points), logarithmic=name == "ratio"))
-    return Chart("Operating points", "wind, m/s", tuple(panels), "The ratio follows the wind without any control.", columns=2)
+    return {"wind": wind, "turbine": turbine, "pump": pump, "speeds": turbine / pump, "coefficient": cp}

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ....harness.analysis.operating_point import SceneRates, operating_line, operating_point
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -60,16 +59,17 @@ def measure(runs: Runs) -> Evidence:
         measured[f"pump.{v:g}"] = mean(runs[f"{v:g} m/s"], "converter.speed", SETTLED)
     back, expected = returning(runs["swing"]), expected_return()
     measured |= {"decay": -back.real, "swing": back.imag}
-    notes = (
-        "At speeds that flywheels hold, the mean of the full model is that of the closed form. With the default inertias the "
-        "speed of the crank follows the lever within the revolution, and both models differ by some percent: in the full one the "
-        "turbine turns a little faster, and at low wind the driven shaft slower.",
-        "Linearised about its operating point, with the mean inertia of crank and lever at the turbine, the averaged set returns "
-        f"with {_pair(expected)} 1/s in {SWING:g} m/s; the full one was seen to return with {_pair(back)} 1/s.",
-    )
-    shown = {label: runs[label] for label in (f"{SWING:g} m/s", "swing")}
-    charts = (_revolutions(runs[f"{SWING:g} m/s"]), _torques(measured), _points(measured))
-    return Evidence(measured, charts, shown, notes)
+    winds = np.linspace(WINDS[0], WINDS[-1], 17)
+    line = operating_line(rates, winds, START)
+    drawn = {
+        "winds": winds,
+        "averaged.turbine": line.states[:, 0],
+        "averaged.pump": line.states[:, 1],
+        "growths": {f"eigenvalue {k + 1}": line.eigenvalues[:, k].real for k in range(2)},
+        "expected": _pair(expected),
+        "seen": _pair(back),
+    }
+    return Evidence(measured, data={**drawn, **_revolutions(runs["3 m/s"])})
 
 
 def _at_held_speeds(result: Result, crank: float) -> dict[str, float]:
@@ -182,45 +182,18 @@ def _pair(value: complex) -> str:
     return f"{value.real:.3f} ± {abs(value.imag):.3f} i"
 
 
-def _revolutions(result: Result) -> Chart:
+def _revolutions(result: Result) -> dict[str, Any]:
     """The last two revolutions of a run: when the slider drives, and what it passes on."""
     turned, slider, speed, torque = (
         np.asarray(result[f"converter.{name}"]) for name in ("crank_angle", "slider_velocity", "speed", "driving_torque")
     )
     begin = math.floor(turned[-1] / TURN) - 2.0
     last = (turned / TURN >= begin) & (turned / TURN <= begin + 2.0)
-    revolution, slider, speed, torque = turned[last] / TURN - begin, slider[last], speed[last], torque[last]
-    velocity = (
-        Series("lever's guided end", revolution, slider),
-        Series("clutch forwards", revolution, ARM * speed, faint=True),
-        Series("clutch backwards", revolution, -ARM * speed, faint=True),
-    )
-    passed = (Series("clutches", revolution, torque), Series("load", revolution[[0, -1]], [LOAD, LOAD], faint=True))
-    panels = (Panel("velocity, m/s", velocity), Panel("torque on the driven shaft, N.m", passed))
-    return Chart("Two revolutions of the crank", "revolution", panels,
-                 "The lever drives where its guided end is as fast as a clutch, and flies free in between.")  # fmt: skip
-
-
-def _torques(measured: Mapping[str, float]) -> Chart:
-    series = [Series("closed form", [0.0, 1.0], [1.0, 0.0])]
-    for w in CRANKS:
-        series.append(Series(f"full model, {w:g} rad/s", SHARES, [measured[f"torque.{w:g}.{s:g}"] for s in SHARES], "points"))
-    panel = Panel("torque over that at stall", tuple(series))
-    return Chart("Mean torque at held speeds", "speed of the driven shaft over its largest", (panel,), "Mean of ten revolutions.")
-
-
-def _points(measured: Mapping[str, float]) -> Chart:
-    winds = np.linspace(WINDS[0], WINDS[-1], 17)
-    line = operating_line(rates, winds, START)
-    panels = []
-    for k, (name, label) in enumerate((("turbine", "turbine, rad/s"), ("pump", "driven shaft, rad/s"))):
-        points = [measured[f"{name}.{v:g}"] for v in WINDS]
-        panels.append(Panel(label, (Series("averaged", winds, line.states[:, k]), Series("full model", WINDS, points, "points"))))
-    real = tuple(Series(f"eigenvalue {k + 1}", winds, line.eigenvalues[:, k].real) for k in range(2))
-    panels.append(Panel("growth, 1/s", real))
-    return Chart(
-        "Operating points in the wind",
-        "wind, m/s",
-        tuple(panels),
-        "Growth: real parts of the eigenvalues of the averaged set, which is stable where both are negative.",
-    )
+    forwards = ARM * speed[last]
+    return {
+        "revolution": turned[last] / TURN - begin,
+        "lever": {"lever's guided end": slider[last]},
+        "clutches": {"clutch forwards": forwards, "clutch backwards": -forwards},
+        "torque": torque[last],
+        "load": np.full(forwards.size, LOAD),
+    }

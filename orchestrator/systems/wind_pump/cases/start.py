@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -42,13 +41,8 @@ def measure(runs: Runs) -> Evidence:
             measured[f"loop.start.{chain.name}"] = pump_runs[0].begin_wind or math.nan
             measured[f"loop.stop.{chain.name}"] = pump_runs[-1].end_wind or math.nan
         measured[f"loop.litres.{chain.name}"] = 1e3 * float(chain.signals["delivered"][-1])
-    notes = (
-        "A wind that changes at a finite rate is ahead of the turbine: by the rate times the turbine's time constant, inertia "
-        "over the slope of its torque, some 3 to 5 s here. The closed forms know no lag.",
-        "The turbine of the converter turns in any wind, for a converter that stalls takes no torque: before its pump starts it "
-        f"has {measured['free']:.4f} of its runaway speed.",
-    )
-    return Evidence(measured, (_chart(measured),), runs, notes)
+    places = ("start", "stop", "loop.start", "loop.stop")
+    return Evidence(measured, data={"winds": {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}})
 
 
 def scene(kind: str, what: str) -> Scene:
@@ -84,12 +78,3 @@ def turning_point(result: Result, what: str) -> float:
     changed = turning[1:] != turning[:-1]
     wanted = changed & (turning[1:] if what == "start" else ~turning[1:])
     return float(result["wind.speed"][1:][wanted][0 if what == "start" else -1]) if wanted.any() else math.nan
-
-
-def _chart(measured: dict[str, float]) -> Chart:
-    places = {"start": "start, slow wind", "stop": "stop, slow wind"}
-    places |= {f"loop.{n}": f"{n}, rise and fall" for n in ("start", "stop")}
-    winds = {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}
-    series = [Series(kind, list(places.values()), values, "points") for kind, values in winds.items()]
-    text = "In the slow wind the start is against the peak torque, the stop against the mean; else piston and flywheel decide."
-    return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)

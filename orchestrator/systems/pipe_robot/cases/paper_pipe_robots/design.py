@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ......components.pipe_robot.rolling import RING
-from .....harness.charts.chart import Chart, Panel, Picture, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -65,11 +64,39 @@ def measure(runs: Runs) -> Evidence:
     measured |= {"even": max(even), "stands": max(abs(speeds[FREQUENCIES[0], q]) for q in RATIOS)}
     measured |= _order(runs["weaker friction"]) | _rolling(runs["rolling"])
     bad = sum(not balance(d).epsilon < GOOD for d in (*FIRST.values(), *SECOND.values()))
-    note = (
-        f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
-        "is no solution, and the body sticks for a part of the period."
+    return Evidence(measured, data={"bad": bad, **_maps(speeds, speeds_second), **_lines(speeds)})
+
+
+def _maps(first: Mapping[Key, float], second: Mapping[Key, float]) -> dict[str, Any]:
+    """Both design charts: speeds of the balance, places and speeds of the runs, and the limits that do not depend on them."""
+    ratios, frictions, sines, springs = (
+        np.linspace(*ends) for ends in ((0.2, 3.0, 113), (1.0, 6.0, 41), (0.0, 0.4, 81), (500.0, 4000.0, 71))
     )
-    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,))
+    designs = [[STANDARD.at(ratio=float(r), backward=float(q) * STANDARD.forward) for r in ratios] for q in frictions]
+    slopes = [[STANDARD.at(sine=float(s), stiffness=float(k)) for s in sines] for k in springs]
+    limit = next(r for r in np.linspace(0.1, 1.0, 4000).tolist() if breakaway(STANDARD.at(ratio=r)) < STANDARD.force)
+    return {
+        "first": (ratios, frictions, _field(designs)),
+        "second": (sines, springs, _field(slopes)),
+        **{f"{n}.runs": {"runs": tuple(zip(*keys, strict=True))} for n, keys in (("first", first), ("second", second))},
+        **{f"{n}.labels": [f"{v:.4f} m/s" for v in of.values()] for n, of in (("first", first), ("second", second))},
+        "loose": ((limit, "breaks loose"),),
+        "turning": (((STANDARD.backward - STANDARD.forward) / 2.0 / STANDARD.at(sine=1.0).load, "turns back"),),
+    }
+
+
+def _field(rows: Sequence[Sequence[Design]]) -> np.ndarray:
+    return np.nan_to_num(np.array([[balance(d).speed for d in row] for row in rows]))
+
+
+def _lines(speeds: Mapping[Key, float]) -> dict[str, Any]:
+    """Two lines of the first chart, with the runs."""
+    x = np.linspace(0.2, 3.0, 281)
+    drawn: dict[str, Any] = {"ratios": x, "tried": FREQUENCIES}
+    for q in (2.0, 4.5):
+        drawn[f"balance.{q:g}"] = [balance(STANDARD.at(ratio=float(r), backward=q * STANDARD.forward)).speed for r in x]
+        drawn[f"runs.{q:g}"] = [speeds[r, q] for r in FREQUENCIES]
+    return drawn
 
 
 def _side_by_side(designs: Iterable[Design], least: float = SETTLED) -> Scene:
@@ -123,54 +150,3 @@ def _rolling(result: Result) -> dict[str, float]:
         "ring": ring,
         "ring.closed": RING,
     }
-
-
-def _dots(speeds: Mapping[Key, float]) -> Series:
-    labels = [f"{v:.4f} m/s" for v in speeds.values()]
-    return Series("runs", [k[0] for k in speeds], [k[1] for k in speeds], "points", labels=labels)
-
-
-def _field(xs: np.ndarray, ys: np.ndarray, rows: Sequence[Sequence[Design]], title: str) -> Picture:
-    values = np.array([[balance(d).speed for d in row] for row in rows])
-    return Picture(xs, ys, np.nan_to_num(values), title, "diverging")
-
-
-def _first_map(speeds: Mapping[Key, float]) -> Chart:
-    x, y = np.linspace(0.2, 3.0, 113), np.linspace(1.0, 6.0, 41)
-    rows = [[STANDARD.at(ratio=float(r), backward=float(q) * STANDARD.forward) for r in x] for q in y]
-    dots = _dots(speeds)
-    limit = next(r for r in np.linspace(0.1, 1.0, 4000).tolist() if breakaway(STANDARD.at(ratio=r)) < STANDARD.force)
-    panel = Panel(
-        "friction backwards over forwards, 1", (dots,), picture=_field(x, y, rows, "m/s"), x_marks=((limit, "breaks loose"),)
-    )
-    return Chart(
-        "Design chart: mean speed over frequency and friction ratio",
-        "exciter over resonance, 1",
-        (panel,),
-        "Balance of the first harmonic as colour, runs as points. At a ratio of 1 the speed is zero; "
-        "left of the line a force of 20 N does not move the body.",
-    )
-
-
-def _second_map(speeds: Mapping[Key, float]) -> Chart:
-    x, y = np.linspace(0.0, 0.4, 81), np.linspace(500.0, 4000.0, 71)
-    rows = [[STANDARD.at(sine=float(s), stiffness=float(k)) for s in x] for k in y]
-    dots = _dots(speeds)
-    turning = (STANDARD.backward - STANDARD.forward) / 2.0 / STANDARD.at(sine=1.0).load
-    panel = Panel("stiffness, N/m", (dots,), picture=_field(x, y, rows, "m/s"), x_marks=((turning, "turns back"),))
-    return Chart(
-        "Design chart: mean speed over slope and stiffness",
-        "sine of the slope, 1",
-        (panel,),
-        "At 60 rad/s; resonance is at 1200 N/m. The slope at which a robot turns back stays.",
-    )
-
-
-def _lines(speeds: Mapping[Key, float]) -> Chart:
-    x = np.linspace(0.2, 3.0, 281)
-    panels = []
-    for q in (2.0, 4.5):
-        closed = [balance(STANDARD.at(ratio=float(r), backward=q * STANDARD.forward)).speed for r in x]
-        points = Series("runs", FREQUENCIES, [speeds[r, q] for r in FREQUENCIES], "points")
-        panels.append(Panel("mean speed, m/s", (Series("balance", x, closed), points), title=f"friction 1 : {q:g}"))
-    return Chart("Mean speed over the frequency", "exciter over resonance, 1", tuple(panels), "Two lines of it.", columns=2)

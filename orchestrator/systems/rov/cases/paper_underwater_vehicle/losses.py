@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -25,7 +24,8 @@ def scenes() -> dict[tuple[str, int], Scene]:
 def measure(runs: Runs) -> Evidence:
     """Errors, power and share of the wrench after each loss beside those without one."""
     measured: dict[str, float] = {}
-    rows, tracks = [], []
+    rows = []
+    tracks: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     for layout in MATRICES:
         results = {k: result for (of, k), result in runs.items() if of == layout}
         numbers = {k: figures(result, AFTER) for k, result in results.items()}
@@ -46,24 +46,16 @@ def measure(runs: Runs) -> Evidence:
             )
             for k, n in numbers.items()
         ]
-        tracks.append(_panel(layout, results))
-    header = ("thrusters", "lost", "rms position error, m", "rms attitude error, degrees", "mean ideal power, W", "least scale")
-    grid = Grid(
-        "Keeping a place in current and waves without one thruster",
-        header,
-        tuple(rows),
-        f"The loss is at {FAILURE:g} s, numbers are of {AFTER:g} to {END:g} s. Of six 1 to 3 are horizontal.",
-    )
-    chart = Chart(
-        "Distance from the set point",
-        "time, s",
-        tuple(tracks),
-        "A line for each thruster that is lost. The six "
-        "give up one direction; depth and heading have priority, so that a lost horizontal thruster costs the "
-        "place.",
-        height=220,
-    )
-    return Evidence(measured, (chart, grid))
+        tracks[f"{layout}.all"] = {"all": _distance(results.pop(0))}
+        tracks[f"{layout}.lost"] = {f"without {k}": _distance(result) for k, result in results.items()}
+    return Evidence(measured, data={**tracks, "rows": rows})
+
+
+def _distance(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Time and distance from the set point, s and m, every tenth row."""
+    errors = vehicles(result)[0].errors
+    distance = np.sqrt(sum(errors[n] ** 2 for n in ("error_north", "error_east", "error_down")))
+    return result.time[::10], np.maximum(distance[::10], 1e-4)
 
 
 def failing(layout: str, number: int) -> Scene:
@@ -77,12 +69,3 @@ def failing(layout: str, number: int) -> Scene:
         else []
     )
     return scene("waves", layout).with_changes({"stop_time": END, "faults": faults})
-
-
-def _panel(layout: str, results: dict[int, Result]) -> Panel:
-    series = []
-    for k, result in results.items():
-        vehicle = vehicles(result)[0]
-        distance = np.sqrt(sum(vehicle.errors[n] ** 2 for n in ("error_north", "error_east", "error_down")))
-        series.append(Series(f"without {k}" if k else "all", result.time[::10], np.maximum(distance[::10], 1e-4), faint=not k))
-    return Panel("distance, m", tuple(series), title=f"{layout} thrusters", logarithmic=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ......components.rov.allocation import allocate, allocation_of
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .layouts import AHEAD, ASTERN, MATRICES, ideal_power
 from .wrench_sets import circle, largest
@@ -30,31 +29,13 @@ def measure(runs: Runs) -> Evidence:
     }
     angle = np.arange(len(along["six"])) * 360.0 / len(along["six"])
     force = {name: largest(m, circle(0, 1)) for name, m in MATRICES.items()}
-    panels = (
-        Panel(f"ideal power of {FORCE:g} N, W", tuple(Series(f"{n} thrusters", angle, v) for n, v in along.items())),
-        Panel(
-            "largest horizontal force, N",
-            (
-                *(Series(f"{n} thrusters, attainable", angle, v) for n, v in force.items()),
-                *(Series(f"{n} thrusters, controller", angle, v) for n, v in first.items()),
-            ),
-        ),
-    )
-    chart = Chart(
-        "Power and limit over the heading of a horizontal force",
-        "heading in the body, degrees",
-        panels,
-        "The controller takes the smallest thrusts and scales the wrench as a whole when the first thruster is at its "
-        "limit. Of eight thrusters that leaves a part of what they could give unused.",
-    )
-    return Evidence(
-        measured,
-        (chart,),
-        notes=(
-            "Thrust shared by more propellers costs less, as the square root of their number. The horizontal thrusters of the eight "
-            "lie 0.085 m below the origin: the pitch that they cause is held by the vertical ones, which costs more than it saves.",
-        ),
-    )
+    drawn = {
+        "heading": angle,
+        "powers": {f"{n} thrusters": v for n, v in along.items()},
+        "attainable": {f"{n} thrusters, attainable": v for n, v in force.items()},
+        "given": {f"{n} thrusters, controller": v for n, v in first.items()},
+    }
+    return Evidence(measured, data=drawn)
 
 
 def flat(matrix: np.ndarray) -> np.ndarray:

@@ -9,9 +9,7 @@ import numpy as np
 
 from ......components.rov.hull import WATER, RovHull
 from ......components.rov.waves import wave_number
-from .....harness.charts.chart import Chart, Panel, Series
-from .....harness.validation import Evidence, Runs
-from .....run.results import Result
+from .....harness.validation import Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
 from .... import build_scene
@@ -29,7 +27,7 @@ def scenes() -> dict[str, Scene]:
     return {"sea": _sea_scene(), "free": free_scene()}
 
 
-def measure(runs: Runs) -> Evidence:
+def measure(runs: Runs) -> dict[str, float]:
     """Height and speed of the sea, forces on a hull that is held, and the motion of the one that is free."""
     sea, free = runs["sea"], runs["free"]
     elevation, speed = sea["water.waves.elevation"], sea["water.velocity_north"]
@@ -46,15 +44,7 @@ def measure(runs: Runs) -> Evidence:
     for name, preset in SETS.items():
         inertia, drag = held(preset)
         measured |= {f"held.inertia.{name}": inertia, f"held.drag.{name}": drag}
-    return Evidence(
-        measured,
-        (_sea_chart(sea), _free_chart(free)),
-        notes=(
-            f"Two published sets of one and the same vehicle need {measured['held.drag.wu']:.1f} and "
-            f"{measured['held.drag.benzon']:.1f} N against the drag of the same wave: what a vehicle has to hold near the coast is "
-            "not known better than that.",
-        ),
-    )
+    return measured
 
 
 def _sea_scene() -> Scene:
@@ -97,43 +87,3 @@ def held(preset: str) -> tuple[float, float]:
         hull.initialize(0.0)
         forces.append((values["mass"] + values["added_mass.surge"]) * hull["external.acceleration_x"])
     return forces[0], forces[1]
-
-
-def _sea_chart(sea: Result) -> Chart:
-    kept = sea.time <= 120.0
-    t = sea.time[kept]
-    return Chart(
-        "A sea of 0.5 m and 4 s",
-        "time, s",
-        (
-            Panel("elevation, m", (Series("surface", t, sea["water.waves.elevation"][kept]),)),
-            Panel(
-                "velocity, m/s",
-                (
-                    Series(f"along the waves, {SEA_DEPTH:g} m deep", t, sea["water.velocity_north"][kept]),
-                    Series("downwards", t, sea["water.velocity_down"][kept]),
-                ),
-            ),
-        ),
-        "JONSWAP, 200 components. The deep water feels the long waves alone.",
-        height=160,
-    )
-
-
-def _free_chart(free: Result) -> Chart:
-    late = free.time > free.time[-1] - 3.0 * PERIOD
-    return Chart(
-        "A vehicle without thrust in a wave of 6 s",
-        "time, s",
-        (
-            Panel(
-                "mm/s",
-                (
-                    Series("water", free.time[late], 1e3 * free["water.velocity_north"][late]),
-                    Series("vehicle", free.time[late][::20], 1e3 * free["hull.surge"][late][::20], "points"),
-                ),
-            ),
-        ),
-        "Inertia, added mass and the pressure gradient together let a neutral vehicle move as the water does.",
-        height=200,
-    )

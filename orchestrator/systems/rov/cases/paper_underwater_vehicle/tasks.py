@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -69,14 +68,14 @@ def measure(runs: Runs) -> Evidence:
             )
             for layout, n in numbers.items()
         ]
-    header = ("task", "thrusters", "mean ideal power, W", "rms position error, mm", "rms attitude error, degrees", "least scale")
-    text = (
-        f"From {TRANSIENT:g} s on. lift: {LIFT:g} N of buoyancy in still water; current: 0.3 m/s and a gust; waves: a sea of "
-        "0.5 m and 0.2 m/s; transect: 12 m out and back in it."
-    )
-    grid = Grid("The same tasks with both layouts", header, tuple(rows), text)
-    shown = {"transect, six thrusters": runs["transect", "six"]}
-    return Evidence(measured, (_power_chart(runs), grid), shown)
+    energies = {f"energy.{t}": {f"{n} thrusters": _energy(runs[t, n]) for n in SCENES} for t in ("current", "waves", "transect")}
+    return Evidence(measured, data={**energies, "rows": rows})
+
+
+def _energy(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Time and ideal energy up to it, s and J."""
+    power = ideal_power(list(vehicles(result)[0].thrusts.values()))
+    return result.time, np.r_[0.0, np.cumsum(power[1:] * np.diff(result.time))]
 
 
 def scene(task: str, layout: str) -> Scene:
@@ -99,21 +98,3 @@ def figures(result: Result, start: float = TRANSIENT) -> dict[str, float]:
         "scale": float(vehicle.scale[kept].min()),
         **{what: float(np.sqrt((values**2).sum(axis=0).mean())) for what, values in errors.items()},
     }
-
-
-def _power_chart(runs: Runs) -> Chart:
-    panels = []
-    for task in ("current", "waves", "transect"):
-        series = []
-        for layout in SCENES:
-            result = runs[task, layout]
-            power = ideal_power(list(vehicles(result)[0].thrusts.values()))
-            series.append(Series(f"{layout} thrusters", result.time, np.r_[0.0, np.cumsum(power[1:] * np.diff(result.time))]))
-        panels.append(Panel("energy, J", tuple(series), title=task))
-    return Chart(
-        "Ideal energy of the same tasks",
-        "time, s",
-        tuple(panels),
-        "Work of the jets alone; motors and propellers take a multiple of it, the same for both.",
-        height=170,
-    )

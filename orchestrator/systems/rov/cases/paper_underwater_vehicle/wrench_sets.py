@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .layouts import AHEAD, ASTERN, AXES, MATRICES
 
 RESIDUAL = 0.01  # N or N.m per N or N.m asked for: what may be left over of a wrench that five thrusters give
-PLANES = ((0, 1, "N"), (0, 2, "N"), (3, 4, "N.m"), (0, 5, "N, N.m"))
+PLANES = ((0, 1), (0, 2), (3, 4), (0, 5))
+HORIZONTAL = {"six": 3, "eight": 4}  # thrusters, the first ones
 SMALLEST = 1e-9
 
 
@@ -35,16 +36,18 @@ def measure(runs: Runs) -> Evidence:
         measured |= {f"lost.{axis}.{name}": float(weakest[j]) for j, axis in enumerate(AXES)}
     measured["volume.ratio"] = measured["volume.eight"] / measured["volume.six"]
     worst = {name: measured[f"force.horizontal.{name}"] for name in MATRICES}
-    return Evidence(
-        measured,
-        (_sets_chart(), _losses_chart(), _axes_grid()),
-        notes=(
-            "Six thrusters for six degrees of freedom are not the privilege of this arrangement: an earlier commercial frame with "
-            "six controls roll, pitch, yaw and the three ways, too, and some of eight do not. The claim is of the Y-arrangement.",
-            f"The worst horizontal force of six is {worst['six'] / worst['eight']:.2f} of that of eight, the volume of what they can "
-            f"give 1/{measured['volume.ratio']:.1f}; limits of a T200 thruster for each.",
-        ),
-    )
+    drawn: dict[str, Any] = {"worst": worst["six"] / worst["eight"]}
+    for i, j in PLANES:
+        drawn[f"{AXES[i]}.{AXES[j]}"] = {f"{name} thrusters": _outline(matrix, i, j) for name, matrix in MATRICES.items()}
+    rows = []
+    for name, matrix in MATRICES.items():
+        left = {"none": matrix, **{str(k + 1): np.delete(matrix, k, axis=1) for k in range(matrix.shape[1])}}
+        drawn[f"{name}.all"] = {"all": _outline(matrix, 0, 1)}
+        drawn[f"{name}.lost"] = {f"without {k}": _outline(left[k], 0, 1) for k in list(left)[1 : HORIZONTAL[name] + 1]}
+        for lost, m in left.items():
+            ends = (round(float(end), 1) if end else "lost" for end in weaker(m))
+            rows.append((name, lost, str(np.linalg.matrix_rank(m)), *ends))
+    return Evidence(measured, data={**drawn, "rows": rows})
 
 
 def volume(matrix: np.ndarray) -> float:
@@ -103,58 +106,3 @@ def sphere(count: int = 1500) -> np.ndarray:
 def _outline(matrix: np.ndarray, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
     ends = largest(matrix, circle(i, j))[:, None] * circle(i, j)[:, [i, j]]
     return np.r_[ends[:, 0], ends[:1, 0]], np.r_[ends[:, 1], ends[:1, 1]]
-
-
-def _sets_chart() -> Chart:
-    panels = []
-    for i, j, unit in PLANES:
-        series = tuple(Series(f"{name} thrusters", *_outline(matrix, i, j)) for name, matrix in MATRICES.items())
-        first, _, second = unit.partition(", ")
-        panels.append(Panel(f"{AXES[j]}, {second or first}", series, x_label=f"{AXES[i]}, {first}", equal=not second))
-    return Chart(
-        "Attainable forces and moments",
-        "",
-        tuple(panels),
-        "Each panel: two components, the other four exactly zero. X ahead, Y to starboard, Z down; K, M, N about them.",
-        columns=2,
-        height=300,
-    )
-
-
-def _losses_chart() -> Chart:
-    panels = []
-    for name, matrix in MATRICES.items():
-        series = [Series("all", *_outline(matrix, 0, 1), faint=True)]
-        for k in range(3 if name == "six" else 4):
-            series.append(Series(f"without {k + 1}", *_outline(np.delete(matrix, k, axis=1), 0, 1)))
-        panels.append(Panel("Y, N", tuple(series), title=f"{name} thrusters", x_label="X, N", equal=True))
-    return Chart(
-        "Horizontal force left without a horizontal thruster",
-        "",
-        tuple(panels),
-        "Pure force: no moment, no lift. Of six a line is left: the other directions come with a turn.",
-        columns=2,
-        height=300,
-    )
-
-
-def _axes_grid() -> Grid:
-    rows = []
-    for name, matrix in MATRICES.items():
-        for k in range(-1, matrix.shape[1]):
-            left = matrix if k < 0 else np.delete(matrix, k, axis=1)
-            rows.append(
-                (
-                    name,
-                    "none" if k < 0 else str(k + 1),
-                    str(np.linalg.matrix_rank(left)),
-                    *(round(float(end), 1) if end else "lost" for end in weaker(left)),
-                )
-            )
-    return Grid(
-        "Largest pure force and moment, the weaker sense",
-        ("layout", "lost", "rank", *(f"{a}, N" for a in AXES[:3]), *(f"{a}, N.m" for a in AXES[3:])),
-        tuple(rows),
-        "Of five thrusters 1 % of another component may be left "
-        "over: the horizontal ones lie 3.9 mm off the plane of the others.",
-    )

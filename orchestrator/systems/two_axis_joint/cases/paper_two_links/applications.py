@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import quad, solve_ivp
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -94,8 +93,15 @@ def measure(runs: Runs) -> Evidence:
         }
         measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
     measured |= _free(runs["satellite-panel"]) | _tracking(runs["two-link-manipulator"]) | _crusher(runs["jaw-crusher"])
-    shown = {n: runs[n] for n in ("satellite-panel", "two-link-manipulator")}
-    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown)
+    result = runs["panels"]
+    closed = np.array([jaw_pose(a) for a in np.linspace(0.0, 2.0 * math.pi, 200).tolist()])
+    drawn = {
+        "t": result.time,
+        "ways": {n: np.minimum(np.degrees(result[f"p{k}.relative_angle"]), 90.0) for k, n in enumerate(PANELS)},
+        "stops": {"closed form at the stop": ([p.at_stop()[0] for p in PANELS.values()], [90.0] * len(PANELS))},
+        "jaw": {"closed form": (1e3 * closed[:, 1], 1e3 * closed[:, 2])},
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _panels() -> Scene:
@@ -198,27 +204,3 @@ def _crusher(result: Result) -> dict[str, float]:
         "jaw.error": 1e3 * float(np.abs(places - closed)[:, 1:].max()),
         "flywheel": 100.0 * float(np.ptp(rates) / np.mean(rates)), "speed": float(np.mean(rates)) * 60.0 / (2.0 * math.pi),
     }  # fmt: skip
-
-
-def _deployment(result: Result) -> Chart:
-    names = tuple(PANELS)
-    ways = {n: np.minimum(np.degrees(result[f"p{k}.relative_angle"]), 90.0) for k, n in enumerate(names)}
-    angles = tuple(Series(n, result.time, way) for n, way in ways.items())
-    stops = Series("closed form at the stop", [p.at_stop()[0] for p in PANELS.values()], [90.0] * len(names), "points")
-    return Chart(
-        "Panels unfold to their stop",
-        "time, s",
-        (Panel("way of the hinge, °", (*angles, stops)),),
-        "Spring, dry friction and damper; drawn up to the stop.",
-    )
-
-
-def _jaw(result: Result) -> Chart:
-    closed = np.array([jaw_pose(a) for a in np.linspace(0.0, 2.0 * math.pi, 200).tolist()])
-    foot = Panel("lower end, y, mm", (Series("closed form", 1e3 * closed[:, 1], 1e3 * closed[:, 2], faint=True),
-                                      Series("run", 1e3 * result["jaw.tip_x"], 1e3 * result["jaw.tip_y"])),
-                 x_label="lower end, x, mm", equal=True)  # fmt: skip
-    force = Panel("force of the toggle, kN", (Series("along x", result.time, 1e-3 * result["foot.second_force_x"]),
-                                              Series("along y", result.time, 1e-3 * result["foot.second_force_y"])),
-                  x_label="time, s")  # fmt: skip
-    return Chart("Jaw crusher, idling", "", (foot, force), "The lower end of the jaw goes round a flat loop.", columns=2)

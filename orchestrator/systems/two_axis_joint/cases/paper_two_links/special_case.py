@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -60,11 +59,11 @@ def measure(runs: Runs) -> Evidence:
     errors = [_nonlinear(runs[f"{a:g} rad"], a) for a in LARGE]
     measured["order"] = float(np.polyfit(np.log(LARGE), np.log(errors), 1)[0])
     measured |= _eigenvalues() | _coasting(runs["coasting"])
-    note = (
-        "The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
-        "stiffness alone is out of reach of joint dampers."
-    )
-    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,))
+    at = np.argsort((1.0, *OTHER))
+    result = runs["point masses"]
+    errors = (_angles(result, "d0") - modal("point masses", SECOND, SMALL, result.time))[:, 0] / SMALL
+    drawn = {"ratios": np.array((1.0, *OTHER))[at], "mixed": {name: np.array(shares)[at] for name, shares in mixed.items()}}
+    return Evidence(measured, data={**drawn, "t": result.time, "errors": errors})
 
 
 def matrices(name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -154,25 +153,3 @@ def _coasting(result: Result) -> dict[str, float]:
     """Angles at which rods without gravity come to rest, over the rate of the start, s."""
     return {f"coast.{k}.{which}": float(result[f"s{k}.{which}_angle"][-1]) / SLOWEST
             for k in range(2) for which in ("first", "second")}  # fmt: skip
-
-
-def _mixing(mixed: Mapping[str, list[float]]) -> Chart:
-    at = np.argsort((1.0, *OTHER))
-    ratios = np.array((1.0, *OTHER))[at]
-    series = tuple(Series(name, ratios, np.array(shares)[at], "line+points") for name, shares in mixed.items())
-    return Chart(
-        "Energy that leaks from the first mode into the second",
-        "first damper over that at which the modes decouple, 1",
-        (Panel("share, 1", series, logarithmic=True),),
-        "Runs of the component from rest in the first mode.",
-    )
-
-
-def _decay(result: Result) -> Chart:
-    closed = modal("point masses", SECOND, SMALL, result.time)
-    series = tuple(
-        Series(f"{which} link", result.time, _angles(result, "d0")[:, k] / SMALL) for k, which in enumerate(("first", "second"))
-    )
-    errors = (Series("first link", result.time, (_angles(result, "d0") - closed)[:, 0] / SMALL),)
-    panels = (Panel("angle over amplitude, 1", series), Panel("run less closed form, 1", errors))
-    return Chart("Equal point masses with equal dampers: one mode decays alone", "time, s", panels)

@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -56,11 +55,8 @@ def measure(runs: Runs) -> Evidence:
     measured = {f"over.{gear:g}.{mass:g}": gain for (gear, mass), gain in over.items()}
     measured |= {"sizes.lost": float(len(lost)), "gear.low": low, "gear.high": high}
     names = ", ".join(f"gear {gear:g} with {mass:g} kg ({over[gear, mass]:.2f})" for gear, mass in lost)
-    note = (
-        f"At {MEAN:g} m/s {len(lost)} of {len(over)} sizes give less than the best fixed ratio: {names}. With a lever of 20 kg the "
-        f"converter wins with gears from {low:.2f} to {high:.2f}: below, it starts too late; above, it brakes the turbine in strong winds."
-    )
-    return Evidence(measured, (_chart(over),), notes=(note,))
+    levers = {f"lever of {m:g} kg": [over[g, m] for g in GEARS] for m in MASSES}
+    return Evidence(measured, data={"names": names, "gears": GEARS, "levers": levers})
 
 
 def scenes_of() -> list[tuple[float, float]]:
@@ -82,14 +78,3 @@ def _water(result: Result, at: np.ndarray) -> float:
     own = PchipInterpolator(at, coefficients(result, at.size), extrapolate=False)
     share: Share = lambda v: np.nan_to_num(own(v))  # noqa: E731  none below the first wind; the last is beyond the cap
     return energy(share, MEAN, 2.0, CAP) / energy(lambda v: np.full_like(v, BEST), MEAN, 2.0, CAP)
-
-
-def _chart(over: dict[tuple[float, float], float]) -> Chart:
-    lines = tuple(Series(f"lever of {m:g} kg", GEARS, [over[g, m] for g in GEARS], "line+points") for m in MASSES)
-    level = Series("best fixed ratio", (GEARS[0], GEARS[-1]), (1.0, 1.0), faint=True)
-    return Chart(
-        "Water of a year over that of the best fixed ratio",
-        "gear, speed of the crank over that of the turbine",
-        (Panel("1", (*lines, level)),),
-        f"Rayleigh, {MEAN:g} m/s mean wind, 20 m of lift. Below 1 the converter loses: its size has to suit the site.",
-    )

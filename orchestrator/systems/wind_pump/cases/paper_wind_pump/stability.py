@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from .....harness.analysis.operating_point import SceneRates, linearised
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....scene.build import unit
 from .....scene.scene import Scene
@@ -80,7 +79,9 @@ def measure(runs: Runs) -> Evidence:
         measured |= _eigenvalues(wind)
     for branch, speed in _branches().items():
         measured[f"fixed.{branch}"] = abs(runs[branch]["turbine.speed"][-1] / speed - 1.0) / (PUSH - 1.0)
-    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])))
+    worst = _worst(points["heier"])
+    drawn = {f"worst.{name}": [getattr(p, name) for p in worst] for name in ("wind", "load", "growth")}
+    return Evidence(measured, data=drawn | _equilibria(points["heier"]))
 
 
 @cache
@@ -192,57 +193,23 @@ def _fixed(branch: str, speed: float) -> Scene:
     )
 
 
-def _chart(points: list[Point]) -> Chart:
-    def series(name: str, some: list[Point]) -> Series:
-        return Series(name, [p.load for p in some], [p.speed * RADIUS / p.wind for p in some], "points")
-
-    panels = []
-    winds = sorted({p.wind for p in points})
+def _equilibria(points: list[Point]) -> dict[str, dict[str, Any]]:
+    """For four winds the closed form's loads and tip speed ratios, stable and not, and those of the runs, as they went on."""
+    drawn: dict[str, dict[str, Any]] = {}
+    plant, winds = PLANTS["heier"], sorted({p.wind for p in points})
     for wind in winds[:: max(len(winds) // 4, 1)][:4]:
-        here = [p for p in points if p.wind == wind]
-        kinds = {"returns": [p for p in here if p.returned], "leaves": [p for p in here if not p.returned]}
-        plant, line = PLANTS["heier"], []
+        line = []
         for load in np.geomspace(LOADS["heier"][0], LOADS["heier"][-1], 60).tolist():
             line += [(load, w * RADIUS / wind, plant.growth(wind, w, x)) for w, x in plant.equilibria(wind, load)]
-        closed = tuple(
-            Series(
-                f"closed form, {word}",
-                [x[0] for x in line if (x[2] < 0.0) == stable],
-                [x[1] for x in line if (x[2] < 0.0) == stable],
-                "dots",
-                faint=not stable,
-            )
-            for word, stable in (("stable", True), ("unstable", False))
-        )
-        panels.append(Panel(f"tip speed ratio, {wind:g} m/s", (*closed, *(series(n, some) for n, some in kinds.items()))))
-    return Chart(
-        "Equilibria of a turbine whose torque rises with its speed at first, behind the converter",
-        "load, N.m",
-        tuple(panels),
-        "Each point is a run from an equilibrium with the turbine 2 % too fast: it returns or leaves. "
-        "With a light load there are three equilibria in one wind, of which the middle one is unstable.",
-        columns=2,
-    )
-
-
-def _growths(points: list[Point]) -> Chart:
-    series = tuple(
-        Series(
-            name,
-            [p.wind for p in some],
-            [p.load for p in some],
-            "points",
-            shades=[p.growth for p in some],
-            shade_label="growth, 1/s",
-        )
-        for name, some in (("least damped equilibrium", _worst(points)),)
-    )
-    return Chart(
-        "Stability over wind and load",
-        "wind, m/s",
-        (Panel("load, N.m", series, logarithmic=True),),
-        "The largest real part of the eigenvalues, of the least damped equilibrium in each wind and under each load.",
-    )
+        for word in ("stable", "unstable"):
+            some = [x[:2] for x in line if (x[2] < 0.0) == (word == "stable")]
+            drawn[f"{word}.{wind:g}"] = {f"closed form, {word}": tuple(zip(*some, strict=True)) or ((), ())}
+        here = [(p.returned, p.load, p.speed * RADIUS / wind) for p in points if p.wind == wind]
+        drawn[f"runs.{wind:g}"] = {
+            word: tuple(zip(*[p[1:] for p in here if p[0] == returned], strict=True)) or ((), ())
+            for word, returned in (("returns", True), ("leaves", False))
+        }
+    return drawn
 
 
 def _worst(points: list[Point]) -> list[Point]:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from .....harness.analysis.fatigue import Endurance, rainflow
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -43,12 +42,20 @@ def measure(runs: Runs) -> Evidence:
     bending = rainflow(gusts["converter.stresses.lever_stress"])
     measured["gust.lever"] = 0.5 * float(bending.ranges.max()) / BENDING
     measured["gust.cycles"] = float(bending.counts[bending.ranges > 0.5 * bending.ranges.max()].sum())
-    note = (
-        f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
-        f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
-        f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled."
-    )
-    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,))
+    pumped, passed = fixed["gear.driving_torque"], held["driving.driving_torque"]
+    diameters, damages = np.linspace(8.0, 30.0, 45), {}
+    for name, torque, seconds in (
+        ("piston behind a fixed ratio", _last(pumped, TURNS), TURNS * TURN / SPEED),
+        ("behind the clutches", _last(passed, RECORDED), RECORDED * TURN / (TURBINE * GEAR)),
+    ):
+        each = [ENDURANCE.damage(rainflow(1e6 * np.asarray(torsion(torque, d)))) for d in diameters.tolist()]
+        damages[name] = np.array(each) * THREE_YEARS / seconds
+    courses = {
+        "piston behind a fixed ratio, over turns of the pump": torsion(_last(pumped, 2), 20.0),
+        "behind the clutches, over turns of the crank": torsion(_last(passed, 2), 20.0),
+    }
+    drawn = {"turn": np.arange(2 * SEEN) / SEEN, "courses": courses, "diameters": diameters, "damages": damages}
+    return Evidence(measured, data={**drawn, "amplitude": 0.5e-6 * bending.ranges.max()})
 
 
 def piston() -> Scene:
@@ -136,32 +143,3 @@ def _clutches(result: Result) -> dict[str, float]:
 def _last(values: np.ndarray, turns: int) -> np.ndarray:
     """The last whole turns of a record with `SEEN` instants a turn."""
     return np.asarray(values)[-turns * SEEN :]
-
-
-def _courses(fixed: Result, held: Result) -> Chart:
-    turn = np.arange(2 * SEEN) / SEEN
-    shafts = tuple(
-        Series(name, turn, torsion(_last(torque, 2), 20.0))
-        for name, torque in (
-            ("piston behind a fixed ratio, over turns of the pump", fixed["gear.driving_torque"]),
-            ("behind the clutches, over turns of the crank", held["driving.driving_torque"]),
-        )
-    )
-    return Chart("Torsion of a shaft of 20 mm", "turn", (Panel("shear stress, MPa", shafts),),
-                 "Both pass on 13.2 N.m in the mean, at the operating point of 3 m/s: one stroke a turn of the pump, two pushes "
-                 "a turn of the crank.")  # fmt: skip
-
-
-def _damage(fixed: Result, held: Result) -> Chart:
-    diameters = np.linspace(8.0, 30.0, 45)
-    lines = [Series("end of life", [8.0, 30.0], [1.0, 1.0], faint=True)]
-    for name, torque, seconds in (
-        ("piston behind a fixed ratio", _last(fixed["gear.driving_torque"], TURNS), TURNS * TURN / SPEED),
-        ("behind the clutches", _last(held["driving.driving_torque"], RECORDED), RECORDED * TURN / (TURBINE * GEAR)),
-    ):
-        each = [ENDURANCE.damage(rainflow(1e6 * np.asarray(torsion(torque, d)))) for d in diameters.tolist()]
-        lines.append(Series(name, diameters, np.array(each) * THREE_YEARS / seconds))
-    return Chart("Damage of a shaft in three years of the same wind", "diameter, mm",
-                 (Panel("Miner's sum, 1", tuple(lines), logarithmic=True),),
-                 "Elementary rule of Palmgren and Miner, rainflow cycles of the nominal stress; the endurance is recalled, and "
-                 "notches are not in it.")  # fmt: skip

@@ -15,7 +15,6 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -90,12 +89,16 @@ def measure(runs: Runs) -> Evidence:
             f"over.{mean:g}": own / ideal / share,
             f"late.over.{mean:g}": own / ideal / late_share,
         }
-    note = (
-        f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
-        f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
-        "start against the pump's peak."
-    )
-    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
+    seen = {r: over * _balanced(r) for r in RATIOS}
+    closed = BEST * 4.0 * over**-2.0 * (1.0 - over**-2.0)
+    kinds = (("best fixed ratio, always running", "over"), ("best fixed ratio that starts against the peak", "late.over"))
+    drawn = {
+        "converter.curve": {"converter": (winds, converter)},
+        "fixed.curves": {f"fixed ratio {r:g}": (seen[r], c) for r, c in fixed.items()},
+        "closed.curves": {f"closed form, {r:g}": (seen[r], closed) for r in RATIOS},
+        "fixed.water": {text: [measured[f"water.{m:g}"] / measured[f"{key}.{m:g}"] for m in SITES] for text, key in kinds},
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _balanced(ratio: float) -> float:
@@ -160,45 +163,3 @@ def best_fixed(mean: float) -> float:
         return lambda v: BEST * 4.0 * (u := np.minimum(balanced / v, 1.0) ** 2) * (1.0 - u)
 
     return _best(of_fixed, mean, 2.0, CAP)[1]
-
-
-def _curves(winds: np.ndarray, converter: np.ndarray, over: np.ndarray, fixed: dict[float, np.ndarray]) -> Chart:
-    balanced = {r: _balanced(r) for r in RATIOS}
-    series = [Series("converter", winds, converter, "line+points")]
-    series += [Series(f"fixed ratio {r:g}", over * balanced[r], c, "points") for r, c in fixed.items()]
-    series += [
-        Series(f"closed form, {r:g}", over * balanced[r], BEST * 4.0 * over**-2.0 * (1.0 - over**-2.0), faint=True)
-        for r in RATIOS
-    ]
-    panel = Panel("power coefficient, 1", tuple(series), x_range=(1.0, 10.0))
-    return Chart(
-        "Power coefficient in a steady wind",
-        "wind, m/s",
-        (panel,),
-        "A fixed ratio has its best coefficient in one wind; the converter stays near it from 2.5 m/s on.",
-    )
-
-
-def _sites(measured: dict[str, float]) -> Chart:
-    water = (
-        Series("ideal", SITES, [measured[f"ideal.{m:g}"] for m in SITES], "line+points", faint=True),
-        Series("converter", SITES, [measured[f"water.{m:g}"] for m in SITES], "line+points"),
-        Series(
-            "best fixed ratio, always running",
-            SITES,
-            [measured[f"water.{m:g}"] / measured[f"over.{m:g}"] for m in SITES],
-            "line+points",
-        ),
-        Series(
-            "best fixed ratio that starts against the peak",
-            SITES,
-            [measured[f"water.{m:g}"] / measured[f"late.over.{m:g}"] for m in SITES],
-            "line+points",
-        ),
-    )
-    return Chart(
-        "Water of a year, 20 m of lift",
-        "mean wind, m/s",
-        (Panel("m³", water),),
-        "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.",
-    )
