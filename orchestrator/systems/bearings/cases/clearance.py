@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from .....components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from .statics import at_rest
 
@@ -41,15 +40,13 @@ def measure(runs: Runs) -> Evidence:
             model = _bearing(c, parameters)
             measured[f"{name}.{c}"] = -1e6 * at_rest(model, 1000.0 * DOWN, (*PLANE, "x")).displacement[1]
     (free_low, free_high), (sideways, upright) = free[fine == 15.0][0], held[fine == 15.0][0]
-    notes = (
-        "Nine balls with one on the horizontal axis are no mirror image of themselves about the vertical: under its weight "
-        f"the shaft also moves sideways. Left free to do so, it has {free_low:.1f} and {free_high:.1f} Hz at 15 um, against "
-        f"{sideways:.1f} and {upright:.1f} Hz held.",
-        "The vertical frequency of the shaft held sideways does not fall everywhere: it rises by "
-        f"{measured['rise.vertical']:.2f} Hz over a micrometre at most, where balls lose their load.",
-        "From where two balls carry all of a light weight on, more clearance changes nothing for a shaft that is free sideways.",
-    )
-    return Evidence(measured, (_chart(fine, held, free),), notes=notes)
+    drawn = {
+        "clearance": fine,
+        "held": {n: held[:, i] for i, n in enumerate(AXES)},
+        "free": {n: free[:, i] for i, n in enumerate(("lower", "upper"))},
+        **{"free.low": free_low, "free.high": free_high, "sideways": sideways, "upright": upright},
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _bearing(clearance: float, parameters: dict[str, Any]) -> DeepGrooveBearing:
@@ -70,15 +67,3 @@ def frequencies(clearance: float, held: Collection[str]) -> tuple[np.ndarray, np
     squares = np.diag(K) / MASS, np.maximum(np.linalg.eigvalsh(K), 0.0) / MASS
     along, together = (np.sqrt(s) / (2.0 * np.pi) for s in squares)
     return along, together
-
-
-def _chart(clearance: np.ndarray, held: np.ndarray, free: np.ndarray) -> Chart:
-    panels = []
-    for title, curves, names in (("held sideways", held, AXES), ("free", free, ("lower", "upper"))):
-        panels.append(Panel("Hz", tuple(Series(n, clearance, curves[:, i]) for i, n in enumerate(names)), title=title))
-    return Chart(
-        "Natural frequencies over the clearance", "diametral clearance, um", tuple(panels),
-        "A rigid mass of 20 kg under its weight. Preload stiffens all round; with clearance the load zone narrows, and "
-        "with it what holds the shaft sideways.",
-        columns=2,
-    )  # fmt: skip

@@ -11,7 +11,6 @@ import numpy as np
 from ....harness.analysis.records import after_transient
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
-from ....harness.charts.chart import Chart, Lines, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.scene import Scene
@@ -25,12 +24,6 @@ SHOWN = 250.0  # Hz
 PITS = {"outer": {"width": math.radians(3.0)}, "inner": {"width": math.radians(3.0)}, "ball": {"width": math.radians(10.0)}}
 BEARINGS = {"6205": ("6205", 1797.0), "6306": ("JIS 6306", 1800.0)}  # label -> preset, rpm
 RUNS = (("6306", ""), ("6306", "outer"), ("6306", "inner"), ("6205", ""), ("6205", "outer"), ("6205", "inner"), ("6205", "ball"))
-NOTE = (
-    "A pit in the outer race stands in the load and is passed by every ball: its line is the highest. One in the inner race is "
-    "carried through the load once a turn: its highest line is the shaft's own frequency, and its ball-pass line has neighbours "
-    "at that distance. One on a ball is carried through the load by the cage, and meets both races in each turn of the ball: "
-    "twice the ball's spin."
-)
 ACCELERATION = "bearing.acceleration_x"
 
 
@@ -66,7 +59,7 @@ def measure(runs: Runs) -> Evidence:
     spectra = {k: spectrum(r) for k, r in runs.items()}
     shown = {f"{bearing}, pit: {pit}": runs[bearing, pit] for bearing, pit in (("6306", "outer"), ("6306", "inner"))}
     envelope = f"of the acceleration along the load between {BAND[0]:g} and {BAND[1]:g} Hz, Hann window, 4 s"
-    return Evidence(_measured(spectra), _charts(spectra), shown, (NOTE,), settings={"envelope": envelope})
+    return Evidence(_measured(spectra), shown=shown, settings={"envelope": envelope}, data=_drawn(spectra))
 
 
 def _scene(bearing: str, pit: str) -> Scene:
@@ -124,24 +117,16 @@ def _measured(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, float]:
     }
 
 
-def _charts(spectra: dict[tuple[str, str], Spectrum]) -> tuple[Chart, ...]:
-    charts = []
-    for bearing, (preset, rpm) in BEARINGS.items():
-        panels = []
-        for (of, pit), spectrum in spectra.items():
-            if of != bearing or not pit:
-                continue
-            cut = spectrum.frequency <= SHOWN
-            panels.append(Panel(
-                "m/s²", (Series(f"pit: {pit}", spectrum.frequency[cut], spectrum.amplitude[cut]),), title=f"pit: {pit}",
-                lines=tuple(Lines(name, tuple((k * f, f"{k}×") for k in (1, 2, 3) if k * f < SHOWN))
-                            for name, f in _lines(bearing, pit).items()),
-            ))  # fmt: skip
-        charts.append(Chart(
-            f"Envelope spectra of the {preset} at {rpm:g} rpm", "frequency, Hz", tuple(panels),
-            "Acceleration along the load. The marks stand where kinematics puts the lines; the curves know nothing of them.",
-        ))  # fmt: skip
-    return tuple(charts)
+def _drawn(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, Any]:
+    """Of each bearing with a pit the spectrum up to `SHOWN`, and where kinematics puts the lines."""
+    drawn: dict[str, Any] = {}
+    for bearing, pit in (run for run in RUNS if run[1]):
+        spectrum = spectra[bearing, pit]
+        cut = spectrum.frequency <= SHOWN
+        drawn[f"{bearing}.{pit}.spectrum"] = {f"pit: {pit}": (spectrum.frequency[cut], spectrum.amplitude[cut])}
+        for name, f in _lines(bearing, pit).items():
+            drawn[f"{bearing}.{pit}.{name}"] = tuple((k * f, f"{k}×") for k in (1, 2, 3) if k * f < SHOWN)
+    return drawn
 
 
 def _lines(bearing: str, pit: str) -> dict[str, float]:

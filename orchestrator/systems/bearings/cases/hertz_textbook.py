@@ -9,9 +9,7 @@ import numpy as np
 from .....components.bearings.film import Lubricant, entrainment_speed, film_thickness
 from .....components.bearings.geometry import BallGeometry
 from .....components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, point_contact
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
-from ....harness.validation.reference import load_table
 
 RATIOS = (1.0001, 2.0, 5.0, 10.0, 20.0, 32.35, 100.0)  # Ry / Rx
 NEWTON_PER_MM = 10.0**4.5  # N/m^1.5 in 1 N/mm^1.5
@@ -27,7 +25,13 @@ HAMROCK_LOAD, HAMROCK_SPEED, HAMROCK_OIL = 4944.0, 400.0, Lubricant(0.04, 2.3e-8
 
 def measure(runs: Runs) -> Evidence:
     """Every number of the table by the code the components use."""
-    return Evidence(_ellipses() | _harris() | _hamrock(), (_fit_chart(),), notes=(load_table("hertz-textbook").text,))
+    ratios = np.geomspace(1.0, 120.0, 200)
+    drawn = {
+        "ratios": np.log10(ratios),
+        "errors": [_fit_error(float(r)) for r in ratios],
+        "races": ((math.log10(21.75), "outer race"), (math.log10(32.3), "inner race")),
+    }
+    return Evidence(_ellipses() | _harris() | _hamrock(), data=drawn)
 
 
 def _fit_error(ratio: float) -> float:
@@ -78,15 +82,3 @@ def _hamrock() -> dict[str, float]:
         for name, thinnest in (("central", False), ("least", True)):
             measured[f"{name}_{race}"] = 1e6 * film_thickness(contact, rx, HAMROCK_LOAD, speed, HAMROCK_OIL, thinnest=thinnest)
     return {f"hamrock.{name}": value for name, value in measured.items()}
-
-
-def _fit_chart() -> Chart:
-    ratios = np.geomspace(1.0, 120.0, 200)
-    errors = np.array([_fit_error(float(r)) for r in ratios])
-    series = (Series("fit of 1977", np.log10(ratios), errors),)
-    return Chart(
-        "Stiffness of an elliptic contact by the fit of Brewe and Hamrock", "log10 of Ry/Rx",
-        (Panel("error, %", series, x_marks=((math.log10(21.75), "outer race"), (math.log10(32.3), "inner race"))),),
-        "Against the exact solution. Marked: the races of the textbook bearing, whose fit of both races together is 1 % "
-        "too stiff.",
-    )  # fmt: skip

@@ -16,7 +16,6 @@ from .....components.bearings.conductance import AngularContactConductance, ring
 from .....components.bearings.constriction import conductances_in_series, noted_contact
 from .....components.bearings.load_zone import load_integrals
 from .....components.bearings.radiation import STEFAN_BOLTZMANN
-from ....harness.charts.chart import Band, Chart, Panel, Picture, Series
 from ....harness.validation import Evidence, Runs
 from ..heat_path import ball_path
 
@@ -42,6 +41,7 @@ AIR, GAP, COEFFICIENT, EMISSIVITY, TEMPERATURE = 0.026, 8e-3, 10.0, 0.2, 300.0  
 RINGS = {"7008C": (54e-3, 15e-3), "7210B": (70e-3, 20e-3)}  # pitch diameter, width, m
 AROUND = 1000.0  # N, both ways
 HALF = 9  # balls from the load line to the other side
+ANGLE = 360.0 / 16 * np.arange(HALF)  # of them, degrees
 SOLVED = {"7008C": (0, 2, 3, 8), "7210B": (0, 2, 4)}  # balls in finite volumes; the first is the most loaded
 FINENESS = 5  # of their grids: with 3 the shares scatter by 3 %, with 5 by less than 1 %
 
@@ -115,11 +115,12 @@ def over_both_loads(runs: Runs) -> Evidence:
     measured["maximum.fall"] = 100.0 * (1.0 - curve[-1] / curve.max())
     rising = np.array([resistance(flat, 1000.0, r * 1000.0) for r in FINE])
     measured["flat.rise"] = np.diff(rising).min()
-    note = (
-        "A radial load beside an axial one raises the resistance: a cube root gains less where the load grows than it loses "
-        "where it falls. Once balls are free, more radial load presses the few that are left, and the resistance falls again."
-    )
-    return Evidence(measured, (_plane(models), _lines(models)), notes=(note,))
+    drawn: dict[str, Any] = {"ratios": FINE}
+    for preset, model in models.items():
+        plane = np.array([[resistance(model, axial, radial) for axial in PLANE] for radial in PLANE])
+        drawn[f"plane.{preset}"] = np.log10(PLANE), np.log10(PLANE), np.log10(plane)
+        drawn[preset] = {f"{axial:g} N axial": [resistance(model, axial, r * axial) for r in FINE] for axial in AXIAL[preset]}
+    return Evidence(measured, data=drawn)
 
 
 def zone(epsilon: float) -> float:
@@ -128,41 +129,6 @@ def zone(epsilon: float) -> float:
     radial, axial = load_integrals(epsilon)
     tangent = math.tan(math.radians(ANGLES["7210B"]))
     return resistance(model, ZONE_LOAD, ZONE_LOAD * radial / (axial * tangent)) / resistance(model, ZONE_LOAD)
-
-
-def _plane(models) -> Chart:
-    x = np.log10(PLANE)
-    panels = []
-    for preset, model in models.items():
-        values = np.array([[resistance(model, axial, radial) for axial in PLANE] for radial in PLANE])
-        picture = Picture(x, x, np.log10(values), "log10 of K/W")
-        panels.append(
-            Panel("log10 of the radial force in N", (), title=preset, picture=picture, x_label="log10 of the axial force in N")
-        )
-    return Chart(
-        "Resistance of the contacts over both loads",
-        "",
-        tuple(panels),
-        "Along a diagonal, where the ratio of the loads is fixed, the resistance falls with the cube root of the load. "
-        "The ridge of the 40 degree bearing is where its balls come off.",
-        columns=2,
-    )
-
-
-def _lines(models) -> Chart:
-    panels = []
-    for preset, model in models.items():
-        series = [
-            Series(f"{axial:g} N axial", FINE, [resistance(model, axial, r * axial) for r in FINE]) for axial in AXIAL[preset]
-        ]
-        panels.append(Panel("K/W", tuple(series), title=f"{preset}, {ANGLES[preset]:g} degrees"))
-    return Chart(
-        "Resistance over the ratio of radial to axial load",
-        "radial over axial force",
-        tuple(panels),
-        "The 40 degree bearing has a maximum, the 15 degree one has none up to three times the axial force.",
-        columns=2,
-    )
 
 
 def over_the_ratio(runs: Runs) -> Evidence:
@@ -188,23 +154,9 @@ def over_the_ratio(runs: Runs) -> Evidence:
             f"{preset}.beyond.most": over[~full].max(),
             f"{preset}.boundary": STEPS[int(np.argmax(left))] if left.any() else math.inf,
         }
-    note = "; ".join(
-        f"{preset} at 1 kN axial: the exponent is between {HELD[0]:g} and {HELD[1]:g} up to Fr/Fa = "
-        f"{measured[f'{preset}.boundary'] - STEPS[1]:.2f}"
-        for preset in ANGLES
-    )
-    return Evidence(measured, (_exponents(curves),), notes=(f"{note}. Further on balls join or leave as the load grows.",))
-
-
-def _exponents(curves: dict[str, np.ndarray]) -> Chart:
-    series = tuple(Series(f"{preset}, 1 kN axial", STEPS, curve) for preset, curve in curves.items())
-    band = Band("axial load alone", *HELD)
-    return Chart(
-        "Exponent over the ratio of radial to axial load",
-        "Fr / Fa",
-        (Panel("-d ln R / d ln F", series, (band,)),),
-        "At a fixed ratio of the loads. Each jump is a ball that joins.",
-    )
+    held = {f"{preset}.held": measured[f"{preset}.boundary"] - STEPS[1] for preset in ANGLES}
+    exponents = {f"{preset}, 1 kN axial": curve for preset, curve in curves.items()}
+    return Evidence(measured, data={"steps": STEPS, "exponents": exponents, **held})
 
 
 def by_path(runs: Runs) -> Evidence:
@@ -225,11 +177,9 @@ def by_path(runs: Runs) -> Evidence:
         measured[f"{preset}.series"] = exponent(series, 5000.0) / exponent(series, 50.0)
         unloaded = resistance(bearing(preset, SIDE, **ANNULUS), 0.0)
         measured[f"{preset}.unloaded"] = unloaded * side_paths(preset) - 1.0
-    note = (
-        "With air in the narrow gap beside the contacts, the groove that follows the ball carries much of the heat: the contacts "
-        "have a smaller share than between rings that exchange heat over their distance alone."
-    )
-    return Evidence(measured, (_paths(),), notes=(note,))
+    parts = {preset: [shares(preset, float(f)) for f in OVER] for preset in ANGLES}
+    paths = {preset: {name: [p[name] for p in of] for name in of[0]} for preset, of in parts.items()}
+    return Evidence(measured, data={"loads": np.log10(OVER), **paths})
 
 
 def side_paths(preset: str) -> float:
@@ -239,25 +189,10 @@ def side_paths(preset: str) -> float:
     return area * (AIR / GAP + 0.5 * COEFFICIENT + 4.0 * EMISSIVITY * STEFAN_BOLTZMANN * TEMPERATURE**3)
 
 
-def _paths() -> Chart:
-    panels = []
-    for preset in ANGLES:
-        parts = [shares(preset, float(f)) for f in OVER]
-        series = tuple(Series(name, np.log10(OVER), [p[name] for p in parts]) for name in parts[0])
-        panels.append(Panel("share of the heat", series, title=preset, y_range=(0.0, 1.0)))
-    return Chart(
-        "Paths of the heat over the axial force",
-        "log10 of the axial force in N",
-        tuple(panels),
-        "Air at 300 K, beside the contacts, too; 10 W/(m².K) inside the bearing, an exchange factor of 0.2.",
-        columns=2,
-    )
-
-
 def around_the_circumference(runs: Runs) -> Evidence:
     """One equilibrium each: loads, areas of the inner contacts, conductances."""
     measured: dict[str, float] = {}
-    curves: dict[str, tuple[np.ndarray, ...]] = {}
+    drawn: dict[str, Any] = {}
     for preset in ANGLES:
         model = bearing(preset)
         resistance(model, AROUND, AROUND)
@@ -274,29 +209,12 @@ def around_the_circumference(runs: Runs) -> Evidence:
         measured[f"{preset}.volumes"] = 100.0 * np.abs(solid / solid[0] - root[at]).max()
         measured[f"{preset}.bulk"] = 100.0 * np.abs(solid / solid[0] - (bulk / bulk[0])[at]).max()
         measured[f"{preset}.area"] = np.abs(area / area.max() - root**2).max()
-        curves[preset] = (area, lumped / lumped.max(), solid / solid[0], root)
-    return Evidence(measured, (_around(curves),))
+        drawn |= {f"{preset}.lumped": lumped / lumped.max(), f"{preset}.root": root, f"{preset}.areas": area / area.max()}
+        drawn |= {f"{preset}.solved": ANGLE[at], f"{preset}.solid": solid / solid[0], f"{preset}.largest": 1e6 * area.max()}
+    return Evidence(measured, data={"angle": ANGLE, **drawn})
 
 
 def areas(model, loads: np.ndarray) -> np.ndarray:
     """Area of the inner contact of each ball, (n,) m2, by Hertz's solution for its own load."""
     contact = model.geometry().contact("inner", model.material())
     return np.array([0.25 * math.pi * math.prod(contact.axes(load)) if load > 0.0 else 0.0 for load in loads])
-
-
-def _around(curves: dict[str, tuple[np.ndarray, ...]]) -> Chart:
-    angle = 360.0 / 16 * np.arange(HALF)
-    panels = []
-    for preset, (area, lumped, solid, root) in curves.items():
-        panels.append(Panel("share of the largest", (
-            Series("conductance, lumped", angle, lumped, "line+points"),
-            Series("conductance, finite volumes", angle[list(SOLVED[preset])], solid, "points"),
-            Series("cube root of the load", angle, root, faint=True), Series("contact area", angle, area / area.max())),
-            title=f"{preset}, largest area {1e6 * area.max():.3f} mm²"))  # fmt: skip
-    return Chart(
-        "Distribution around the circumference",
-        "angle from the radial load, degrees",
-        tuple(panels),
-        "1 kN axial and 1 kN radial. Heat follows the cube root of a ball's load, contact areas its square.",
-        columns=2,
-    )

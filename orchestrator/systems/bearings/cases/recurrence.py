@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.integrate import quad
@@ -10,7 +11,6 @@ from scipy.special import erf
 from scipy.stats import norm
 
 from ....harness.analysis.recurrence import Quantification, embed, line_survival, quantify, recurrence_matrix
-from ....harness.charts.chart import Chart, Panel, Picture, Series
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow
 
@@ -62,15 +62,15 @@ def measure(runs: Runs) -> Evidence:
         matrix = recurrence_matrix(logistic(r, 0.3, settle=100_000)[: STATES - STATES % period], 1e-9)
         source = f"a point returns after exactly {period} steps"
         rows += _rows(f"logistic map, r = {r:g}", _mean([matrix], 1), of_period(len(matrix), period), RELATIVE_ACCURACY, source)
-    charts = (_plots({NOISE: noise[0], SINE: sine[0], CHAOS: chaos[0]}), _survival(noise[0], chaos[0]))
-    return Evidence(charts=charts, notes=NOTES, rows=tuple(rows))
-
-
-NOTES = (
-    f"{STATES} states each; white noise and the chaotic map: mean of {REALISATIONS} realisations. Lines of two points or more; "
-    "the Theiler window is 1, of the sine half a period. The chaotic orbit is looked at in the coordinate 2/pi asin(sqrt(x)), "
-    "in which it fills the interval evenly.",
-)
+    at = np.arange(DRAWN)
+    drawn: dict[str, Any] = {n: (at, at, m[0][:DRAWN, :DRAWN]) for n, m in (("noise", noise), ("sine", sine), ("chaos", chaos))}
+    for name, matrix, ratio in ((NOISE, noise[0], of_noise(NOISE_THRESHOLD)["RR"]), (CHAOS, chaos[0], 0.5)):
+        survival = line_survival(matrix)
+        lengths = np.arange(1, survival.size + 1)
+        exact = survival[0] * ratio ** (lengths - 1.0)
+        drawn[f"{name}.lines"] = {name: (lengths, survival)}
+        drawn[f"{name}.exact"] = {f"{name}, exact slope": (lengths[exact >= 0.5], exact[exact >= 0.5])}
+    return Evidence(rows=tuple(rows), data=drawn)
 
 
 def logistic(r: float, start: float, settle: int = 1000, states: int = STATES) -> np.ndarray:
@@ -171,28 +171,3 @@ def _slope(survival: np.ndarray) -> float:
     """Fall of the logarithm of the number of lines per sample of length, where there are enough to count."""
     enough = np.flatnonzero(survival >= 100)
     return float(np.polyfit(enough, np.log(survival[enough]), 1)[0])
-
-
-def _plots(matrices: dict[str, np.ndarray]) -> Chart:
-    at = np.arange(DRAWN)
-    pictures = {name: Picture(at, at, m[:DRAWN, :DRAWN], palette="binary") for name, m in matrices.items()}
-    panels = tuple(Panel("sample", (), picture=p, title=n, x_label="sample", equal=True) for n, p in pictures.items())
-    text = f"The first {DRAWN} of {STATES} states. Noise: single points; a sine: unbroken diagonals; chaos: short ones."
-    return Chart("Recurrence plots", "", panels, text, columns=3, height=300)
-
-
-def _survival(noise: np.ndarray, chaos: np.ndarray) -> Chart:
-    series: list[Series] = []
-    p = of_noise(NOISE_THRESHOLD)["RR"]
-    for name, matrix, ratio in ((NOISE, noise, p), (CHAOS, chaos, 0.5)):
-        survival = line_survival(matrix)
-        lengths = np.arange(1, survival.size + 1)
-        exact = survival[0] * ratio ** (lengths - 1.0)
-        series.append(Series(name, lengths, survival, "points"))
-        series.append(Series(f"{name}, exact slope", lengths[exact >= 0.5], exact[exact >= 0.5], faint=True))
-    panel = Panel("number of at least that length", tuple(series), logarithmic=True)
-    text = (
-        "Pale: geometric laws, for noise with the recurrence rate as ratio, for the chaotic map with 1/2: its correlation "
-        "entropy is ln 2 a step."
-    )
-    return Chart("Lengths of the diagonal lines", "length, samples", (panel,), text)

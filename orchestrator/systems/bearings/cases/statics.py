@@ -16,7 +16,6 @@ from .....components.bearings.loads import StaticLoads
 from .....components.bearings.six_dof import constants
 from .....components.core.errors import StepFailed
 from .....components.core.kernels import DONE, REASONS
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from .hertz_textbook import NEWTON_PER_MM
 
@@ -57,31 +56,16 @@ def displacements(runs: Runs) -> Evidence:
         "0.second": radial.ball_loads[1],
         "stiffness": constants(tight.arguments[0]).contacts.stiffness / NEWTON_PER_MM,
     }
-    notes = (
-        "The commercial program's digits are met to 1e-5, which says that it solves the elliptic contact exactly, as is "
-        "done here; the independent solver took a stiffness 0.06 % lower.",
-        f"Without clearance the axial stiffness vanishes at zero load: under a sixteenth of the axial load the shaft moves by "
-        f"{1e6 * at_rest(tight, LOAD / 16.0 * AXIAL).displacement[2]:.1f} um, about half as far.",
-    )
-    return Evidence(measured, (_over_load(tight, loose),), notes=notes)
-
-
-def _over_load(tight: DeepGrooveBearing, loose: DeepGrooveBearing) -> Chart:
     loads = np.geomspace(1.0, 5000.0, 60)
-    panels = []
-    for title, direction, i in (("radial load", RADIAL, 0), ("axial load", AXIAL, 2)):
-        series = []
-        for name, model in (("no clearance", tight), ("10 um", loose)):
-            moved = [1e6 * at_rest(model, f * direction).displacement[i] for f in loads]
-            series.append(Series(name, loads, np.array(moved)))
-        panels.append(Panel("displacement, um", tuple(series), title=title))
-    return Chart(
-        "Displacement over the load", "load, N", tuple(panels),
-        "Axially it is counted from the middle of the play: with clearance the ring first slides to where the balls "
-        f"touch, at the free contact angle of {math.degrees(math.acos(1.0 - ISO_CLEARANCES[1] / (2.0 * 0.05 * 11.5e-3))):.1f} "
-        "degrees.",
-        columns=2,
-    )  # fmt: skip
+    drawn = {
+        kind: {
+            n: [1e6 * at_rest(m, f * way).displacement[i] for f in loads] for n, m in (("no clearance", tight), ("10 um", loose))
+        }
+        for kind, way, i in (("radial", RADIAL, 0), ("axial", AXIAL, 2))
+    }
+    sixteenth = 1e6 * at_rest(tight, LOAD / 16.0 * AXIAL).displacement[2]
+    angle = math.degrees(math.acos(1.0 - ISO_CLEARANCES[1] / (2.0 * 0.05 * 11.5e-3)))
+    return Evidence(measured, data={"loads": loads, **drawn, "sixteenth": sixteenth, "angle": angle})
 
 
 def shares(runs: Runs) -> Evidence:
@@ -92,14 +76,8 @@ def shares(runs: Runs) -> Evidence:
         measured[f"Jr.{epsilon}"], measured[f"Ja.{epsilon}"] = load_integrals(epsilon)
     for n in BALLS:
         measured[f"on.{n}"], measured[f"midway.{n}"] = (_largest(n, first) for first in (0.0, math.pi / n))
-    rule = _largest(9, 0.0, 15e-6, 1000.0)
-    notes = (
-        "Even and odd numbers of balls approach 4.37 from either side; with the load line between two balls the largest load is "
-        "smaller.",
-        f"With clearance fewer balls carry: 9 balls of a 6207-like bearing with 15 um under 1 kN give {rule:.2f}, where "
-        f"the usual rule of thumb for normal clearance says 5.",
-    )
-    return Evidence(measured, (_over_clearance(),), notes=notes)
+    over = {f"{load:g} N": [_largest(9, 0.0, c or 1e-12, load) for c in CLEARANCES] for load in (200.0, 1000.0, 5000.0)}
+    return Evidence(measured, data={"rule": _largest(9, 0.0, 15e-6, 1000.0), "clearances": 1e6 * CLEARANCES, "over": over})
 
 
 def _largest(balls: int, first: float, clearance: float = 0.0, load: float = SHARED) -> float:
@@ -109,15 +87,3 @@ def _largest(balls: int, first: float, clearance: float = 0.0, load: float = SHA
     model = DeepGrooveBearing(parameters=parameters)
     model.initialize(0.0)
     return balls * float(at_rest(model, np.array([load, 0, 0, 0, 0]), ("tilt_x", "tilt_y")).ball_loads.max()) / load
-
-
-def _over_clearance() -> Chart:
-    series = tuple(
-        Series(f"{load:g} N", 1e6 * CLEARANCES, np.array([_largest(9, 0.0, c or 1e-12, load) for c in CLEARANCES]))
-        for load in (200.0, 1000.0, 5000.0)
-    )
-    return Chart(
-        "Largest ball load over the clearance", "diametral clearance, um", (Panel("Z Qmax / Fr", series),),
-        "Nine balls, one on the load line. A light preload spreads the load over more balls; a heavy one adds to it; "
-        "with clearance one ball takes all in the end, and the number is that of the balls.",
-    )  # fmt: skip

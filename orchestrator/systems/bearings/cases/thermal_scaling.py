@@ -11,7 +11,6 @@ from scipy.special import ellipkm1
 
 from .....components.bearings.conductance import AngularContactConductance
 from .....components.bearings.constriction import constriction
-from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow, load_table
 from ..heat_path import Surroundings, solve_bearing
@@ -54,7 +53,13 @@ def measure(runs: Runs) -> Evidence:
         source = "finite volumes of balls and rings by this project, checked against closed forms; their own error is about 2 %"
         row = TableRow("resistance of the lumped path", s.condition, s.condition, "K/W", low, high, "computed", source)
         rows.append(Row(row, s.lumped))
-    return Evidence(_contacts() | _laws(), (_chart(), _grid(studies)), notes=_notes(studies), rows=tuple(rows))
+    drawn: dict[str, Any] = {"rows": [(s.condition, s.lumped, s.reference, s.difference) for s in studies]}
+    for name, band in (("solid", CONTACT_BAND), ("air", AIR_BAND), ("oil", OIL_BAND)):
+        differences = [s.difference for s in studies if s.band == band]
+        drawn |= {f"{name}.least": min(differences), f"{name}.most": max(differences)}
+    reference = {s.condition: s.reference for s in studies}
+    saved = 100.0 * (1.0 - reference["7008C, 1000 N axial, air beside the contacts"] / reference["7008C, 1000 N axial"])
+    return Evidence(_contacts() | _laws(), rows=tuple(rows), data={**drawn, **_over_axial(), "saved": saved})
 
 
 def bearing(preset: str, effects: tuple[str, ...], axial: float, radial: float = 0.0, more: Mapping[str, Any] | None = None):
@@ -124,46 +129,15 @@ def _against_finite_volumes() -> list[Study]:
     return studies
 
 
-def _chart() -> Chart:
+def _over_axial() -> dict[str, Any]:
+    """Resistances over the axial force, and those of the independent solver."""
     force = np.geomspace(10.0, 1e4, 25)
     table = {r.measure: np.mean([end for end in (r.low, r.high) if end is not None]) for r in load_table("thermal-scaling").rows}
-    over_axial, scaled = [], []
-    for preset in BEARINGS:
-        resistance = np.array([1.0 / bearing(preset, CONTACTS_ONLY, f)["conductance"] for f in force])
-        over_axial.append(Series(preset, np.log10(force), resistance))
-        scaled.append(Series(preset, np.log10(force), resistance * np.cbrt(force)))
-        points = np.array([table[f"{preset}.{f}.0"] for f in AXIAL])
-        over_axial.append(Series(f"{preset}, independent solver", np.log10(AXIAL), points, "points"))
-    panels = (
-        Panel("resistance, K/W", tuple(over_axial), title="contacts alone", logarithmic=True),
-        Panel("resistance · F^(1/3), K.N^(1/3)/W", tuple(scaled), title="scaled: constant at a fixed contact angle"),
-    )
-    return Chart(
-        "Resistance over axial force", "log10 of the axial force in N", panels,
-        "At 40 degrees the contact angle hardly changes and the law holds to 1 % up to 5 kN; at 15 degrees the angle grows with "
-        "the load, which takes load off the balls.", columns=2,
-    )  # fmt: skip
-
-
-def _grid(studies: list[Study]) -> Grid:
-    rows = tuple((s.condition, s.lumped, s.reference, s.difference) for s in studies)
-    return Grid(
-        "Lumped path and finite volumes", ("condition", "lumped, K/W", "finite volumes, K/W", "difference, %"), rows,
-        "Lumped: constriction, ball's bulk, finite rings. Finite volumes: ball and its parts of the rings in three dimensions, "
-        "every ball with the ellipse of its own load, the rings' far faces isothermal.",
-    )  # fmt: skip
-
-
-def _notes(studies: list[Study]) -> tuple[str, ...]:
-    solid, air, oil = ([s.difference for s in studies if s.band == band] for band in (CONTACT_BAND, AIR_BAND, OIL_BAND))
-    reference = {s.condition: s.reference for s in studies}
-    saved = 100.0 * (1.0 - reference["7008C, 1000 N axial, air beside the contacts"] / reference["7008C, 1000 N axial"])
-    return (
-        f"Through solids alone the lumped path differs from finite volumes by {min(solid):+.1f} to {max(solid):+.1f} %, of which "
-        "the grid's own error is up to 2 %.",
-        f"With air in the gap beside the contacts the lumped resistance differs by {min(air):+.1f} to {max(air):+.1f} %; with "
-        f"oil there ({OIL:g} W/(m.K)) by {min(oil):+.1f} to {max(oil):+.1f} %.",
-        "Air in the narrow gap beside the contacts is no small path: the groove follows the ball so closely that it takes "
-        f"{saved:.0f} % off the resistance at 1 kN in finite volumes, and is nearly all there is without load.",
-        "Not shown: the curves of Spence & Kaminski (1996), which were not at hand, and rotation.",
-    )
+    resistances = {p: np.array([1.0 / bearing(p, CONTACTS_ONLY, f)["conductance"] for f in force]) for p in BEARINGS}
+    return {
+        "force": np.log10(force),
+        **resistances,
+        "scaled": {p: resistance * np.cbrt(force) for p, resistance in resistances.items()},
+        "given": np.log10(AXIAL),
+        **{f"{p}.solver": [table[f"{p}.{f}.0"] for f in AXIAL] for p in BEARINGS},
+    }

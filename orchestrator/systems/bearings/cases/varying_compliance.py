@@ -12,7 +12,6 @@ from .....components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
 from ....harness.analysis.sections import Bifurcation, bifurcation
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....scene.scene import Scene
 from ... import load_scene
@@ -47,9 +46,14 @@ def scenes() -> dict[str, Scene]:
 def measure(runs: Runs) -> Evidence:
     """The numbers are those of components that are stepped alone."""
     swept = {gap: np.array([peak_to_peak(gap * MICRO, v) for v in SPEEDS]) for gap in (0, 1)}
-    charts = _resonances(swept), _clearances({v: diagram(v) for v in PERIODS}), _trap()
-    note = "With clearance the bearing is softer, and its resonances move to lower speeds."
-    return Evidence(_measured(swept), charts, runs, (note,))
+    drawn: dict[str, Any] = {"speeds": SPEEDS}
+    for axis, name in enumerate(("along", "across")):
+        drawn[name] = {f"{gap} µm": rows[:, axis] / MICRO for gap, rows in swept.items()}
+    for rpm in PERIODS:
+        sweep = diagram(rpm)
+        passed = np.repeat(sweep.values / MICRO, sweep.points.shape[1])
+        drawn[f"{rpm:g}"] = {f"{rpm:g} rpm": (passed, sweep.points.ravel() / MICRO)}
+    return Evidence(_measured(swept), data={**drawn, **_trap()})
 
 
 def peak_to_peak(clearance: float, rpm: float) -> tuple[float, float]:
@@ -97,34 +101,13 @@ def _measured(swept: dict[int, np.ndarray]) -> dict[str, float]:
     return measured | {f"{gap}.y.1000": peak_to_peak(gap * MICRO, 1000.0)[1] / MICRO for gap in (5, 15)}
 
 
-def _resonances(swept: dict[int, np.ndarray]) -> Chart:
-    panels = tuple(
-        Panel(label, tuple(Series(f"{gap} µm", SPEEDS, rows[:, axis] / MICRO, "line+points") for gap, rows in swept.items()))
-        for axis, label in enumerate(("along the load, µm", "across the load, µm"))
-    )
-    return Chart("Peak-to-peak motion over speed", "speed, rpm", panels, "Radial clearance 0 and 1 µm, no fault anywhere.")
-
-
 def diagram(rpm: float) -> Bifurcation:
     """Motion across the load, seen once for every ball that passes, over the clearance."""
     return bifurcation(lambda gap: bearing(gap, rpm), GAPS, ball_passage, ("displacement_y",), points=60, transient=PERIODS[rpm])
 
 
-def _clearances(diagrams: dict[float, Bifurcation]) -> Chart:
-    panels = []
-    for rpm, sweep in diagrams.items():
-        x = np.repeat(sweep.values / MICRO, sweep.points.shape[1])
-        panels.append(
-            Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, sweep.points.ravel() / MICRO, "dots"),), title=f"{rpm:g} rpm")
-        )
-    return Chart(
-        "Bifurcation over the clearance", "radial clearance, µm", tuple(panels),
-        "Position across the load each time a ball has moved to the place of the next: one dot for a motion that repeats with "
-        "every ball, a few for one that repeats after some, a cloud for chaos. Each value starts from equilibrium.",
-    )  # fmt: skip
-
-
-def _trap() -> Chart:
+def _trap() -> dict[str, Any]:
+    """What SciPy's LSODA makes of one motion in two forms, its absolute tolerance being the default."""
     metres = bearing(20.0 * MICRO, 3000.0)
     other, by = dimensionless(metres)
     other.initialize(0.0)
@@ -134,18 +117,13 @@ def _trap() -> Chart:
     def errors(model: TwoDofBearing, end: float, unit: float) -> list[float]:
         return [float(np.abs(_solved(model, end, method="LSODA", rtol=r) / unit - exact).max() / swing) for r in TOLERANCES]
 
-    asked = np.log10(TOLERANCES)
-    series = (
-        Series("in metres", asked, errors(metres, END, by.length), "line+points"),
-        Series("dimensionless", asked, errors(other, END / by.time, 1.0), "line+points"),
-    )
-    return Chart(
-        "What an absolute tolerance of 1e-6 does to lengths in metres", "log10 of the relative tolerance",
-        (Panel("largest error over the swing", series, logarithmic=True),),
-        f"SciPy's LSODA with its default absolute tolerance on one motion in two forms: 3000 rpm, 20 µm, {END:g} s, a swing of "
-        f"{swing * by.length / MICRO:.0f} µm. In metres the tolerance is 1/{swing * by.length / ABSOLUTE:.0f} of the swing, and "
-        "asking for a smaller relative tolerance changes nothing.",
-    )  # fmt: skip
+    forms = {"in metres": errors(metres, END, by.length), "dimensionless": errors(other, END / by.time, 1.0)}
+    return {
+        "asked": np.log10(TOLERANCES),
+        "forms": forms,
+        "swing": swing * by.length / MICRO,
+        "share": swing * by.length / ABSOLUTE,
+    }
 
 
 def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:

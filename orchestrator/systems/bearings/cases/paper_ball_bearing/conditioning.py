@@ -11,7 +11,6 @@ from scipy.integrate import solve_ivp
 from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
 from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
-from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Runs
 
 RPM = 2.0 * math.pi / 60.0
@@ -60,11 +59,13 @@ def measure(runs: Runs) -> Evidence:
         for form, scaled in (("metres", False), ("dimensionless", True)):
             measured[f"{name}.{form}"] = 100.0 * short_numbers(kind, scaled)
     measured["float16.failed"] = float(not math.isfinite(measured["float16.metres"]))
-    note = (
-        "Multiplication by a scale only shifts the exponent: with units of 2^-18 m and 2^-10 s the trajectory is the same bit "
-        "for bit. What scaling cures are absolute thresholds: tolerances, differences, and numbers of a short range."
-    )
-    return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(note,))
+    units, scaled = ("m", "m/s", "N/m^1.5", "N.s/m", "kg", "N"), magnitudes(True)
+    sizes = [
+        (f"{name}, {unit}", float(f"{v:.3g}"), float(f"{scaled[name]:.3g}"))
+        for (name, v), unit in zip(numbers.items(), units, strict=True)
+    ]
+    by_form = {form: [100.0 * tables[GAP][s][form][0] for s in SOLVERS] for form in rk45}
+    return Evidence(measured, data={"sizes": sizes, "solvers": SOLVERS, "forms": by_form})
 
 
 def binary_units() -> float:
@@ -214,30 +215,3 @@ def classical(kind: type, scaled: bool) -> np.ndarray:
             x = x + h * sixth * (a + kind(2.0) * b + kind(2.0) * e + f)
             rows.append(x[:2].copy())
     return np.array(rows)
-
-
-def _magnitudes(numbers: dict[str, float]) -> Grid:
-    units = ("m", "m/s", "N/m^1.5", "N.s/m", "kg", "N")
-    scaled = magnitudes(True)
-    rows = tuple(
-        (f"{name}, {unit}", float(f"{v:.3g}"), float(f"{scaled[name]:.3g}"))
-        for (name, v), unit in zip(numbers.items(), units, strict=True)
-    )
-    return Grid(
-        "Magnitudes of the equations",
-        ("quantity", "dimensional", "dimensionless"),
-        rows,
-        "The stiffness and the motion are 15 decades apart in SI units, and two in the scales of the problem.",
-    )
-
-
-def _solvers(table: dict[str, dict[str, tuple[float, int]]]) -> Chart:
-    forms = next(iter(table.values()))
-    series = tuple(Series(form, tuple(table), [100.0 * runs[form][0] for runs in table.values()], "points") for form in forms)
-    return Chart(
-        "Error of solvers with their default tolerances",
-        "solver of SciPy",
-        (Panel("largest error over the swing, %", series, logarithmic=True),),
-        "Relative tolerance 1e-3, absolute 1e-6: a quarter of the deflection, if lengths are in metres. The same "
-        "tolerance per state, in the scales of the motion, does what the dimensionless form does.",
-    )

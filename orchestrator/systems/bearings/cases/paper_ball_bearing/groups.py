@@ -12,7 +12,6 @@ from ......components.bearings.dimensionless import DimensionlessBallBearing, sc
 from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 
 BASE = {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 0.05}  # ten times the set's damping: transients die out
@@ -40,7 +39,13 @@ def measure(runs: Runs) -> Evidence:
     for zeta in (0.005, 0.02):
         measured[f"exponents.{zeta:g}"] = exponent_sum(zeta) / (-4.0 * zeta)
     curves = {f"G = {g:g}": response({}, {"clearance.radial_clearance": g}, ["clearance"]) for g in GAPS}
-    return Evidence(measured, (_chart({"number of balls": lines, "clearance": curves}),))
+    return Evidence(measured, data={"balls": _drawn(lines), "clearances": _drawn(curves)})
+
+
+def _drawn(curves: dict[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Responses over the speed of the shaft, up to twelve times it."""
+    cut = {name: 2.0 * math.pi * f <= 12.0 * SPEED for name, (f, _) in curves.items()}
+    return {n: (2.0 * math.pi * f[cut[n]] / SPEED, np.maximum(a[cut[n]], 1e-8)) for n, (f, a) in curves.items()}
 
 
 def equal_groups() -> float:
@@ -112,20 +117,3 @@ def exponent_sum(zeta: float) -> float:
     )
     model.initialize(0.0)
     return lyapunov_spectrum(model, (0, 1, 2, 3), (1.0, 1.0, 1.0, 1.0), interval=5.0, intervals=150, transient=10).sum
-
-
-def _chart(groups: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]) -> Chart:
-    panels = []
-    for title, curves in groups.items():
-        series = []
-        for name, (f, a) in curves.items():
-            cut = 2.0 * math.pi * f <= 12.0 * SPEED
-            series.append(Series(name, 2.0 * math.pi * f[cut] / SPEED, np.maximum(a[cut], 1e-8)))
-        panels.append(Panel("amplitude across the load over x_s", tuple(series), title=title, logarithmic=True))
-    return Chart(
-        "What the number of balls and the clearance do to the response",
-        "frequency over the speed of the shaft",
-        tuple(panels),
-        f"Dimensionless bearing at Om = {SPEED:g}, no fault. The balls set where the lines are, the clearance how high.",
-        columns=2,
-    )

@@ -11,7 +11,6 @@ from scipy.stats import spearmanr
 from .....harness.analysis.lyapunov import lyapunov_spectrum
 from .....harness.analysis.recurrence import Quantification, quantify, recurrence_matrix, standardised
 from .....harness.analysis.sections import distinct
-from .....harness.charts.chart import Chart, Panel, Picture, Series
 from .....harness.validation import Evidence, Runs
 from ..lyapunov_sum import INTERVAL, INTERVALS, SAME, SCALES, SPEED, STATES, TRANSIENT, bearing, passages
 
@@ -21,7 +20,7 @@ SAMPLES = 1500
 PER_PASSAGE = {"fine": 19.3, "coarse": 3.3}  # samples in the passage of a ball, no whole number: 1 ms, and a natural period
 WAIT = 4.0  # s; disturbances of a periodic motion decay with exp(-5 t)
 ORDER, CHAOS = -4.0, 5.0  # 1/s, of the largest exponent: below, beyond
-DRAWN = 300  # states in a recurrence plot
+DRAWN, PLOTTED = 300, (5.0, 20.0, 30.0)  # states in a recurrence plot; um
 SIGNALS = ("displacement_x", "displacement_y", "velocity_x", "velocity_y")
 
 
@@ -44,14 +43,20 @@ def measure(runs: Runs) -> Evidence:
     }
     for name, of in plots.items():
         measured |= {f"{name}.{n}": v for n, v in separation(largest, of).items()}
-    charts = _diagram(points, largest, plots, first[0]), _plots(matrices["coarse"])
-    notes = (
-        f"First beyond zero: the exponent at {first[0]:g} um; beyond 50 places at {first[1]:g} um; longest line below "
-        f"half a record at {first[2]:g} um (fine) and {first[3]:g} um (coarse sampling).",
-        "Sampled finely, any smooth motion stays near its past for some samples: DET is high in chaos, too, and does not tell it "
-        "from order. Sampled once a natural period, it does.",
-    )
-    return Evidence(measured, charts, notes=notes)
+    coarse, at = plots["coarse"], np.arange(DRAWN)
+    drawn = {
+        "gaps": GAPS,
+        "passed": np.repeat(GAPS, [len(p) for p in points]),
+        "across": np.concatenate([1e6 * p[:, 1] for p in points]),
+        "largest": largest,
+        "shares": {"DET": [q.determinism for q in coarse], "LAM": [q.laminarity for q in coarse]},
+        "fine": [q.determinism for q in plots["fine"]],
+        "divergence": divergence[-1],
+        "transition": ((first[0], "transition"),),
+        **{f"plot.{gap:g}": (at, at, matrices["coarse"][int(np.flatnonzero(gap == GAPS)[0])][:DRAWN, :DRAWN]) for gap in PLOTTED},
+        **dict(zip(("first.exponent", "first.places", "first.fine", "first.coarse"), first, strict=True)),
+    }
+    return Evidence(measured, data=drawn)
 
 
 def separation(largest: np.ndarray, plots: list[Quantification]) -> dict[str, float]:
@@ -101,41 +106,3 @@ def recurrence(rows: np.ndarray, window: int) -> np.ndarray:
     first, second = np.triu_indices(n, window)
     distances = pdist(z)[n * first - first * (first + 1) // 2 + second - first - 1]
     return recurrence_matrix(z, float(np.quantile(distances, RATE)))
-
-
-def _diagram(points: list[np.ndarray], largest: np.ndarray, plots: dict[str, list[Quantification]], transition: float) -> Chart:
-    section = Series(
-        "across the load", np.repeat(GAPS, [len(p) for p in points]), np.concatenate([1e6 * p[:, 1] for p in points]), "dots"
-    )
-    coarse, fine = plots["coarse"], plots["fine"]
-    shares = (
-        Series("DET", GAPS, [q.determinism for q in coarse], "line+points"),
-        Series("LAM", GAPS, [q.laminarity for q in coarse], "line+points"),
-        Series("DET, finely sampled", GAPS, [q.determinism for q in fine], faint=True),
-    )
-    lengths = (Series("DIV = 1 / Lmax", GAPS, [q.divergence for q in coarse], "line+points"),)
-    mark = ((transition, "transition"),)
-    return Chart(
-        "From order to chaos over the clearance", "radial clearance, um",
-        (Panel("position, um", (section,), x_marks=mark, title="once a passing ball"),
-         Panel("1/s", (Series("largest exponent", GAPS, largest, "line+points"),), x_marks=mark, title="Lyapunov exponent"),
-         Panel("share", shares, x_marks=mark, title=f"recurrence at a rate of {100.0 * RATE:g} %"),
-         Panel("1/samples", lengths, x_marks=mark, logarithmic=True)),
-        "JIS 6306 at 1000 rpm, no fault and no unbalance. Recurrence of all four states, without neighbours in time.",
-        height=230,
-    )  # fmt: skip
-
-
-def _plots(matrices: list[np.ndarray]) -> Chart:
-    at = np.arange(DRAWN)
-    shown = {gap: matrices[int(np.flatnonzero(gap == GAPS)[0])][:DRAWN, :DRAWN] for gap in (5.0, 20.0, 30.0)}
-    pictures = {f"{gap:g} um": Picture(at, at, m, palette="binary") for gap, m in shown.items()}
-    panels = tuple(Panel("sample", (), picture=p, title=n, x_label="sample", equal=True) for n, p in pictures.items())
-    return Chart(
-        "Recurrence plots before, at and beyond the transition",
-        "",
-        panels,
-        "Unbroken diagonals at multiples of the period; broken ones; short pieces and single points.",
-        columns=3,
-        height=300,
-    )

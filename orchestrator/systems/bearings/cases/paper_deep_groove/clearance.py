@@ -8,7 +8,6 @@ import numpy as np
 
 from .....harness.analysis.signals import amplitude_spectrum
 from .....harness.analysis.spectra import peak
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -52,12 +51,18 @@ def measure(runs: Runs) -> Evidence:
     measured |= {f"level.{g:g}": v for g, v in levels.items()}
     measured["level.ratio"] = levels[3.0] / levels[0.0]
     measured["level.preloaded"] = max(levels[g] for g in RUNS if g <= -0.5) / levels[0.0]
-    notes = (
-        f"x_s = {1e6 * LENGTH:.3f} um, f_0 = {FREQUENCY:.1f} Hz: 20 kg on one bearing of {BALLS} balls of 11.1 mm.",
-        "From where two balls carry the weight on, the loads follow from their directions alone, and with them the stiffness: "
-        "more clearance changes nothing any more.",
-    )
-    return Evidence(measured, (_frequencies(static), _levels(levels)), notes=notes)
+    gaps, moving = sorted(static), [g for g in RUNS if g >= 0.0]
+    drawn = {
+        "gaps": gaps,
+        "curves": {n: [static[g][i] for g in gaps] for i, n in enumerate(("along the load", "across the load"))},
+        "wide": WIDE,
+        "two": {f"two balls, {n}": [v, v] for n, v in zip(("along", "across"), two_balls(BALLS), strict=True)},
+        "moving": moving,
+        "levels": [levels[g] for g in moving],
+        "length": 1e6 * LENGTH,
+        "frequency": FREQUENCY,
+    }
+    return Evidence(measured, data=drawn)
 
 
 def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
@@ -101,34 +106,6 @@ def level(result: Result) -> float:
     """RMS acceleration in the bearing's plane after the transient, m/s2."""
     kept = result.time > TRANSIENT
     return math.sqrt(sum(float(np.var(acceleration(result, axis)[kept])) for axis in "xy"))
-
-
-def _frequencies(static: dict[float, np.ndarray]) -> Chart:
-    values = sorted(static)
-    curves = np.array([static[g] for g in values])
-    series = tuple(Series(n, values, curves[:, i], "line+points") for i, n in enumerate(("along the load", "across the load")))
-    closed = two_balls(BALLS)
-    limits = tuple(Series(f"two balls, {n}", WIDE, [v, v], "points") for n, v in zip(("along", "across"), closed, strict=True))
-    return Chart(
-        "Natural frequencies over the clearance",
-        "radial clearance over x_s",
-        (Panel("f / f_0", (*series, *limits)),),
-        "Means over the cage angle. Preload holds the shaft from all sides; with clearance the load zone narrows, and "
-        "sideways little is left.",
-    )
-
-
-def _levels(levels: dict[float, float]) -> Chart:
-    moving = {g: v for g, v in levels.items() if g >= 0.0}
-    series = Series("both directions", tuple(moving), tuple(moving.values()), "line+points")
-    return Chart(
-        "Level of vibration over the clearance",
-        "radial clearance over x_s",
-        (Panel("rms acceleration, m/s²", (series,), logarithmic=True),),
-        f"Balls pass {PASSES:g} times a second, far below the natural frequencies; no fault and no unbalance. With a "
-        "preload of half an x_s or more all balls carry and nothing is left to show. The level does not rise at every "
-        "step: where another ball joins, it dips.",
-    )
 
 
 def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from .....harness.analysis.spectra import envelope_spectrum, peak
-from .....harness.charts.chart import Chart, Lines, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -52,7 +51,11 @@ def measure(runs: Runs) -> Evidence:
         measured[f"{pit}.largest.db"] = 20.0 * math.log10(max(max(sides), 1e-300))
     harmonics = [k * expected["outer"] for k in (2, 3)]
     measured["harmonics.control"] = max(height(*spectra[""], f) / height(*spectra["outer"], f) for f in harmonics)
-    return Evidence(measured, (_chart(spectra, expected),))
+    cut = {pit: (f[f <= SHOWN], a[f <= SHOWN]) for pit, (f, a) in spectra.items()}
+    marks = {f"{pit}.lines": [(k * expected[pit], f"{k}×") for k in (1, 2, 3) if k * expected[pit] < SHOWN] for pit in POSITIONS}
+    return Evidence(
+        measured, data={**{pit: {f"pit: {pit}": cut[pit]} for pit in POSITIONS}, **marks, "none": {"no pit": cut[""]}}
+    )
 
 
 def passing(pit: str) -> Scene:
@@ -79,20 +82,3 @@ def clearness(f: np.ndarray, a: np.ndarray, near: float) -> float:
     """Height of a line over the median of its neighbours, dB."""
     k = round(near / BIN)
     return 20.0 * math.log10(height(f, a, near) / float(np.median(a[k - NEIGHBOURS : k + NEIGHBOURS + 1])))
-
-
-def _chart(spectra: dict[str, Spectrum], expected: dict[str, float]) -> Chart:
-    panels = []
-    for pit, name in (("outer", "ball passes outer race"), ("inner", "ball passes inner race")):
-        curves = []
-        for label, (f, a) in ((f"pit: {pit}", spectra[pit]), ("no pit", spectra[""])):
-            cut = f <= SHOWN
-            curves.append(Series(label, f[cut], a[cut], faint=label == "no pit"))
-        marks = tuple((k * expected[pit], f"{k}×") for k in (1, 2, 3) if k * expected[pit] < SHOWN)
-        panels.append(Panel("m/s²", tuple(curves), title=f"pit: {pit} race", lines=(Lines(name, marks),)))
-    return Chart(
-        "Envelope spectra of a rotor on a bearing with a pit",
-        "frequency, Hz",
-        tuple(panels),
-        f"Acceleration along the load at {60.0 * TURNS:g} rpm. The marks stand where kinematics puts the lines.",
-    )

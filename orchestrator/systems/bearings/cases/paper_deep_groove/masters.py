@@ -16,7 +16,6 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import Parameter, ParameterSet
 
 from ......components.bearings.ball_bearing import BallBearing
-from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.other_masters import as_other_masters
 from .....harness.validation import Evidence, Runs, done
 from .....run.run import run
@@ -58,16 +57,14 @@ def measure(runs: Runs) -> Evidence:
     rows: tuple[tuple[str | float, ...], ...] = tuple((n, 1e6 * h, 100.0 * e) for (n, h), e in errors.items())
     rows += ((f"{OURS}, sequential, extrapolated", 1e6 * coarse, measured["own"]),)
     rows += tuple((n, "", "not run here" if find_spec(module) else "not installed") for n, module in OPTIONAL.items())
-    header = ("master", "macro step, us", "largest difference from the system in one piece, %")
-    text = "All but the last of ours hand over values once a step and hold them, as simple masters do."
-    grid = Grid("One package, several masters", header, rows, text)
-    return Evidence(measured, (_chart(exact, histories), grid), notes=(NOTE,))
-
-
-NOTE = (
-    "FMPy, whose master reads the same package, hands over no outputs at the start, so that its bearing learns of the speed a "
-    "step later. libcosim, Ecos and OMSimulator read it, too; none of them is needed for the verdict."
-)
+    fine_ones = {n: histories[n, fine] for n in (OURS, PLAIN, FMPY)}
+    drawn = {
+        "t": 1e3 * _times(),
+        "exact": MICRO * exact,
+        "heights": {n: MICRO * x for n, x in fine_ones.items()},
+        "differences": {n: 1e9 * (x - exact) for n, x in fine_ones.items()},
+    }
+    return Evidence(measured, data={**drawn, "rows": rows})
 
 
 def _times() -> np.ndarray:
@@ -171,17 +168,3 @@ def in_turn(packed: Scene, package: Path, step: float) -> np.ndarray:
             unit.freeInstance()
         for place in (folder, *unpacked):
             shutil.rmtree(place, ignore_errors=True)
-
-
-def _chart(exact: np.ndarray, histories: dict[tuple[str, float], np.ndarray]) -> Chart:
-    t = 1e3 * _times()
-    fine = STEPS[-1]
-    lines = [Series("in one piece", t, MICRO * exact, faint=True)]
-    lines += [Series(n, t, MICRO * histories[n, fine]) for n in (OURS, PLAIN, FMPY)]
-    away = [Series(n, t, 1e9 * (histories[n, fine] - exact)) for n in (OURS, PLAIN, FMPY)]
-    return Chart(
-        "A rotor on a bearing in three masters",
-        "time, ms",
-        (Panel("height of the shaft, um", tuple(lines)), Panel("difference from one piece, nm", tuple(away))),
-        f"Macro step {1e6 * fine:g} us, held inputs. The shaft falls into the bearing and then follows the balls.",
-    )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.scene import Scene
@@ -66,8 +66,25 @@ def measure(runs: Runs) -> Evidence:
     second = [line(x, 4.0 * TURNS) for x in larger]
     measured["harmonic.rate"] = math.log(second[1] / second[0]) / math.log(LARGER[1] / LARGER[0])
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
-    note = f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm."
-    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(note,))
+    return Evidence(measured, data={**_lines_of(inner), "amplitude": 1e9 * AMPLITUDE})
+
+
+def _lines_of(inner: dict[int, dict[str, np.ndarray]]) -> dict[str, Any]:
+    """Spectra that stand on their orders, 60 dB from one to the next; what stands at order times speed, and closed forms."""
+    spectra = {}
+    for k, away in inner.items():
+        f, a = spectrum(away["across"])
+        height = np.clip(20.0 * np.log10(np.maximum(a, 1e-3)) / 60.0 + 1.0, 0.0, 1.0)
+        spectra[f"order {k}"] = f / TURNS, k + 0.9 * height
+    few = [k for k in inner if k <= BALLS // 2]
+    return {
+        "spectra": spectra,
+        "orders": list(inner),
+        "aliases": [abs(k - BALL_PASS) for k in inner],
+        "few": few,
+        **{f"{axis}.lines": [line(x[axis], k * TURNS) for k, x in inner.items()] for axis in ALONG_ACROSS},
+        **{f"{axis}.many": [limit[k] for k in few] for axis, limit in ALONG_ACROSS.items()},
+    }
 
 
 def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Scene:
@@ -114,38 +131,3 @@ def spectrum(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(frequency in Hz, amplitude) up to the highest shown frequency."""
     f, a = amplitude_spectrum(x, 1.0 / INTERVAL)
     return f[f <= SHOWN], a[f <= SHOWN]
-
-
-def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
-    series = []
-    for k, away in inner.items():
-        f, a = spectrum(away["across"])
-        height = np.clip(20.0 * np.log10(np.maximum(a, 1e-3)) / 60.0 + 1.0, 0.0, 1.0)  # 60 dB below the wave to the wave
-        series.append(Series(f"order {k}", f / TURNS, k + 0.9 * height, faint=True))
-    series.append(Series("order times the speed", tuple(inner), tuple(inner), "points"))
-    series.append(Series("order less balls times the cage", [abs(k - BALL_PASS) for k in inner], tuple(inner), "points"))
-    return Chart(
-        "Lines of each order of waviness",
-        "frequency over the speed of the shaft",
-        (Panel("order of waviness, and 60 dB to the next", tuple(series)),),
-        f"Inner ring, radial load, {BALLS} balls, motion across the load. Each spectrum stands on its order; a line as "
-        "high as the wave reaches nearly to the next. Low orders shake at order times speed; from half the number of "
-        f"balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing "
-        "at their own order.",
-        height=480,
-    )
-
-
-def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
-    series = []
-    for axis, limit in ALONG_ACROSS.items():
-        few = [k for k in inner if k <= BALLS // 2]
-        heights = [line(x[axis], k * TURNS) for k, x in inner.items()]
-        series += [Series(f"{axis}, at order times speed", tuple(inner), heights, "points"),
-                   Series(f"{axis}, many balls", few, [limit[k] for k in few], faint=True)]  # fmt: skip
-    return Chart(
-        "What a wave leaves at order times speed",
-        "order of waviness",
-        (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
-        "Lines: load zone of a bearing with many balls and no clearance, in closed form.",
-    )
