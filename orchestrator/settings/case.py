@@ -103,8 +103,9 @@ class QuestionSettings(Model):
     """A question of a shipped case: the function that measures, and what is run for it."""
 
     measure: str = Field(
-        description="module beside the case's file, with a function `measure(runs)` and, where it needs runs, `scenes()`; or "
-        '"module:function"'
+        default="",
+        description="module beside the case's file, with `measure(runs)` and, where it needs runs, `scenes()`; or "
+        '"module:function"; without it runs are shown, and nothing is measured',
     )
     scenes: str | dict[str, str | SceneChanges] = Field(
         default="", description='"module:function" that gives scenes by label, or label -> a shipped scene and its changes'

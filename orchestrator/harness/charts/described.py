@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from string import Formatter
 from typing import TYPE_CHECKING, Any
@@ -33,9 +33,11 @@ def told(text: str, numbers: Mapping[str, Any]) -> str:
 
 
 class Described:
-    """What charts are drawn of. numbers: name -> what a case measures.  runs: by label.  rows: ranges, by their measures."""
+    """What charts are drawn of. numbers: name -> what a case measures.  runs: by label.  rows: gives ranges by name."""
 
-    def __init__(self, where: str, numbers: Mapping[str, Any], runs: Mapping[str, Result], rows: Sequence[TableRow] = ()):
+    def __init__(
+        self, where: str, numbers: Mapping[str, Any], runs: Mapping[str, Result], rows: Callable[[], Mapping[str, TableRow]]
+    ):
         self.where, self.numbers, self.runs, self.rows = where, numbers, runs, rows
 
     def chart(self, chart: ChartSettings) -> Chart | Grid:
@@ -110,8 +112,8 @@ class Described:
         return pick(name, self.numbers, self.where, "the name of something that the case measures")
 
     def _band(self, measure: str) -> Band:
-        row = pick(measure, {r.measure: r for r in self.rows}, self.where, "the measure of a row")
-        return Band(row.quantity, row.low, row.high, row.standing)
+        row = pick(measure, self.rows(), self.where, 'the measure of a row, "condition: measure" or "table: condition: measure"')
+        return Band("", row.low, row.high, row.standing)
 
     def _places(self, places: str | tuple[tuple[float, str], ...]) -> tuple[tuple[float, str], ...]:
         return tuple(self._named(places) if isinstance(places, str) else places)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
@@ -127,7 +127,7 @@ class Question:
     charts: tuple[ChartSettings, ...] = ()
     notes: tuple[str, ...] = ()
     show: tuple[str, ...] = ()
-    rows: Callable[[], Sequence[TableRow]] = tuple
+    rows: Callable[[], Mapping[str, TableRow]] = dict
 
     def ask(self, options: Options) -> Evidence:
         """Run the scenes and measure. Raises `RunFailed`; `StepFailed` of a component that is stepped alone."""
@@ -138,7 +138,7 @@ class Question:
         evidence = found if isinstance(found, Evidence) else Evidence(found)
         by_label = {named(label): result for label, result in runs.items()}
         numbers = {**evidence.measured, **evidence.data}
-        drawn = Described("chart", numbers, by_label, self.rows() if self.charts else ())
+        drawn = Described("chart", numbers, by_label, self.rows)
         return replace(
             evidence,
             claim=self.claim or evidence.claim,

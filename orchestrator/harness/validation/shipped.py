@@ -58,8 +58,12 @@ def _question(q: QuestionSettings, charts: Sequence[ChartSettings], package: str
     )
 
 
-def _rows(name: str) -> Sequence[TableRow]:
-    return load_table(name).rows if name in table_files() else ()
+def _rows(name: str) -> dict[str, TableRow]:
+    """Rows by "measure" and "condition: measure" of the case's table, and by "table: condition: measure" of all."""
+    tables = {table: load_table(table).rows for table in table_files()}
+    own = tables.get(name, ())
+    named = {f"{table}: {r.condition}: {r.measure}": r for table, rows in tables.items() for r in rows}
+    return named | {f"{r.condition}: {r.measure}": r for r in own} | {r.measure: r for r in own}
 
 
 def _function(package: str, text: str, default: str) -> Any:
@@ -70,7 +74,7 @@ def _function(package: str, text: str, default: str) -> Any:
 
 
 def _measure(package: str, q: QuestionSettings, runs: Runs) -> Evidence | Mapping[str, Any]:
-    return _function(package, q.measure, "measure")(runs, **q.arguments)
+    return _function(package, q.measure, "measure")(runs, **q.arguments) if q.measure else {}
 
 
 def _scenes(package: str, q: QuestionSettings, load_scene: LoadScene) -> Mapping[Any, Scene]:

@@ -10,7 +10,6 @@ import numpy as np
 from .....components.railway.contact import wire_height
 from .....components.railway.mesh import GRAVITY
 from .....components.railway.statics import elasticity, messenger_shape
-from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Row, TableRow, compare, load_table
 from ....units.component import make
@@ -37,7 +36,7 @@ EXACT = 1e-3  # closed forms hold to rounding; the tolerance is that of the rang
 def measure(runs: Runs) -> Evidence:
     """Elasticity of four models, then closed forms of strings on droppers."""
     measured: dict[str, dict[str, float]] = {}
-    panels = []
+    drawn: dict[str, Any] = {}
     for condition, (scene, force, changes) in CONDITIONS.items():
         catenary = resting_catenary(scene, changes, bending=True)
         x, e = _along_the_span(catenary, force)
@@ -49,23 +48,11 @@ def measure(runs: Runs) -> Evidence:
             "k_max": k.max(),
             "k_mean": k[:-1].mean(),
         }
-        droppers = tuple((float(d), "") for d in _within_span(catenary))
-        panels.append(Panel("mm/N", (Series("elasticity", x, 1e3 * e),), x_marks=droppers, title=condition))
+        drawn[condition] = {"elasticity": (x, 1e3 * e)}
+        drawn[f"{condition}: droppers"] = [(float(d), "") for d in _within_span(catenary)]
     closed = [row for name in ("en50318-2002", "en50318-2018-ac-simple") for row in _closed_forms(name)]
-    chart = Chart(
-        "Elasticity of the contact wire along a span",
-        "position in the span, m",
-        tuple(panels),
-        "Static uplift under a point load over the load; a support at either end, thin lines: droppers. The stiffest point is "
-        "the first dropper, not the support: a stiffness of one cosine a span misses that.",
-        columns=2,
-    )
-    notes = (
-        "Elasticity: droppers unilateral, wires with bending stiffness, steady arms left out, as in the reference solver. "
-        "Closed forms: strings without bending stiffness, where they are exact.",
-    )
     rows = (*compare(load_table("catenary-statics").rows, measured), *closed)  # in this order
-    return Evidence(charts=(chart,), notes=notes, rows=rows)
+    return Evidence(rows=rows, data=drawn)
 
 
 def resting_catenary(scene: str, changes: Mapping[str, Any], bending: bool) -> Any:

@@ -17,7 +17,7 @@ from ... import load_scene
 from ..records import statistics
 from ..runs import numbers, set_mean_run, target_mean
 from .catenary_statics import resting_catenary
-from .en50318_2018_data import data_grid
+from .en50318_2018_data import model_data
 
 AT_REST = "at rest, strings"
 MESH = {"element": 0.04}  # m: right at a node a mesh is softer by the mean of what it misses, a sixth of an element over T
@@ -49,9 +49,9 @@ def measure(runs: Runs, name: str, speeds: Sequence[float], mean_at_rest: float,
         f"{r.reference.quantity} at {r.reference.condition}" for r in rows if r.reference.standing == "recalled" and not r.inside
     ]
     notes.append("Outside the recalled ranges: " + ("; ".join(outside) if outside else "none") + ".")
-    charts = (data_grid(name, make("catenary", load_scene(name).units["catenary"])),)
     settings = {speed: statistics(result).settings for speed, result in results.items()}
-    return Evidence(measured, charts, results, tuple(notes), settings=settings)
+    data = model_data(name, make("catenary", load_scene(name).units["catenary"]))
+    return Evidence(measured, shown=results, notes=tuple(notes), settings=settings, data={"model": data})
 
 
 def stitched_statics(catenary: Any) -> dict[str, float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from .....components.railway.line.dropper_table import line_of
-from ....harness.charts.chart import Grid
 
 REPOSITORIES = "two public programs of the benchmark's catenary"
 DRAWING = "a public program's drawing of the model, measured to 0.3 m"
@@ -75,15 +74,9 @@ DATA: dict[str, tuple[Datum, ...]] = {
 }
 
 
-def data_grid(name: str, catenary: Any) -> Grid:
+def model_data(name: str, catenary: Any) -> list[tuple[str, ...]]:
     """What the catenary of a model is made of, from the catenary itself, and how each number is known."""
-    rows = tuple((what, f"{_value(catenary, key):g}", unit, standing, source) for what, key, unit, standing, source in DATA[name])
-    return Grid(
-        "The model's data and their provenance",
-        ("quantity", "value", "unit", "provenance", "source"),
-        rows,
-        "Read: in a public source that is not the standard. Recalled, inferred: without a source to compare with.",
-    )
+    return [(what, f"{_value(catenary, key):g}", unit, standing, source) for what, key, unit, standing, source in DATA[name]]
 
 
 def _value(catenary: Any, key: str) -> float:

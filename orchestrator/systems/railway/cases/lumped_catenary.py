@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from .....components.railway.contact import wire_height
 from ....harness.analysis.signals import Filter, uniform, window
-from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation import Evidence, Runs, done
 from ....harness.validation.reference import Row, TableRow
 from ....run.results import Result
@@ -30,8 +30,13 @@ def measure(runs: Runs) -> Evidence:
     results = {name: {v: _run(name, v, runs) for v in (*SPEEDS, SLOW)} for name in (DISTRIBUTED, LUMPED, INERTER)}
     statistics = {name: {v: numbers(r) for v, r in of_speed.items()} for name, of_speed in results.items()}
     rows = [_mean_row(statistics, v) for v in SPEEDS] + [_static_row(results[DISTRIBUTED][SLOW], results[LUMPED][SLOW])]
-    charts: tuple[Chart | Grid, ...] = (*(_overlay(results, v) for v in SPEEDS), _grid(statistics))
-    return Evidence(charts=charts, notes=_notes(statistics), rows=tuple(rows))
+    names = ("mean", "std", "std_0_5", "std_5_20", "max", "min", "height_range_mm", "uplift_mm")
+    drawn: dict[str, Any] = {
+        "filter": str(Filter()),
+        "models": [(name, f"{v:g}", *(s[n] for n in names)) for name, of in statistics.items() for v, s in of.items()],
+        **{f"{name}.{n}": statistics[name][SPEEDS[0]][n] for name in results for n in ("std", "std_5_20")},
+    }
+    return Evidence(rows=tuple(rows), data={**drawn, **_overlay(results, SPEEDS[0]), **_overlay(results, SPEEDS[1])})
 
 
 def _run(name: str, speed: float, runs: Runs) -> Result:
@@ -78,55 +83,14 @@ def _in_window(result: Result) -> tuple[np.ndarray, np.ndarray]:
     return record.position[cut], record.height[cut]
 
 
-def _overlay(results: Mapping[str, Mapping[float, Result]], speed: float) -> Chart:
+def _overlay(results: Mapping[str, Mapping[float, Result]], speed: float) -> dict[str, Any]:
+    """Filtered contact force and height of the contact point over its position in the window, by model."""
     low_pass = Filter()
-    force, height = [], []
+    drawn: dict[str, Any] = {f"force.{speed:g}": {}, f"height.{speed:g}": {}}
     for name, of_speed in results.items():
         passage: Passage = passages(of_speed[speed])[0]
         rate, _, (x, f, h) = uniform(passage.record.time, passage.record.position, passage.record.force, passage.record.height)
         cut = window(x, *analysis_window(of_speed[speed]))
-        force.append(Series(name, x[cut], low_pass.apply(f, rate)[cut]))
-        height.append(Series(name, x[cut], 1e3 * h[cut]))
-    panels = (Panel("contact force, N", tuple(force)), Panel("height, mm", tuple(height)))
-    return Chart(
-        f"Distributed and lumped catenary at {speed:g} km/h", "position of the contact point, m", panels,
-        f"Above: contact force, {low_pass}. Below: height of the contact point.",
-    )  # fmt: skip
-
-
-def _grid(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> Grid:
-    names = ("mean", "std", "std_0_5", "std_5_20", "max", "min", "height_range_mm", "uplift_mm")
-    header = (
-        "model",
-        "km/h",
-        "mean, N",
-        "σ, N",
-        "σ 0-5 Hz, N",
-        "σ 5-20 Hz, N",
-        "max, N",
-        "min, N",
-        "height range, mm",
-        "support uplift, mm",
-    )
-    rows: tuple[tuple[str | float, ...], ...] = tuple(
-        (name, f"{v:g}", *(s[n] for n in names)) for name, of in statistics.items() for v, s in of.items()
-    )
-    return Grid(
-        "The same statistics side by side", header, rows, f"{Filter()}, same window. A lumped model has no support to lift."
-    )
-
-
-def _notes(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> tuple[str, ...]:
-    d, m, i = (statistics[n][SPEEDS[0]] for n in (DISTRIBUTED, LUMPED, INERTER))
-    return (
-        "Right: the mean force, and the height of the contact point while the train is slow, because k(x) was fitted to the "
-        "static elasticity of the distributed catenary.",
-        f"Wrong: the scatter. At {SPEEDS[0]:g} km/h σ is {m['std']:.1f} N with a lumped mass, {i['std']:.1f} N with an inerter, "
-        f"against {d['std']:.1f} N; between 5 and 20 Hz, where the droppers pass, {m['std_5_20']:.1f} and {i['std_5_20']:.1f} N "
-        f"against {d['std_5_20']:.1f} N. A mass on a spring has no waves: nothing carries energy away, droppers reflect nothing, "
-        "there is no wake and no limit at the wave speed. Where a wire damps the head's mode on the contact spring (13 Hz) by "
-        "radiation, the inerter lets it ring.",
-        "Not there at all: uplift at the supports, dropper slackening, the sag between droppers, and anything a second "
-        "pantograph would meet.",
-        "The coefficients of k(x) are this project's own fit, not those of a paper on lumped catenaries.",
-    )
+        drawn[f"force.{speed:g}"][name] = x[cut], low_pass.apply(f, rate)[cut]
+        drawn[f"height.{speed:g}"][name] = x[cut], 1e3 * h[cut]
+    return drawn

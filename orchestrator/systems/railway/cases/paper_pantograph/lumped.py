@@ -16,7 +16,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs, done
 from .....run.results import Result
 from .....run.run import run
@@ -97,22 +96,12 @@ def measure(runs: Runs) -> Evidence:
     exact = scatter(SMALL, 250.0) / relative_deviation(250.0)
     measured["excess.order"] = (far - exact) / (near - exact)
     x = np.linspace(120.0, 380.0, 131)
-    panel = Panel(
-        "σ / (a Fm)",
-        (
-            Series("closed form, first order", x, [relative_deviation(v, whole=True) for v in x]),
-            *(Series(f"runs, a = {a:g}", SPEEDS, [ratio[a, v] for v in SPEEDS], "points") for a in (SMALL, MIDDLE, SWING)),
-        ),
-    )
-    chart = Chart(
-        "Scatter of the contact force under a lumped catenary",
-        "speed, km/h",
-        (panel,),
-        "σ: standard deviation, "
-        "a: swing of the stiffness over its mean, Fm: mean force. The largest is a resonance of the pantograph's "
-        "mass on the mean stiffness; the wave speed of the wire, 438 km/h, does not occur in the model.",
-    )
-    return Evidence(measured, (chart,))
+    drawn = {
+        "speeds": SPEEDS,
+        "closed": {"closed form, first order": (x, [relative_deviation(v, whole=True) for v in x])},
+        "runs": {f"runs, a = {a:g}": [ratio[a, v] for v in SPEEDS] for a in (SMALL, MIDDLE, SWING)},
+    }
+    return Evidence(measured, data=drawn)
 
 
 def scatter(swing: float, speed: float) -> float:

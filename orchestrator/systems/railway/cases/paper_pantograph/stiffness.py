@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ......components.railway.statics import elasticity, stiffness_series
-from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation import Evidence, Runs
 from ..catenary_statics import RIGID, resting_catenary
 from .lumped import SPAN, STIFFNESS, SWING
@@ -33,12 +32,5 @@ def measure(runs: Runs) -> Evidence:
     }
     measured = {f"static.{name}": value for name, value in measured.items()}
     one = STIFFNESS * (1.0 + SWING * np.cos(2.0 * np.pi * x / SPAN))
-    panel = Panel("stiffness, N/m", (*(Series(f"statics, {f:g} N", x, k[f]) for f in FORCES), Series("one harmonic", x, one)))
-    chart = Chart(
-        "Stiffness of the reference catenary along a span",
-        "position in the span, m",
-        (panel,),
-        "A support at either end. The lumped model has the first harmonic; the second is a third of it, that of the "
-        "droppers a thirteenth.",
-    )
-    return Evidence(measured, (chart,))
+    along = {**{f"statics, {f:g} N": k[f] for f in FORCES}, "one harmonic": one}
+    return Evidence(measured, data={"position": x, "stiffness": along})

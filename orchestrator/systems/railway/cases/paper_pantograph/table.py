@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from .....harness.analysis.signals import Filter, uniform, window
-from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
 from .....harness.validation import Evidence, Runs
 from .....harness.validation.reference import compare, load_table
 from .....run.results import Result
@@ -43,7 +42,8 @@ def measure(runs: Runs) -> Evidence:
     distributed = reference_run(250.0, runs.options)
     measured["peak.distributed"] = peak(distributed)
     of_variants, variants = _variants()
-    return Evidence(measured | of_variants, (_force_chart(results[250.0], distributed), _grid(of_speed), variants))
+    forces = {"lumped": filtered(results[250.0]), "distributed": filtered(distributed)}
+    return Evidence(measured | of_variants, data={"forces": forces, "rows": _rows(of_speed), "variants": variants})
 
 
 def cells(result: Result) -> dict[str, float]:
@@ -74,52 +74,26 @@ def filtered(result: Result) -> tuple[np.ndarray, np.ndarray]:
     return x[cut], Filter().apply(force, rate)[cut]
 
 
-def _force_chart(lumped: Result, distributed: Result) -> Chart:
-    series = tuple(Series(name, *filtered(r)) for name, r in (("lumped", lumped), ("distributed", distributed)))
-    rows = {r.measure: r for r in load_table("en50318-2002").under("250 km/h")}
-    bands = tuple(Band(f"actual {name}", rows[name].low, rows[name].high, rows[name].standing) for name in ("max", "min"))
-    return Chart(
-        "Contact force at 250 km/h",
-        "position of the contact point, m",
-        (Panel("force below 20 Hz, N", series, bands),),
-        "One harmonic of stiffness gives one harmonic of force: as much scatter as the wires, and neither their peaks "
-        "nor their droppers.",
-    )
-
-
-def _grid(of_speed: dict[float, dict[str, float]]) -> Grid:
+def _rows(of_speed: dict[float, dict[str, float]]) -> list[tuple[str | float, ...]]:
+    """Every row of the table beside what the lumped model gives."""
     rows: list[tuple[str | float, ...]] = []
     for v, values in of_speed.items():
         for row in compare(load_table("en50318-2002").under(f"{v:g} km/h"), values):
             r = row.reference
             ends = " to ".join(f"{e:g}" for e in (r.low, r.high) if e is not None)
             rows.append((f"{v:g}", r.quantity, r.unit, round(row.measured, 1), ends, "holds" if row.inside else "fails"))
-    return Grid(
-        "The table of EN 50318:2002, row by row",
-        ("km/h", "quantity", "unit", "lumped", "range", ""),
-        tuple(rows),
-        "The statistical limits are mean ± 3 σ and no rows of their own. The mean follows from the static force and the "
-        "spring of the frame alone.",
-    )
+    return rows
 
 
-def _variants() -> tuple[dict[str, float], Grid]:
-    """Measures and grid of the variants at both speeds."""
+def _variants() -> tuple[dict[str, float], list[tuple[str | float, ...]]]:
+    """Measures and rows of the variants at both speeds."""
     results = {name: {v: cells(lumped_run(v, *variant)) for v in SPEEDS} for name, variant in VARIANTS.items()}
     names = list(VARIANTS)
     measured = {f"soft.std.{v:g}": results[names[1]][v]["std"] for v in SPEEDS}
     measured |= {f"fit.fast.{v:g}": results[names[2]][v]["std_5_20"] for v in SPEEDS}
     measured |= {f"mass.std.{v:g}": results[names[3]][v]["std"] for v in SPEEDS}
-    header = ("k(x)", *(f"{n} ({v:g})" for v in SPEEDS for n in ("σ, N", "σ 5-20 Hz, N", "max, N", "min, N")), "cells inside")
-    rows: list[tuple[str | float, ...]] = [
-        (name, *(round(of[v][m], 1) for v in SPEEDS for m in ("std", "std_5_20", "max", "min")), inside(of))
-        for name, of in results.items()
-    ]
-    text = (
-        "(250), (300): km/h. Statics gives a dropper term of 0.03: five times that is a fit. A mass whose frequency on its "
-        "spring is below the span-passing one takes the pantograph off the line."
-    )
-    return measured, Grid("What coefficients buy", header, tuple(rows), text)
+    columns = ("std", "std_5_20", "max", "min")
+    return measured, [(n, *(round(of[v][m], 1) for v in SPEEDS for m in columns), inside(of)) for n, of in results.items()]
 
 
 def inside(of_speed: dict[float, dict[str, float]]) -> str:
