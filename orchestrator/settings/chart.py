@@ -69,7 +69,10 @@ class PanelSettings(LineSettings):
     label: str = Field(description="of the y axis, with the unit: feed, mm")
     series: tuple[SeriesSettings, ...] = ()
     title: str = ""
-    limits: tuple[str, ...] = Field(default=(), description="measures of rows whose ranges are shaded")
+    limits: dict[str, str] | tuple[str, ...] = Field(
+        default=(),
+        description='rows whose ranges are shaded, by their measures, or "condition: measure"; name in the chart -> row',
+    )
     bands: tuple[BandSettings, ...] = ()
     marks: str | tuple[tuple[Number, str], ...] = Field(
         default=(), description="thin vertical lines: [position, short text], or the name of what is measured"

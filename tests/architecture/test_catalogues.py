@@ -5,18 +5,20 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+import tomllib
+from importlib import import_module
+from pathlib import Path
 
-import cosimo.orchestrator.systems as systems_package
 import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Component
+from cosimo.orchestrator import systems
 from cosimo.orchestrator.engine.algorithms import Algorithm, class_of
-from cosimo.orchestrator.harness.validation.case import Case
 from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.settings.algorithms import ALGORITHMS
-from cosimo.orchestrator.systems import cases, load_scene, read_scene
+from cosimo.orchestrator.systems import SYSTEMS, cases, load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 TABLES = sorted(table_files())
@@ -47,9 +49,21 @@ def test_catalogue_entries_load_under_their_own_name(name):
     assert cls.system
 
 
-def test_every_case_module_is_listed():
-    written = {v.name for module in all_modules(systems_package) for v in vars(module).values() if isinstance(v, Case)}
-    assert written == set(cases())
+def test_every_function_that_measures_is_asked_for():
+    """What a case's file names is there, and no module with a `measure` is without a case."""
+    asked, written = set(), set()
+    for system in SYSTEMS.values():
+        folder = Path(systems.__file__).parent / system.name / "cases"
+        for path in folder.glob("*.toml"):
+            named = [q["measure"] for q in tomllib.loads(path.read_text(encoding="utf-8"))["questions"] if "measure" in q]
+            for module, _, function in (name.partition(":") for name in named):
+                found = import_module(f"{system.package}.cases.{module}")
+                assert callable(getattr(found, function or "measure"))
+                asked.add(found.__name__)
+        modules = (import_module(f"{system.package}.cases.{'.'.join(p.relative_to(folder).with_suffix('').parts)}")
+                   for p in folder.rglob("*.py") if p.name != "__init__.py")  # fmt: skip
+        written |= {m.__name__ for m in modules if hasattr(m, "measure")}
+    assert written <= asked
 
 
 @pytest.mark.parametrize("name", cases())

@@ -9,6 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import systems
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.system import System
+from cosimo.orchestrator.harness.validation.shipped import shipped_cases
 
 
 def test_a_folder_without_modules_has_no_cases_figures_summary_or_motion(tmp_path, monkeypatch):
@@ -17,7 +18,7 @@ def test_a_folder_without_modules_has_no_cases_figures_summary_or_motion(tmp_pat
     monkeypatch.setitem(systems.ANALYSIS, "bare", bare.keys)
     units = {"b": {"component": "JeffcottRotor", "parameters": {"start_speed": 10.0}}}
     result = systems.run(systems.build_scene(units, stop_time=0.1, step=1e-3, analysis={"system": "bare"}), in_process=True)
-    assert (bare.cases, bare.headline, bare.explore) == ((), (), None)
+    assert (list(shipped_cases(bare.package, bare.name, systems.load_scene)), bare.headline, bare.explore) == ([], (), None)
     assert (bare.figures(result), bare.motions(result), bare.summary(result)) == ([], [], ())
     page = report.for_run(result, tmp_path, systems.SYSTEMS).read_text(encoding="utf-8")
     assert "b.displacement_x" in page

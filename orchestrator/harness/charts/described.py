@@ -51,7 +51,7 @@ class Described:
 
     def _panel(self, panel: PanelSettings, said: dict[str, Any]) -> Panel:
         said = said | _said(panel)
-        bands = (*(Band(b.name, b.low, b.high) for b in panel.bands), *map(self._band, panel.limits))
+        bands = (*(Band(b.name, b.low, b.high) for b in panel.bands), *self._limits(panel.limits))
         return Panel(
             panel.label,
             tuple(s for series in panel.series for s in self._series(series.model_copy(update=said | _said(series)))),
@@ -76,9 +76,18 @@ class Described:
                 raise BadInput(self.where, f"run {s.run!r}", "the label of a run", nearest(s.run, self.runs))
             for label in labels:
                 shown = name or (label if several and len(labels) > 1 else "")
-                ends = {"since": s.since, "until": s.until, "every": s.every}
-                scales = {"over": s.over, "scale": s.scale, "over_scale": s.x_scale}
-                yield self.runs[label].series(s.signal, shown, **scales, **ends, kind=s.kind, faint=s.faint)
+                yield self.runs[label].series(
+                    s.signal,
+                    shown,
+                    over=s.over,
+                    scale=s.scale,
+                    over_scale=s.x_scale,
+                    since=s.since,
+                    until=s.until,
+                    every=s.every,
+                    kind=s.kind,
+                    faint=s.faint,
+                )
         elif s.each:
             for name, values in self._named(s.each).items():
                 x, y = values if isinstance(values, tuple) else (self._values(s.x), values)
@@ -88,7 +97,8 @@ class Described:
 
     def _points(self, s: SeriesSettings, name: str, x: Any, y: Any) -> Series:
         x, y = (v if by == 1.0 else by * np.asarray(v) for v, by in ((x, s.x_scale), (y, s.scale)))
-        labels, shades = (self._named(v) if v and isinstance(v, str) else v for v in (s.labels, s.shades))
+        labels = self._named(s.labels) if isinstance(s.labels, str) and s.labels else s.labels
+        shades = self._named(s.shades) if s.shades else ()
         return Series(name, x[:: s.every], y[:: s.every], s.kind, s.faint, labels, shades, s.shade_label)
 
     def _values(self, names: Any) -> Any:
@@ -111,9 +121,12 @@ class Described:
     def _named(self, name: str) -> Any:
         return pick(name, self.numbers, self.where, "the name of something that the case measures")
 
-    def _band(self, measure: str) -> Band:
-        row = pick(measure, self.rows(), self.where, 'the measure of a row, "condition: measure" or "table: condition: measure"')
-        return Band("", row.low, row.high, row.standing)
+    def _limits(self, limits: Mapping[str, str] | tuple[str, ...]) -> Iterator[Band]:
+        for name, measure in limits.items() if isinstance(limits, Mapping) else (("", m) for m in limits):
+            row = pick(
+                measure, self.rows(), self.where, 'the measure of a row, "condition: measure" or "table: condition: measure"'
+            )
+            yield Band(name, row.low, row.high, row.standing)
 
     def _places(self, places: str | tuple[tuple[float, str], ...]) -> tuple[tuple[float, str], ...]:
         return tuple(self._named(places) if isinstance(places, str) else places)

@@ -142,7 +142,7 @@ class Question:
         return replace(
             evidence,
             claim=self.claim or evidence.claim,
-            charts=(*evidence.charts, *map(drawn.chart, self.charts)),
+            charts=(*map(drawn.chart, self.charts), *evidence.charts),
             notes=(*evidence.notes, *(told(note, numbers) for note in self.notes)),
             shown={**evidence.shown, **{label: r for label, r in by_label.items() if _fits(label, self.show)}},
             doubts=tuple(runs.doubts),

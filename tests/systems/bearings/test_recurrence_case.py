@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.validation.case import CaseResult, Options, outcome, to_json
 from cosimo.orchestrator.systems.bearings.cases import recurrence
 
 
@@ -42,10 +41,3 @@ def test_windows_have_their_period(r, period):
     x = recurrence.logistic(r, 0.3, settle=100_000, states=4 * period)[:, 0]
     assert x[period:] == pytest.approx(x[:-period], abs=1e-12)
     assert np.unique(x.round(9)).size == period
-
-
-def test_case_passes_and_can_be_written():
-    findings = recurrence.CASE.findings(Options())
-    assert outcome(findings.rows) == "passed", [r for r in findings.rows if not r.inside]
-    assert len({r.reference.condition for r in findings.rows}) == 6
-    assert '"recurrence"' in to_json([CaseResult(recurrence.CASE, findings)])

@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.core.pulled_mass import IDEAL, LUGRE, pulled
 from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.friction_drive.cases import closed_forms as friction_drive
 from cosimo.orchestrator.systems.friction_drive.cases import hunting
 from cosimo.tests.scene_runs import finished
@@ -59,7 +60,7 @@ def test_another_friction_is_another_speed_under_load(monkeypatch):
     given = friction_drive.wheels
     rougher = {"friction": 0.404}
     monkeypatch.setattr(friction_drive, "wheels", lambda p, e=("exact_slip",): given({**p, **(rougher if e else {})}, e))
-    inside = {r.reference.measure: r.inside for r in friction_drive.CASE.findings(Options(in_process=True)).rows}
+    inside = {r.reference.measure: r.inside for r in cases()["friction-drive"].findings(Options(in_process=True)).rows}
     assert not inside["loaded_500.rate"]
     assert not inside["skewed_feed.power"]
     assert not inside["axial.above"]  # 1 % above the limit of before

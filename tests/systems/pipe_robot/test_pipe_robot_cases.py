@@ -10,6 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.case import Options, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.pipe_robot.cases import balance as balance
 from cosimo.orchestrator.systems.pipe_robot.cases import mean_speed as mean_speed
 from cosimo.orchestrator.systems.pipe_robot.cases import resonance as resonance
@@ -71,7 +72,7 @@ def test_a_run_that_fails_fails_the_case(module, broken, monkeypatch):
     """An excitation that turns by over a radian within a substep ends the run."""
     for name, value in broken.items():
         monkeypatch.setattr(module, name, value)
-    findings = module.CASE.findings(Options(in_process=True))
+    findings = cases()[module.NAME].findings(Options(in_process=True))
     assert not findings.complete
     assert "radian" in findings.notes[0]
 
@@ -79,4 +80,4 @@ def test_a_run_that_fails_fails_the_case(module, broken, monkeypatch):
 def test_a_negative_amplitude_is_no_run_at_all(monkeypatch):
     monkeypatch.setattr(mean_speed, "AMPLITUDE", -0.02)
     with pytest.raises(BadInput, match="amplitude"):
-        mean_speed.CASE.findings(Options(in_process=True))
+        cases()[mean_speed.NAME].findings(Options(in_process=True))

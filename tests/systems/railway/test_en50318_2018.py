@@ -2,11 +2,10 @@
 
 import pytest
 from cosimo.components.catalogue import component_class
-from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import cases, load_scene
-from cosimo.orchestrator.systems.railway.cases.en50318_2018 import AT_REST, CONTACT, MODELS
-from cosimo.orchestrator.systems.railway.cases.en50318_2018_data import DATA, data_grid
+from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems.railway.cases.en50318_2018 import AT_REST, CONTACT
+from cosimo.orchestrator.systems.railway.cases.en50318_2018_data import DATA, model_data
 from cosimo.tests.systems.railway.test_line import TWIN_WIRES, network
 
 STITCHED, TWIN = "en50318-2018-ac-stitched", "en50318-2018-dc-simple"
@@ -54,21 +53,11 @@ def test_the_printed_shares_hold_a_head_under_both_wires():
         assert abs(apart) < 5e-3 * 0.6e-3  # m: four digits of the share are 5 mN, over less than 0.6 mm/N of both wires
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", PLACES)
-def test_forms_without_known_ranges_pass_nothing(name):
-    """Statics as the network's, rules kept, and yet no pass: their ranges are recalled."""
-    findings = cases()[name].findings(Options(in_process=True))
-    assert [r.reference.quantity for r in findings.rows if not r.inside] == []
-    assert outcome(findings.rows) == "recalled"
-    assert findings.charts[0].title.startswith("The model's data")
-
-
-@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
-def test_every_number_of_a_model_has_its_standing(model):
-    unit = load_scene(model.name).units["catenary"]
-    rows = data_grid(model.name, component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset)).rows
-    assert len(rows) == len(DATA[model.name]) >= 13
+@pytest.mark.parametrize("name", DATA)
+def test_every_number_of_a_model_has_its_standing(name):
+    unit = load_scene(name).units["catenary"]
+    rows = model_data(name, component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset))
+    assert len(rows) == len(DATA[name]) >= 13
     values = {row[0]: float(row[1]) for row in rows}
     assert next(v for n, v in values.items() if n.endswith("contact wire, tension") or n.startswith("each contact")) > 1e4
     assert {row[3] for row in rows} <= {"read", "recalled", "inferred"}

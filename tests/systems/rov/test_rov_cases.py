@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from cosimo.orchestrator.harness.validation.questions import Options, Question
+from cosimo.orchestrator.harness.validation.questions import Options
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.systems import cases, load_scene
 from cosimo.orchestrator.systems.rov.cases import added_mass as rov_added_mass
 from cosimo.orchestrator.systems.rov.cases import allocation as rov_allocation
 from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_forms
@@ -14,7 +15,7 @@ from cosimo.orchestrator.systems.rov.cases import closed_forms as rov_closed_for
 
 def test_columns_as_printed_would_fail(monkeypatch):
     monkeypatch.setattr(rov_allocation, "wrench_matrix", lambda *_: rov_allocation.printed())
-    found = rov_allocation.CASE.findings(Options())
+    found = cases()["rov-allocation"].findings(Options())
     inside = {r.reference.measure: r.inside for r in found.rows}
     assert not inside["determinant"]
     assert not inside["N.plus"]
@@ -34,14 +35,15 @@ def test_another_vehicle_fails(name, parameter, value, rows):
     """Its own rows, and no others."""
     scenes = rov_closed_forms.scenes()
     scenes[name] = scenes[name].with_changes({f"hull.{parameter}": value})
-    case = replace(rov_closed_forms.CASE, questions=(Question(rov_closed_forms.measure, lambda: scenes),))
+    case = cases()["rov-closed-forms"]
+    case = replace(case, questions=(replace(case.questions[0], scenes=lambda: scenes),))
     found = case.findings(Options(in_process=True))
     assert {r.reference.measure for r in found.rows if not r.inside} == rows
 
 
 @pytest.mark.full
 def test_a_force_told_once_a_step_ends_the_run_and_keeps_what_was_computed():
-    scene = rov_added_mass.load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
+    scene = load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
     result = run(scene, in_process=True)
     assert result.outcome == "unstable"
     assert "water failed at" in result.message

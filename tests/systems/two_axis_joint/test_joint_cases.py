@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation import Options, Runs
-from cosimo.orchestrator.harness.validation.case import compare, outcome
+from cosimo.orchestrator.harness.validation.case import compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import link_split
@@ -59,13 +59,6 @@ def test_the_table_has_the_limit_of_held_forces():
 @pytest.fixture(scope="module")
 def findings():
     return cases()["link-split"].findings(Options(in_process=True))
-
-
-def test_the_case_passes(findings):
-    assert outcome(findings.rows) == "passed"
-    assert findings.complete
-    assert cases()["link-split"].system == "two_axis_joint"
-    assert all(r.reference.standing == "computed" for r in findings.rows)
 
 
 def test_plain_coupling_is_lost_where_the_iteration_is_not(findings):

@@ -7,6 +7,7 @@ import pytest
 from cosimo.orchestrator.harness.validation.case import Options
 from cosimo.orchestrator.harness.validation.reference import compare, load_table
 from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import closed_forms as wind_pump_closed_forms
 from cosimo.orchestrator.systems.wind_pump.cases import equilibrium as wind_pump_equilibrium
 from cosimo.orchestrator.systems.wind_pump.cases import start as wind_pump_start
@@ -19,7 +20,7 @@ def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     heavier = {"converter.lever_mass": 20.2}
     monkeypatch.setattr(wind_pump_equilibrium, "scene", lambda wind: given(wind).with_changes(heavier))
     monkeypatch.setattr(wind_pump_equilibrium, "WINDS", (2.0, 2.5, 6.0))
-    (question,) = wind_pump_equilibrium.CASE.questions
+    (question,) = cases()["wind-pump-equilibrium"].questions
     rows = compare(load_table("wind-pump-equilibrium").rows, question.ask(Options(in_process=True)).measured)
     inside = {r.reference.measure: r.inside for r in rows}
     assert not any(inside[f"{n}.{v}"] for n in ("turbine_speed", "pump_speed", "ratio") for v in ("2", "2.5", "6"))

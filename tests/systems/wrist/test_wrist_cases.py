@@ -6,11 +6,17 @@ import math
 from dataclasses import replace
 
 import pytest
-from cosimo.orchestrator.harness.validation import Question
 from cosimo.orchestrator.harness.validation.case import Options
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wrist.cases import four_bar
 from cosimo.orchestrator.systems.wrist.cases import rules as wrist_rules
 from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
+
+
+def with_scenes(name, scenes):
+    """The case with other scenes."""
+    case = cases()[name]
+    return replace(case, questions=(replace(case.questions[0], scenes=scenes),))
 
 
 @pytest.mark.full
@@ -22,7 +28,7 @@ def test_an_axis_that_is_moved_by_a_degree_is_seen():
         changes = {f"{unit}.morphology.distal_tilt": math.radians(46.0) for unit in wrist_rules.HELD}
         return scenes | {"held postures": scenes["held postures"].with_changes(changes)}
 
-    case = replace(wrist_rules.CASE, questions=(Question(wrist_rules.measure, moved),))
+    case = with_scenes("wrist-rules", moved)
     inside = {r.reference.measure: r.inside for r in case.findings(Options(in_process=True)).rows}
     angles = [f"{u}.{n}" for u in ("flexion", "radial", "ulnar") for n in ("proximal_angle", "distal_angle", "roll")]
     assert not any(inside[m] for m in angles)
@@ -31,7 +37,7 @@ def test_an_axis_that_is_moved_by_a_degree_is_seen():
 
 def test_a_coupler_of_another_length_is_another_linkage(monkeypatch):
     monkeypatch.setitem(four_bar.CRANK_ROCKER, "coupler", 0.0501)
-    inside = {r.reference.measure: r.inside for r in four_bar.CASE.findings(Options(in_process=True)).rows}
+    inside = {r.reference.measure: r.inside for r in cases()["four-bar"].findings(Options(in_process=True)).rows}
     assert not any(inside[m] for m in ("rocker.low", "rocker.high", "transmission.low", "transmission.high"))
     assert inside["closure.equation"]
     assert inside["work.energy"]
@@ -47,7 +53,7 @@ def test_a_stiffness_that_is_turned_the_other_way_is_seen():
             for name, scene in wrist_stiffness.scenes().items()
         }
 
-    case = replace(wrist_stiffness.CASE, questions=(Question(wrist_stiffness.measure, mirrored),))
+    case = with_scenes("wrist-stiffness", mirrored)
     inside = {r.reference.measure: r.inside for r in case.findings(Options(in_process=True)).rows}
     assert not inside["orientation.sign"]
     assert inside["orientation"]
