@@ -96,6 +96,11 @@ class CaseSettings(Model):
     runs: tuple[RunSettings, ...] = Field(default=(), description="without them one run of the scene with its own settings")
     rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
     curves: tuple[CurveSettings, ...] = ()
+    measure: str = Field(
+        default="",
+        description='"module:function" that gives numbers of the runs by the measures of rows and the names in charts, beside '
+        "those of the summary; a module beside this file, or an installed one",
+    )
     charts: tuple[ChartSettings, ...] = Field(default=(), description="figures of the runs, whose labels are the conditions")
 
 
@@ -105,7 +110,7 @@ class QuestionSettings(Model):
     measure: str = Field(
         default="",
         description="module beside the case's file, with `measure(runs)` and, where it needs runs, `scenes()`; or "
-        '"module:function"; without it runs are shown, and nothing is measured',
+        '"module:function"; without it rows are of the summaries of the runs that their conditions name',
     )
     scenes: str | dict[str, str | SceneChanges] = Field(
         default="", description='"module:function" that gives scenes by label, or label -> a shipped scene and its changes'

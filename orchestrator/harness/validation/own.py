@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, nearest, pick
+from ...loading import loading
 from ...scene.files import read_toml
 from ...settings.case import COMPARED, CaseSettings, CurveSettings
+from ...settings.chart import ChartSettings
 from ...settings.messages import one_message
 from ..studies.quantities import recording
 from .case import Case, Row, compare
@@ -24,6 +27,7 @@ from .reference import TableRow, rows_of, table_rows
 if TYPE_CHECKING:
     from ...run.results import Result
     from ...scene.scene import Scene
+    from ..charts.chart import Chart
     from ..summary import Summary
 
 Loader = Callable[[str | Path], "Scene"]
@@ -65,11 +69,18 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
     curves = tuple(c.model_copy(update={"condition": c.condition or only}) for c in settings.curves)
     for curve in curves:
         _check_curve(curve, settings, scenes, path.parent, name)
-    questions = []
-    for condition, one in scenes.items():
-        mine, drawn = tuple(r for r in rows if r.condition == condition), tuple(c for c in curves if c.condition == condition)
-        measure = partial(_measure, condition, mine, drawn, settings.sources, path.parent, summarize)
-        questions.append(Question(measure, partial(dict, {condition: _recording(one, mine, drawn)})))
+    function = _function(settings.measure, path.parent, name) if settings.measure else None
+    whole = settings.charts or function  # what looks at all runs at once
+    ranges = {key: r for r in rows for key in (r.measure, f"{r.condition}: {r.measure}")}
+    recorded = {
+        c: _recording(one, [r for r in rows if r.condition == c], [v for v in curves if v.condition == c], settings.charts)
+        for c, one in scenes.items()
+    }
+    measure = partial(_measure, function, rows, curves, settings.sources, path.parent, summarize)
+    questions = [
+        Question(measure, partial(dict, {c: recorded[c] for c in group}), charts=settings.charts, rows=partial(dict, ranges))
+        for group in ([list(scenes)] if whole else [[condition] for condition in scenes])
+    ]
     text = settings.text or f"The scene {settings.scene} against the ranges and curves of {path.name}."
     return Case(name, settings.title, text, tuple(questions), system=scene.analysis.system)
 
@@ -94,9 +105,26 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     read_curve(curve, folder, units_of(scenes[curve.condition]))
 
 
-def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...]) -> Scene:
-    """The scene with what its rows and curves need among its recorded signals; checks the signals."""
-    needed = [s for c in curves for s in (c.signal, c.over) if s]
+def _function(text: str, folder: Path, name: str) -> Callable[[Runs], Mapping[str, Any]]:
+    """The function that measures, of a module beside the case or of an installed one."""
+    module, _, function = text.partition(":")
+    with loading(f"{name}: measure", "module:function of a module that can be imported"):
+        beside = folder / f"{module}.py"
+        spec = spec_from_file_location(module, beside) if beside.is_file() else find_spec(module)
+        if spec is None or spec.loader is None:
+            raise BadInput(f"{name}: measure", repr(text), f"module:function, of {beside} or of an installed module")
+        loaded = module_from_spec(spec)
+        spec.loader.exec_module(loaded)
+    known = {n: f for n, f in vars(loaded).items() if callable(f)}
+    return pick(function, known, f"{name}: measure", f"a function of {module}")
+
+
+def _recording(scene: Scene, rows: Sequence[TableRow], curves: Sequence[CurveSettings], charts: Sequence[ChartSettings]) -> Scene:
+    """The scene with what its rows, curves and charts need among its recorded signals; checks the signals."""
+    lines = [line for chart in charts for panel in chart.panels for line in panel.series]
+    overs = [line.over for chart in charts for line in (chart, *chart.panels)]
+    overs += [s for line in lines for s in (line.signal, line.over)] + [s for curve in curves for s in (curve.signal, curve.over)]
+    needed = [s for s in overs if s not in ("", "time")]
     recorded = [".".join(end) for end in scene.coupling.signals]
     if missing := [s for s in dict.fromkeys(needed) if s not in recorded]:
         scene = scene.with_changes({"record.signals": [*recorded, *missing]})
@@ -105,7 +133,7 @@ def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSett
 
 
 def _measure(
-    condition: str,
+    function: Callable[[Runs], Mapping[str, Any]] | None,
     rows: tuple[TableRow, ...],
     curves: tuple[CurveSettings, ...],
     sources: dict[str, str],
@@ -113,24 +141,34 @@ def _measure(
     summarize: Summarize,
     runs: Runs,
 ) -> Evidence:
-    """Of the run of a condition: its rows beside the numbers of its summary, its curves beside the measured ones."""
-    result = runs[condition]
-    numbers = summarize(result)
-    comparisons = [compare_curve(curve, read_curve(curve, folder, result.measures), result) for curve in curves]
-    curve_rows = (row for c in comparisons for row in _curve_rows(c, sources[c.curve.source]))
-    judged = judge(result, numbers)
-    limit_rows = (
-        replace(row, reference=replace(row.reference, condition=": ".join(filter(None, (condition, row.reference.condition)))))
-        for row in (judged[0].findings.rows if judged else ())
-    )
-    uncompared = [c.counted for c in comparisons if c.incomplete]
-    notes = (*result.info["warnings"], *uncompared, *(judged[0].findings.notes if judged else ()))
-    return Evidence(
-        rows=(*compare(rows, named_numbers(rows, result, numbers)), *curve_rows, *limit_rows),
-        charts=tuple(c.chart() for c in comparisons),
-        shown=runs,
-        notes=tuple(f"{condition}: {note}" for note in notes),
-    )
+    """Of each run its rows beside the numbers of its summary and of the case's function, its curves beside the measured ones."""
+    own = function(runs) if function is not None else {}
+    found: list[Row] = []
+    charts: list[Chart] = []
+    notes: list[str] = []
+    figures: dict[str, float] = {}
+    for condition, result in runs.items():
+        mine = [r for r in rows if r.condition == condition]
+        numbers, given = summarize(result), own.get(condition, own)
+        figures |= {f"{condition}: {n.name}": n.value for n in numbers} | {n.name: n.value for n in numbers if len(runs) == 1}
+        of_function = {r.measure: given[r.measure] for r in mine if r.measure in given}
+        named = named_numbers([r for r in mine if r.measure not in of_function], result, numbers)
+        found += compare(tuple(mine), {**named, **of_function})
+        comparisons = [
+            compare_curve(curve, read_curve(curve, folder, result.measures), result)
+            for curve in curves
+            if curve.condition == condition
+        ]
+        found += [row for c in comparisons for row in _curve_rows(c, sources[c.curve.source])]
+        charts += [c.chart() for c in comparisons]
+        judged = judge(result, numbers)
+        for row in judged[0].findings.rows if judged else ():
+            label = ": ".join(filter(None, (condition, row.reference.condition)))
+            found.append(replace(row, reference=replace(row.reference, condition=label)))
+        uncompared = [c.counted for c in comparisons if c.incomplete]
+        texts = (*result.info["warnings"], *uncompared, *(judged[0].findings.notes if judged else ()))
+        notes += [f"{condition}: {text}" for text in texts]
+    return Evidence(rows=tuple(found), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
 
 
 def _curve_rows(comparison: Comparison, source: str) -> list[Row]:

@@ -14,6 +14,7 @@ from ...settings.case import QuestionSettings, ShippedCaseSettings
 from ...settings.chart import ChartSettings
 from ...settings.messages import validated
 from .case import Case
+from .limits_of_run import named_numbers
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, load_table, table_files
 
@@ -45,7 +46,7 @@ def read_shipped(path: Path, package: str, system: str, load_scene: LoadScene) -
 
 def _question(q: QuestionSettings, charts: Sequence[ChartSettings], package: str, name: str, load_scene: LoadScene) -> Question:
     return Question(
-        partial(_measure, package, q),
+        partial(_measure, package, q) if q.measure else partial(_summarized, name),
         partial(_scenes, package, q, load_scene),
         q.may_fail,
         q.in_process,
@@ -74,7 +75,13 @@ def _function(package: str, text: str, default: str) -> Any:
 
 
 def _measure(package: str, q: QuestionSettings, runs: Runs) -> Evidence | Mapping[str, Any]:
-    return _function(package, q.measure, "measure")(runs, **q.arguments) if q.measure else {}
+    return _function(package, q.measure, "measure")(runs, **q.arguments)
+
+
+def _summarized(name: str, runs: Runs) -> Mapping[str, Mapping[str, float]]:
+    """Of each run whose label is a condition of the table the numbers of its summary."""
+    rows = {label: [r for r in load_table(name).rows if r.condition == label] for label in runs}
+    return {label: named_numbers(of, runs[label], runs[label].summary) for label, of in rows.items() if of}
 
 
 def _scenes(package: str, q: QuestionSettings, load_scene: LoadScene) -> Mapping[Any, Scene]:

@@ -69,12 +69,9 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> dict[str, Any]:
     frequency, direction = campbell(matrices, speed * RPM, MODES)
     drawn: dict[str, Any] = {"speed": speed[[0, -1]]}
     for sign, name in ((1, "forward"), (-1, "backward")):
-        if (columns := np.flatnonzero(direction[-1] == sign)).size:
-            x, y = (
-                np.concatenate([[*speed, np.nan] for _ in columns]),
-                np.concatenate([[*frequency[:, k], np.nan] for k in columns]),
-            )
-            drawn[f"{name}.lines"] = {f"{name}, from the matrices": (x, y)}
-            points = np.array([(rpm, abs(w)) for rpm, frequencies in lines.items() for w in frequencies if np.sign(w) == sign])
-            drawn[f"{name}.points"] = {f"{name}, from the motion": (points[:, 0], points[:, 1])}
+        columns = np.flatnonzero(direction[-1] == sign)
+        x, y = ([v for k in columns for v in (*values(k), np.nan)] for values in (lambda k: speed, lambda k: frequency[:, k]))
+        points = [(rpm, abs(w)) for rpm, frequencies in lines.items() for w in frequencies if np.sign(w) == sign]
+        drawn[f"{name}.lines"] = {f"{name}, from the matrices": (x, y)} if x else {}
+        drawn[f"{name}.points"] = {f"{name}, from the motion": tuple(zip(*points, strict=True))} if x else {}
     return drawn
