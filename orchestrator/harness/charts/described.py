@@ -27,7 +27,7 @@ class _Names(Formatter):
         return pick(field_name, kwargs, "text of a case", "a number that the case measures"), field_name
 
 
-def told(text: str, numbers: Mapping[str, Any]) -> str:
+def with_numbers(text: str, numbers: Mapping[str, Any]) -> str:
     """A text with numbers in place of {name}, {name:.2f}; raises `BadInput` for a name that is not measured."""
     return _Names().vformat(text, (), numbers) if "{" in text else text
 
@@ -42,22 +42,22 @@ class Described:
 
     def chart(self, chart: ChartSettings) -> Chart | Grid:
         """The chart, or the table; raises `BadInput` for a run, a signal or a name that there is not."""
-        title, text = told(chart.title, self.numbers), told(chart.text, self.numbers)
+        title, text = with_numbers(chart.title, self.numbers), with_numbers(chart.text, self.numbers)
         if chart.header:
             rows = self._named(chart.rows) if isinstance(chart.rows, str) else [tuple(map(self._cell, r)) for r in chart.rows]
             return Grid(title, chart.header, tuple(map(tuple, rows)), text)
-        panels = tuple(self._panel(panel, _said(chart)) for panel in chart.panels)
-        return Chart(title, told(chart.x_label, self.numbers), panels, text, chart.columns, chart.height)
+        panels = tuple(self._panel(panel, _line_settings(chart)) for panel in chart.panels)
+        return Chart(title, with_numbers(chart.x_label, self.numbers), panels, text, chart.columns, chart.height)
 
-    def _panel(self, panel: PanelSettings, said: dict[str, Any]) -> Panel:
-        said = said | _said(panel)
+    def _panel(self, panel: PanelSettings, outer: dict[str, Any]) -> Panel:
+        outer = outer | _line_settings(panel)
         bands = (*(Band(b.name, b.low, b.high) for b in panel.bands), *self._limits(panel.limits))
         return Panel(
             panel.label,
-            tuple(s for series in panel.series for s in self._series(series.model_copy(update=said | _said(series)))),
+            tuple(s for series in panel.series for s in self._series(series.model_copy(update=outer | _line_settings(series)))),
             bands,
             self._places(panel.marks),
-            told(panel.title, self.numbers),
+            with_numbers(panel.title, self.numbers),
             tuple(Lines(n, self._places(at)) for n, at in panel.lines.items()),
             self._picture(panel),
             panel.x_label,
@@ -68,7 +68,7 @@ class Described:
         )
 
     def _series(self, s: SeriesSettings) -> Iterator[Series]:
-        name = told(s.name, self.numbers)
+        name = with_numbers(s.name, self.numbers)
         if s.signal:
             several = not s.run or any(c in s.run for c in "*?[")
             labels = [n for n in self.runs if fnmatchcase(n, s.run or "*")]
@@ -138,6 +138,6 @@ class Described:
         return Picture(x, y, values, p.label, p.palette, p.limits)
 
 
-def _said(settings: LineSettings) -> dict[str, Any]:
-    """What is said of lines, and no default."""
+def _line_settings(settings: LineSettings) -> dict[str, Any]:
+    """What the file says of lines, and no default."""
     return {key: getattr(settings, key) for key in settings.model_fields_set & LINE}

@@ -143,7 +143,7 @@ def _measure(
 ) -> Evidence:
     """Of each run its rows beside the numbers of its summary and of the case's function, its curves beside the measured ones."""
     own = function(runs) if function is not None else {}
-    found: list[Row] = []
+    own_rows: list[Row] = []
     charts: list[Chart] = []
     notes: list[str] = []
     figures: dict[str, float] = {}
@@ -153,22 +153,22 @@ def _measure(
         figures |= {f"{condition}: {n.name}": n.value for n in numbers} | {n.name: n.value for n in numbers if len(runs) == 1}
         of_function = {r.measure: given[r.measure] for r in mine if r.measure in given}
         named = named_numbers([r for r in mine if r.measure not in of_function], result, numbers)
-        found += compare(tuple(mine), {**named, **of_function})
+        own_rows += compare(tuple(mine), {**named, **of_function})
         comparisons = [
             compare_curve(curve, read_curve(curve, folder, result.measures), result)
             for curve in curves
             if curve.condition == condition
         ]
-        found += [row for c in comparisons for row in _curve_rows(c, sources[c.curve.source])]
+        own_rows += [row for c in comparisons for row in _curve_rows(c, sources[c.curve.source])]
         charts += [c.chart() for c in comparisons]
         judged = judge(result, numbers)
         for row in judged[0].findings.rows if judged else ():
             label = ": ".join(filter(None, (condition, row.reference.condition)))
-            found.append(replace(row, reference=replace(row.reference, condition=label)))
+            own_rows.append(replace(row, reference=replace(row.reference, condition=label)))
         uncompared = [c.counted for c in comparisons if c.incomplete]
         texts = (*result.info["warnings"], *uncompared, *(judged[0].findings.notes if judged else ()))
         notes += [f"{condition}: {text}" for text in texts]
-    return Evidence(rows=tuple(found), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
+    return Evidence(rows=tuple(own_rows), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
 
 
 def _curve_rows(comparison: Comparison, source: str) -> list[Row]:

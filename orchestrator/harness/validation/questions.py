@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...judgement.instability import unfollowed
 from ...run.run import run
 from ...scene.shorter_steps import shorter_steps
-from ..charts.described import Described, told
+from ..charts.described import Described, with_numbers
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -134,8 +134,8 @@ class Question:
         if self.in_process:
             options = replace(options, in_process=True)
         runs = Runs(options, self.scenes(), self.may_fail, self.at_its_steps)
-        found = self.measure(runs)
-        evidence = found if isinstance(found, Evidence) else Evidence(found)
+        answer = self.measure(runs)
+        evidence = answer if isinstance(answer, Evidence) else Evidence(answer)
         by_label = {named(label): result for label, result in runs.items()}
         numbers = {**evidence.measured, **evidence.data}
         drawn = Described("chart", numbers, by_label, self.rows)
@@ -143,7 +143,7 @@ class Question:
             evidence,
             claim=self.claim or evidence.claim,
             charts=(*map(drawn.chart, self.charts), *evidence.charts),
-            notes=(*evidence.notes, *(told(note, numbers) for note in self.notes)),
+            notes=(*evidence.notes, *(with_numbers(note, numbers) for note in self.notes)),
             shown={**evidence.shown, **{label: r for label, r in by_label.items() if _fits(label, self.show)}},
             doubts=tuple(runs.doubts),
         )

@@ -70,8 +70,8 @@ def _rows(name: str) -> dict[str, TableRow]:
 def _function(package: str, text: str, default: str) -> Any:
     """A function of a module of the package; None where a module without a function named has none of the default's name."""
     module, _, name = text.partition(":")
-    found = import_module(f"{package}.{module}")
-    return getattr(found, name) if name else getattr(found, default, None)
+    loaded = import_module(f"{package}.{module}")
+    return getattr(loaded, name) if name else getattr(loaded, default, None)
 
 
 def _measure(package: str, q: QuestionSettings, runs: Runs) -> Evidence | Mapping[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.charts.chart import Grid
-from cosimo.orchestrator.harness.charts.described import Described, told
+from cosimo.orchestrator.harness.charts.described import Described, with_numbers
 from cosimo.orchestrator.harness.validation import Evidence
 from cosimo.orchestrator.harness.validation.questions import Options, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
@@ -85,9 +85,9 @@ def test_what_there_is_not_is_one_message(result, panel, words):
 
 
 def test_a_sentence_shows_what_was_measured():
-    assert told("From {a.1:.2f} to {b} m.", {"a.1": 1.234, "b": 2}) == "From 1.23 to 2 m."
+    assert with_numbers("From {a.1:.2f} to {b} m.", {"a.1": 1.234, "b": 2}) == "From 1.23 to 2 m."
     with pytest.raises(BadInput, match=r"'c'; expected a number that the case measures"):
-        told("{c}", {"a": 1.0})
+        with_numbers("{c}", {"a": 1.0})
 
 
 def test_a_question_tells_and_shows_what_its_file_says():

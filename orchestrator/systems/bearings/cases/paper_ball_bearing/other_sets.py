@@ -26,9 +26,9 @@ def measure(runs: Runs) -> Evidence:
     held = [name for name in SETS if measured[f"sets.{name}"] == len(GAPS)]
     measured["sets.held"] = float(len(held))
     measured["sets.both"] = float(sum((e > 0.0).any() and (e < 0.0).any() for e in largest.values()))
-    told = "; ".join(_chaos(n, e) for n, e in largest.items())
+    by_set_in_words = "; ".join(_chaos(n, e) for n, e in largest.items())
     by_set = {what: {name: e for name, e in largest.items() if name.endswith(what)} for what in SET}
-    return Evidence(measured, data={"names": ", ".join(held) or "none", "chaos": told, "gaps": GAPS, **by_set})
+    return Evidence(measured, data={"names": ", ".join(held) or "none", "chaos": by_set_in_words, "gaps": GAPS, **by_set})
 
 
 def largest_exponent(clearance: float, given: dict[str, float]) -> float:
