@@ -41,6 +41,7 @@ def find_residual(stiffness, q, load, residual):
 def solve_static(stiffness, load, q, factors, first, residual):
     """Displacements under a load into q, (N,), and whether the stiffness, an (N, 15) band, holds the structure against it.
 
+    No load at all is the limit of a small one: there a load of ones on every degree of freedom tells.
     factors: (N, 15), first, residual: (N,), work.
     """
     for i in range(stiffness.shape[0]):
@@ -48,12 +49,18 @@ def solve_static(stiffness, load, q, factors, first, residual):
             factors[i, k] = stiffness[i, k]
         factors[i, HALF] *= 1.0 + SOFT
     factor_general(factors)
+    limit, held = largest(load), True
+    if limit == 0.0:
+        for j in range(q.size):
+            q[j], residual[j] = 1.0, -1.0
+        solve_general(factors, q)
+        add_product(stiffness, q, residual)
+        held = largest(residual) <= HELD
     for j in range(q.size):
         first[j] = load[j]
     solve_general(factors, first)
     for j in range(q.size):
         q[j] = first[j]
-    limit = largest(load)
     for _ in range(REFINEMENTS):
         find_residual(stiffness, q, load, residual)
         if not largest(residual) > 1e-13 * limit:
@@ -62,7 +69,7 @@ def solve_static(stiffness, load, q, factors, first, residual):
         for j in range(q.size):
             q[j] -= residual[j]
     find_residual(stiffness, q, load, residual)
-    return largest(residual) <= HELD * limit
+    return held and largest(residual) <= HELD * limit
 
 
 @kernel

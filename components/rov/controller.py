@@ -299,7 +299,7 @@ def turn_between(w, x, y, z, a, b, c, d):
     if ew < 0.0:
         ew, ex, ey, ez = -ew, -ex, -ey, -ez
     size = math.sqrt(ex * ex + ey * ey + ez * ez)
-    scale = 2.0 * math.atan2(size, ew) / size if size > 0.0 else 0.0
+    scale = 2.0 * math.atan2(size, ew) / size if size > 0.0 else 2.0 / ew  # its limit: without a turn it is to be right, too
     return scale * ex, scale * ey, scale * ez
 
 

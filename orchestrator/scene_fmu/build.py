@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...fmus.evidence import Evidence
 from ...fmus.native.build import Library, assembled, check_versions, compiler, pack
@@ -17,8 +16,7 @@ from ...fmus.native.variables import with_sizes
 from ..engine.stepping.faults import Faults
 from ..scene.scene import Scene
 from ..session.open_scene import OpenScene
-from ..units.component import ComponentSimulator
-from .layout import Layout
+from .layout import Layout, in_python, stepped_in_python
 from .tables import fault_changes, model_of
 from .variables import described, variables_of
 
@@ -32,14 +30,7 @@ HOST = (
 
 def refuse_what_needs_python(scene: Scene) -> None:
     """`BadInput` for a scene of which something is no kernel, with the names of all that is not."""
-    master = scene.master
-    reasons = [f"{name} (an FMU)" for name, unit in scene.units.items() if not unit.component]
-    reasons += [f"{name} (in a process of its own)" for name, unit in scene.units.items() if unit.isolation != "none"]
-    reasons += [f"{contact.name} (a contact)" for contact in scene.contacts]
-    reasons += ["step control"] * (master.control is not None)
-    reasons += ["events of units"] * bool(scene.coupling.events) + ["texts between units"] * bool(scene.coupling.texts)
-    reasons += ["the correction of energy"] * bool(master.energy_correction)
-    if reasons:
+    if reasons := in_python(scene):
         raise _refusal(scene, ", ".join(reasons))
 
 
@@ -61,11 +52,8 @@ def _laid_out(scene: Scene) -> Iterator[tuple[Layout, Model]]:
         watched = (*scene.coupling.signals, *(each.end for each in shown if each.causality == "output"))
         open_scene = OpenScene(scene, stack, in_process=True, watched=watched)
         master = open_scene.master
-        if not master.in_batches:
-            raise _refusal(scene, f"the algorithm {scene.master.algorithm!r}, or an algebraic loop")
-        for node in master.nodes:
-            if not isinstance(node.unit, ComponentSimulator) or not isinstance(node.unit.component, KernelComponent):
-                raise _refusal(scene, f"{node.unit.name} (a component in plain Python)")
+        if reasons := stepped_in_python(scene, master):
+            raise _refusal(scene, ", ".join(reasons))
         changes = fault_changes(scene)
         Faults(scene.faults, scene.coupling, master, open_scene.clock).before_start()
         layout = Layout.of(scene, master, bool(changes))

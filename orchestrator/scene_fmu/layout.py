@@ -10,8 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...components.core.block import Block
+import numpy as np
+
+from ...components.core.block import CELL, Block
 from ...components.core.contract import KernelComponent
+from ...fmus.native.instance import Places, image_of
 from ...fmus.native.machine_code import Source, source_of
 from ..engine.algorithms import Master
 from ..engine.algorithms import figures as running
@@ -19,8 +22,29 @@ from ..engine.algorithms.memory import KERNELS, OF_FAULTS
 from ..engine.algorithms.node import Node
 from ..engine.coupling import Endpoint
 from ..scene.scene import Scene
+from ..units.call_names import IN_MEMORY
+from ..units.component import ComponentSimulator
 
 HEAD = ("time", "steps", "start", "asked")  # cells before the first unit
+
+
+def in_python(scene: Scene) -> list[str]:
+    """What of a scene is no kernel, as its settings say."""
+    master = scene.master
+    reasons = [f"{name} (an FMU)" for name, unit in scene.units.items() if not (unit.component or unit.signals)]
+    reasons += [f"{name} (in a process of its own)" for name, unit in scene.units.items() if unit.isolation != "none"]
+    reasons += [f"{contact.name} (a contact)" for contact in scene.contacts]
+    reasons += ["step control"] * (master.control is not None)
+    reasons += ["events of units"] * bool(scene.coupling.events) + ["texts between units"] * bool(scene.coupling.texts)
+    return reasons + ["the correction of energy"] * bool(master.energy_correction)
+
+
+def stepped_in_python(scene: Scene, master: Master) -> list[str]:
+    """What of an open scene is no kernel."""
+    reasons = [] if master.in_batches else [f"the algorithm {scene.master.algorithm!r}, or an algebraic loop"]
+    units = [node.unit for node in master.nodes]
+    kernels = {u.name for u in units if isinstance(u, ComponentSimulator) and isinstance(u.component, KernelComponent)}
+    return reasons + [f"{unit.name} (a component in plain Python)" for unit in units if unit.name not in kernels]
 
 
 @dataclass(frozen=True)
@@ -32,6 +56,20 @@ class PlacedUnit:
     node: Node
     first: int
     layout: int
+
+    @property
+    def left(self) -> list[tuple[int, int]]:
+        """Ranges of its cells that an initialization leaves: inputs, parameters."""
+        places = Places(self.component)
+        return [(places.u, places.u + self.component.u.size), (places.first_parameter, places.saved)]
+
+    @property
+    def follows(self) -> list[tuple[int, int]]:
+        """Ranges that follow from parameters alone; what is other than 0 in the first cell of the first says that they are there."""
+        block, kept = self.component.block, type(self.component).kept
+        assert block is not None
+        ranges = sorted(ends for name in kept for ends in block.ranges(name))
+        return ranges if ranges and ranges[0][0] == block.cell("s", kept[0]) else []
 
 
 @dataclass(frozen=True)
@@ -81,6 +119,46 @@ class Layout:
     def cells(self) -> int:
         """Of the whole block."""
         return self.figures_at + (self.figures.cells if self.figures else 0)
+
+    def image(self) -> tuple[np.ndarray, list[tuple[int, int, str]]]:
+        """The block before initialization, (cells,) uint64, and the addresses that belong into it, which are 0 there.
+
+        An address is (its cell, the cell that it is the address of, the name of the function that it is the address of instead).
+        """
+        image = np.zeros(self.cells, dtype=np.uint64)
+        for unit in self.units:
+            image[unit.first : unit.first + Places(unit.component).cells] = image_of(unit.component).view(np.uint64)
+        block = self.master.records.block
+        self.master.prepare()
+        addresses = self._addresses()
+        image[self.at : self.at + block.cells] = block.memory.view(np.uint64)
+        if self.figures is not None:
+            image[self.figures_at :] = self.figures.memory.view(np.uint64)
+        image[[cell for cell, _, _ in addresses]] = 0
+        return image, addresses
+
+    def _addresses(self) -> list[tuple[int, int, str]]:
+        rows: list[tuple[int, int, str]] = []
+        at, place, memory = self.at, self.master.records.place, self.master.records.memory
+        for k, unit in enumerate(self.units):
+            simulator, component, called = unit.node.unit, unit.component, unit.node.called
+            assert component.block is not None
+            assert isinstance(simulator, ComponentSimulator)
+            memory.units["input_mode"][called], memory.units["row"][called] = IN_MEMORY, component.u.strides[0]
+            rows.append((at + place("units", k, "initialize"), 0, f"begin_{k}"))
+            rows += [(at + place("units", called, name), 0, f"{name}_{unit.layout}") for name in ("step", "outputs")]
+            rows.append((at + place("units", called, "argument"), unit.first, ""))
+            inputs, outputs = simulator.addresses
+            first_link = int(memory.units["first_link"][called])
+            cells = [at + place("links", first_link + i, "at") for i in range(len(inputs))]
+            first_output = at + self.master.records.block.cell("s", "outputs_at") + unit.node.place.start
+            cells += range(first_output, first_output + len(outputs))
+            targets = [unit.first + (address - component.block.address) // CELL for address in (*inputs, *outputs)]
+            rows += [(cell, target, "") for cell, target in zip(cells, targets, strict=True)]
+        if self.figures is not None:
+            first = self.figures_at + self.figures.cell("s", "at")
+            rows += [(first + i, self.output(end), "") for i, end in enumerate(self.signals)]
+        return rows
 
     def output(self, end: Endpoint) -> int:
         """The cell of an output."""

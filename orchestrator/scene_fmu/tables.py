@@ -12,17 +12,15 @@ from math import inf
 
 import numpy as np
 
-from ...components.core.block import CELL
 from ...components.core.errors import BadInput
-from ...fmus.native.instance import Model, Places, image_of, reasons_of
+from ...fmus.native.instance import Model, Places, reasons_of
 from ..engine.algorithms.initial_kernels import RUNAWAY
 from ..engine.algorithms.memory import OF_FAULTS
 from ..engine.algorithms.records import NOT_CONVERGED
 from ..engine.stepping.discontinuities import between_steps, jump_times
 from ..engine.stepping.faults import acts_from_start, changes_of
 from ..scene.scene import Scene
-from ..units.call_names import FAILED, IN_MEMORY
-from ..units.component import ComponentSimulator
+from ..units.call_names import FAILED
 from .layout import HEAD, Layout, PlacedUnit
 
 PER_UNIT = 1000  # statuses of unit k: PER_UNIT * (k + 1) + its own
@@ -75,7 +73,9 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
     """The block before initialization, and the tables of scene.c; changes: by faults."""
     master, units, at = layout.master, layout.units, layout.at
     block, memory = master.records.block, master.records.memory
-    image = np.zeros(layout.cells, dtype=np.uint64)
+    memory.units["stop"] = np.inf  # the host says where it ends
+    image, addresses = layout.image()
+    rows_of_addresses = ",\n".join(f"{{{cell}, {target}, {function or 0}}}" for cell, target, function in addresses)
     given: list[tuple[int, int]] = []
     multiple = f"a step of %.9g s; expected a whole multiple of {scene.master.step!r} s, the macro step of the scene"
     reasons: list[tuple[int, str, Sequence[int]]] = [
@@ -88,19 +88,10 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         ),
     ]
     for k, unit in enumerate(units):
-        component, places = unit.component, Places(unit.component)
-        image[unit.first : unit.first + places.cells] = image_of(component).view(np.uint64)
-        u = unit.first + places.u
-        given += [(u, u + component.u.size), (unit.first + places.first_parameter, unit.first + places.saved)]
+        component = unit.component
+        given += [(unit.first + first, unit.first + end) for first, end in unit.left]
         for status, text, cells in reasons_of(component):
             reasons.append((PER_UNIT * (k + 1) + status, f"{unit.name}: {text}", [unit.first + cell for cell in cells]))
-    master.prepare()
-    memory.units["stop"] = np.inf  # the host says where it ends
-    places_text, cleared = _places(layout)
-    image[at : at + block.cells] = block.memory.view(np.uint64)
-    if layout.figures is not None:
-        image[layout.figures_at :] = layout.figures.memory.view(np.uint64)
-    image[cleared] = 0
     times = [at + master.records.place("units", k, "time") for k in range(memory.units.size)]
     step = Fraction(repr(scene.master.step))
     written = step.as_integer_ratio() if max(step.as_integer_ratio()) < EXACT else (0, 0)
@@ -113,7 +104,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         or [(nothing, 0)]
     ]
     numbers = {
-        "place_count": len(cleared),
+        "place_count": len(addresses),
         "change_count": len(changed),
         "time_count": len(times),
         "master": at,
@@ -128,7 +119,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
         [
             '#include "scene.h"',
             *_entries(units),
-            f"const Place scene_places[] = {{\n{places_text}\n}};",
+            f"const Place scene_places[] = {{\n{rows_of_addresses}\n}};",
             f"const uint32_t scene_times[] = {{{', '.join(map(str, times))}}};",
             *(f"const uint32_t scene_{name}[2] = {{{first}, {last}}};" for name, (first, last) in rows.items()),
             "const uint32_t " + ", ".join(f"scene_{name} = {value}" for name, value in numbers.items()) + ";",
@@ -177,44 +168,10 @@ def _entries(units: Sequence[PlacedUnit]) -> Iterator[str]:
             f"{{ (void)h; return layout{layout}_outputs(t, (int64_t)(intptr_t)b); }}"
         )
     for k, unit in enumerate(units):
-        places, component, block = Places(unit.component), unit.component, unit.component.block
-        assert block is not None
-        left = [(places.u, places.u + component.u.size), (places.first_parameter, places.saved)]
-        follows = sorted(ends for name in type(component).kept for ends in block.ranges(name))
-        if follows and follows[0][0] != block.cell("s", type(component).kept[0]):
-            follows = []  # the cell that says so has to be the first
+        left, follows = unit.left, unit.follows
         for name, ranges in (("left", left), ("follows", follows)):
             yield f"static const uint32_t {name}_{k}[][2] = {{{', '.join(f'{{{a}, {b}}}' for a, b in ranges or [(0, 0)])}}};"
-        numbers = unit.first, places.cells, *left[0], len(left), len(follows)
+        numbers = unit.first, Places(unit.component).cells, *left[0], len(left), len(follows)
         functions = f"layout{unit.layout}_initialize, layout{unit.layout}_outputs"
         yield f"static const Unit unit_{k} = {{{', '.join(map(str, numbers))}, left_{k}, follows_{k}, {functions}}};"
         yield f"static int32_t begin_{k}(double t, double h, void *b) {{ (void)h; return scene_begin(t, b, &unit_{k}); }}"
-
-
-def _places(layout: Layout) -> tuple[str, list[int]]:
-    """The rows of the table of addresses in scene.c, and the cells that they fill."""
-    rows: list[tuple[int, int, str]] = []
-    master, at = layout.master, layout.at
-    place, memory = master.records.place, master.records.memory
-    for k, unit in enumerate(layout.units):
-        simulator, component, called = unit.node.unit, unit.component, unit.node.called
-        assert component.block is not None
-        assert isinstance(simulator, ComponentSimulator)
-        memory.units["input_mode"][called], memory.units["row"][called] = IN_MEMORY, component.u.strides[0]
-        rows.append((at + place("units", k, "initialize"), 0, f"begin_{k}"))
-        rows += [(at + place("units", called, name), 0, f"{name}_{unit.layout}") for name in ("step", "outputs")]
-        rows.append((at + place("units", called, "argument"), unit.first, "0"))
-        inputs, outputs = simulator.addresses
-        first_link = int(memory.units["first_link"][called])
-        for i, address in enumerate(inputs):
-            rows.append(
-                (at + place("links", first_link + i, "at"), unit.first + (address - component.block.address) // CELL, "0")
-            )
-        for i, address in enumerate(outputs, unit.node.place.start):
-            cell = at + master.records.block.cell("s", "outputs_at") + i
-            rows.append((cell, unit.first + (address - component.block.address) // CELL, "0"))
-    if layout.figures is not None:
-        first = layout.figures_at + layout.figures.cell("s", "at")
-        rows += [(first + i, layout.output(end), "0") for i, end in enumerate(layout.signals)]
-    text = ",\n".join(f"{{{cell}, {target}, {function}}}" for cell, target, function in rows)
-    return text, [cell for cell, _, _ in rows]

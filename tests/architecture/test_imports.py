@@ -37,6 +37,7 @@ FLOORS = (
         "orchestrator.run",
         "orchestrator.judgement",
         "orchestrator.scene_fmu",
+        "orchestrator.derivatives",
         "orchestrator.code_digests",
         "orchestrator.views",
     ),

@@ -1,0 +1,1 @@
+"""Exact forward derivatives of compiled entries."""

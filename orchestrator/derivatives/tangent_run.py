@@ -1,0 +1,261 @@
+"""A run of a scene with tangents: initialization and macro steps by the derivatives of the kernels that a run calls.
+
+All units and the master lie in one block, as in the FMU of a scene. Behind it lies a copy of what an initialization of a unit begins
+with, and room for the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...components.core.block import CELL
+from ...components.core.errors import BadInput, StepFailed, nearest
+from ...fmus.derivatives.compiled import Arena, Compiled
+from ...fmus.derivatives.grammar import Unsupported
+from ...fmus.native.instance import Places
+from ...fmus.native.machine_code import compile_entries
+from ..engine.algorithms.records import GIVEN
+from ..engine.stepping.discontinuities import jump_times
+from ..engine.stepping.loop import lengths
+from ..scene.scene import Scene
+from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
+from ..session.open_scene import OpenScene
+
+WIDTH = 8  # directions at once
+CHUNK = 256  # macro steps of one call
+KERNELS_ALONE = "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)"
+
+
+class Rows(NamedTuple):
+    """Signals at the start and behind each macro step, with their derivatives.
+
+    time: (n,) s; values: (n, S); tangents: (n, S, d); at_tie: (d,) of each direction whether a decision stood at its boundary.
+    """
+
+    time: np.ndarray
+    values: np.ndarray
+    tangents: np.ndarray
+    at_tie: np.ndarray
+
+
+class TangentScene:
+    """An open scene with the derivatives of its kernels; `run` takes directions, as many as wanted."""
+
+    def __init__(self, scene: Scene, stack: ExitStack, follow: bool = True):
+        """`stack` closes the units.
+
+        follow: outputs follow inputs even where these have moved by rounding alone, for their tangents may have moved; without it
+        the numbers are bit-identical to those of a run. Raises `BadInput` for what has no derivatives.
+        """
+        self.scene, self._where = scene, f"derivatives of {scene.name}"
+        reasons = in_python(scene)
+        reasons += ["faults"] * bool(scene.faults) + ["signals that jump"] * bool(jump_times(scene))
+        self._refuse(reasons)
+        open_scene = OpenScene(scene, stack, in_process=True)
+        self.master, self._clock = open_scene.master, open_scene.clock
+        self._refuse(stepped_in_python(scene, self.master))
+        self.layout = layout = Layout.of(scene, self.master, changes=False)
+        self.signals = list(self.master.positions)
+        self._image, self._addresses = layout.image()
+        memory = self.master.records.memory
+        numbers = self._image.view(np.float64)
+        numbers[[self._cell("units", k, "stop") for k in range(memory.units.size)]] = scene.stop_time
+        if follow:
+            numbers[[self._cell("links", k, "change") for k in range(memory.links.size)]] = -np.inf
+        self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), WIDTH)
+        try:
+            master = [compile_entries(source) for source in layout.sources if source.prefix == "master"]
+            self._code = Compiled(self._texts(), WIDTH, without_ties=master)  # it looks whether numbers stand; that is no kink
+        except Unsupported as error:
+            raise BadInput(self._where, str(error), "instructions that have a derivative") from None
+        self._initialize = self._code.entry("master_initialize_groups", 2)
+        self._steps = self._code.entry("master_run_steps", 2)
+
+    def _refuse(self, reasons: Sequence[str]) -> None:
+        if reasons:
+            raise BadInput(self._where, ", ".join(reasons), KERNELS_ALONE, "Differences have no such limit: differences = 1e-4.")
+
+    def _cell(self, array: str, k: int, field: str) -> int:
+        return self.layout.at + self.master.records.place(array, k, field)
+
+    # -- machine code ------------------------------------------------------------------------------------------------
+    def _texts(self) -> Iterator[str]:
+        layout = self.layout
+        for number, source in enumerate(layout.sources):
+            if source.prefix not in ("master", "figures"):
+                begins = (_begin(k, unit, layout.cells) for k, unit in enumerate(layout.units) if unit.layout == number)
+                yield "\n".join([compile_entries(source), *_adapters(number), *begins])
+
+    # -- directions --------------------------------------------------------------------------------------------------
+    def parameters(self) -> list[str]:
+        """Everything a derivative can be taken by: real parameters in use that are not structural, and inputs that nothing drives."""
+        return [f"{unit.name}.{name}" for unit in self.layout.units for name in self._places(unit)]
+
+    def value(self, parameter: str) -> float:
+        """Of a parameter in this scene."""
+        return float(self._image.view(np.float64)[self._place_of(parameter)])
+
+    def _places(self, unit: PlacedUnit) -> dict[str, int]:
+        """Parameters of a unit, and their cells in the block."""
+        component, places = unit.component, Places(unit.component)
+        driven = {link.target[1] for link in unit.node.links}
+        u = {name: places.u + k for k, name in enumerate(component.inputs) if name not in driven}
+        variables = type(component).variables
+        numbers = {n: cell for n, cell in places.settable.items() if isinstance(component.parameters[n], float)}
+        unused = component.unused(list(numbers))
+        known = {n: c for n, c in (numbers | u).items() if n not in unused and not variables[n].structural}
+        return {n: unit.first + c for n, c in known.items() if np.isfinite(self._image.view(np.float64)[unit.first + c])}
+
+    def _place_of(self, parameter: str) -> int:
+        for unit in self.layout.units:
+            if parameter.startswith(f"{unit.name}."):
+                name = parameter[len(unit.name) + 1 :]
+                known = self._places(unit)
+                if name in known:
+                    return known[name]
+                if (variable := type(unit.component).variables.get(name)) is not None:
+                    what = "structural" if variable.structural else "not a number in use, or driven"
+                    raise BadInput(f"{self._where}: {name}", what, "a real parameter that is not structural")
+        raise BadInput(self._where, repr(parameter), "a real parameter", nearest(parameter, self.parameters()))
+
+    # -- the run -----------------------------------------------------------------------------------------------------
+    def run(self, parameters: Sequence[str]) -> Rows:
+        """All macro steps, with the derivatives of all signals by each parameter; raises `StepFailed`."""
+        cells = [self._place_of(parameter) for parameter in parameters]
+        batches = [self._pass(cells[k : k + WIDTH]) for k in range(0, len(cells), WIDTH)] or [self._pass([])]
+        time, values = batches[0].time, batches[0].values
+        return Rows(
+            time, values, np.concatenate([p.tangents for p in batches], axis=2), np.concatenate([p.at_tie for p in batches])
+        )
+
+    def _pass(self, seeds: Sequence[int]) -> Rows:
+        n, arena, scene = self.layout.cells, self._arena, self.scene
+        self._begin(seeds)
+        first = self.layout.at + self.master.records.block.cell("s", "signals")
+        S, start = len(self.signals), scene.start_time
+        self._call(self._initialize, start, 0.0)
+        arena.cells[[self._cell("units", k, "time") for k in range(self.master.records.memory.units.size)]] = start
+        self._ask("push", whole=0, steps=1)
+        self._call(self._steps, start, 0.0)
+        shown = slice(first, first + S)
+        times, values, tangents = [np.array([start])], [arena.cells[None, shown].copy()], [arena.tangents[None, shown].copy()]
+        end, tick = self._clock.tick(scene.stop_time), 0
+        for length, count in lengths(0, end, self._clock.ticks(scene.master.step), last=True):
+            for done in range(0, count, CHUNK):
+                steps = min(CHUNK, count - done)
+                at = self._clock.times(range(tick, tick + (steps + 1) * length, length))
+                rows, given, begins = 2 * n, 2 * n + CHUNK * S, arena.cells.size - self._room
+                arena.cells[begins : begins + steps] = at[:-1]
+                addresses = {"rows": rows, "given": given, "times": begins}
+                self._ask("step", whole=1, steps=steps, **{k: arena.address + CELL * v for k, v in addresses.items()})
+                self._call(self._steps, 0.0, self._clock.times(range(length, length + 1))[0] - self._clock.time(0))
+                some = slice(rows, rows + steps * S)
+                times.append(at[1:])
+                values.append(arena.cells[some].reshape(steps, S).copy())
+                tangents.append(arena.tangents[some].reshape(steps, S, WIDTH).copy())
+                tick += steps * length
+        bits = int(arena.ties[0])
+        at_tie = [any(bits >> k & 1 for k in range(direction, 64, WIDTH)) for direction in range(len(seeds))]
+        return Rows(
+            np.concatenate(times),
+            np.concatenate(values),
+            np.concatenate(tangents)[:, :, : len(seeds)],
+            np.array(at_tie, dtype=bool),
+        )
+
+    @property
+    def _room(self) -> int:
+        """Cells from the times of a call on to the end."""
+        from ...fmus.derivatives.compiled import STACK
+
+        return STACK + CHUNK
+
+    def _begin(self, seeds: Sequence[int]) -> None:
+        """The block as it is before initialization, and its tangents."""
+        n, arena, code = self.layout.cells, self._arena, self._code
+        arena.cells[:], arena.tangents[:], arena.ties[0] = 0.0, 0.0, 0
+        arena.cells[:n] = arena.cells[n : 2 * n] = self._image.view(np.float64)
+        cells, first = arena.cells.view(np.int64), arena.tangents.view(np.int64)[:, 0]
+        for cell, target, function in self._addresses:
+            cells[cell] = arena.address + CELL * target
+            if function:
+                cells[cell] = first[cell] = code.address(function)
+        arena.tangents[list(seeds), np.arange(len(seeds))] = 1.0
+
+    def _ask(self, what: str, **fields: int) -> None:
+        """Write a request for rows of the master's program."""
+        first, last = self.master.rows(what)
+        wanted = {"first": first, "last": last, "sampled_count": 0, "watches": 0, "halt": 0, "rows": 0, "times": 0} | fields
+        cells = self._arena.cells.view(np.int64)
+        for name, value in wanted.items():
+            cells[self._cell("request", 0, name)] = value
+
+    def _call(self, entry: Any, t: float, h: float) -> None:
+        status = entry(t, h, *self._arena.given(self.layout.at))
+        cells = self._arena.cells.view(np.int64)
+        unit = int(cells[self._cell("request", 0, "unit")])
+        if status or unit != -1:
+            name = self.master.nodes[unit].unit.name if unit >= 0 else self.scene.name
+            raise StepFailed(name, t, "a run with derivatives has failed", "See what the run alone says")
+
+
+def _adapters(layout: int) -> Iterator[str]:
+    """Functions of one signature around the entries of a layout, which the master calls by address."""
+    for entry, times in (("step", "double %t, double %h"), ("outputs", "double %t")):
+        yield f"""define i32 @{entry}_{layout}(double %t, double %h, ptr %block) {{
+  %address = ptrtoint ptr %block to i64
+  %status = call i32 @layout{layout}_{entry}({times}, i64 %address)
+  ret i32 %status
+}}"""
+
+
+def _begin(k: int, unit: PlacedUnit, image: int) -> str:
+    """What initializes a unit anew, with its present inputs and parameters: else it begins with what stands `image` cells further on."""
+    u, inputs = unit.left[0][0], unit.component.u
+    size = unit.component.block.cells  # type: ignore[union-attr]
+    kept = sorted([*unit.left, *unit.follows])
+    starts, ends = [0, *(end for _, end in kept)], [*(first for first, _ in kept), size]
+    names = iter(range(10**6))
+
+    def copies(ranges: Sequence[tuple[int, int]]) -> str:
+        lines = []
+        for first, end in ranges:
+            if end > first:
+                to, source = f"%to.{next(names)}", f"%from.{next(names)}"
+                lines += [
+                    f"  {to} = getelementptr i64, ptr %block, i64 {first}",
+                    f"  {source} = getelementptr i64, ptr %block, i64 {image + first}",
+                    f"  call void @llvm.memcpy.p0.p0.i64(ptr {to}, ptr {source}, i64 {CELL * (end - first)}, i1 false)",
+                ]
+        return "\n".join(lines)
+
+    flag = unit.follows[0][0] if unit.follows else 0
+    slopes = inputs.size - inputs.size // 3
+    return f"""define i32 @begin_{k}(double %t, double %h, ptr %block) {{
+entry:
+{copies(list(zip(starts, ends, strict=True)))}
+  %flag.at = getelementptr double, ptr %block, i64 {flag}
+  %flag = load double, ptr %flag.at, align 8
+  %known = fcmp une double %flag, 0.000000e+00
+  br i1 %known, label %ready, label %anew
+anew:
+{copies(unit.follows)}
+  br label %ready
+ready:
+  %slopes = getelementptr double, ptr %block, i64 {u + inputs.size // 3}
+  call void @llvm.memset.p0.i64(ptr %slopes, i8 0, i64 {CELL * slopes}, i1 false)
+  store double %t, ptr %block, align 8
+  %address = ptrtoint ptr %block to i64
+  %failed = call i32 @layout{unit.layout}_initialize(double %t, i64 %address)
+  %fine = icmp eq i32 %failed, 0
+  br i1 %fine, label %go, label %end
+go:
+  %status = call i32 @layout{unit.layout}_outputs(double %t, i64 %address)
+  ret i32 %status
+end:
+  ret i32 %failed
+}}"""

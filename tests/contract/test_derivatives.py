@@ -1,0 +1,198 @@
+"""Exact derivatives of every component against differences, and the numbers beside them against those of a run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.contract import KernelComponent
+from cosimo.components.core.kernels import COMPILED, DONE
+from cosimo.fmus.native.machine_code import compile_entries, source_of
+
+if COMPILED:
+    from cosimo.fmus.derivatives.compiled import Arena, Compiled
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+WIDTH, STEPS = 8, 20
+STEP = {"BallBearing": 1e-4, "JeffcottRotor": 1e-4, "DeepGrooveBearing": 1e-4, "DimensionlessBallBearing": 1e-2}  # s; else 1 ms
+LENGTHS = 1e-3, 1e-4, 1e-5, 1e-6  # of differences, relative to the value or absolute
+STATES = 24  # cells of a state that are tried, at most
+KINDS = "exact", "one-sided, told", "wrong, told", "wrong"
+# What differences cannot tell: the reason. All else is exact, or told to be at a tie
+KNOWN = {("WindTurbine", "s.u[0]"): "in a calm, a wind below a threshold, the ratios of a standing turbine are set to 0"}
+NUMERICAL = {"substep", "period", "tolerance"}  # a whole number of steps or samples follows from them
+
+
+class Course:
+    """A component's initialization and some steps: in its own machine code, and with tangents."""
+
+    def __init__(self, name: str, seed: int):
+        self.component: KernelComponent = component_class(name)()
+        self.h = STEP.get(name, 1e-3)
+        self.component.call("initialize", 0.0)
+        self.component.call("step", 0.0, self.h)  # addresses of kernels stand in the block
+        self.block = block = self.component._prepare()
+        self.begin, self.size = block.memory.copy(), block.cells
+        self.parameters = self._cells(seed)
+        code = Compiled([compile_entries(source_of(self.component))], WIDTH)
+        self.arena = Arena(self.size, WIDTH)
+        self._initialize, self._step = code.entry("model_initialize", 1), code.entry("model_step", 2)
+        ends = [r for field in ("y", "x") for r in block.ranges(field)]
+        self.seen = np.concatenate([np.arange(*r) for r in ends])
+        self.states = self._states(seed)
+
+    def _cells(self, seed: int) -> list[int]:
+        """Real parameters and inputs; at a random place where there is a seed."""
+        leaves = [
+            leaf
+            for path, leaf in self.block._leaves.items()
+            if path[0] in ("p", "e") and leaf.kind == "f8" and path[-1] not in NUMERICAL
+        ]
+        first = self.block.cell("s", "u")
+        cells = [leaf.cell for leaf in leaves] + list(range(first, first + len(self.component.inputs)))
+        cells = [cell for cell in cells if np.isfinite(self.begin[cell])]
+        random, usual = np.random.default_rng(seed), self.begin.copy()
+        for share in (0.1, 0.02, 0.002):
+            if not seed:
+                break
+            self.begin[cells] = usual[cells] * (1.0 + share * random.uniform(-1, 1, len(cells)))
+            self.begin[cells] += (usual[cells] == 0.0) * share * random.uniform(0.1, 1, len(cells))
+            if self.run(self.begin)[1] == DONE:
+                break
+            self.begin[:] = usual
+        return cells
+
+    def _states(self, seed: int) -> list[int]:
+        cells = np.concatenate([np.zeros(0, dtype=int), *(np.arange(*r) for r in self.block.ranges("x"))])
+        random = np.random.default_rng(seed)
+        return sorted(random.choice(cells, min(STATES, cells.size), replace=False).tolist())
+
+    def run(self, cells: np.ndarray, shift: tuple[int, float] | None = None) -> tuple[np.ndarray, int]:
+        """Outputs and state behind the steps, and the status; shift: of a state behind the initialization."""
+        memory = self.block.memory
+        memory[:] = cells
+        status = self.component.call("initialize", 0.0)
+        if shift is not None:
+            memory[shift[0]] += shift[1]
+        for k in range(STEPS):
+            status = status or self.component.call("step", k * self.h, self.h)
+        return memory[self.seen].copy() if hasattr(self, "seen") else memory, status
+
+    def tangents(self, seeds: list[int], of_state: bool) -> tuple[np.ndarray, np.ndarray, int]:
+        """Numbers and their tangents in the directions of cells, and the bits of ties."""
+        arena = self.arena
+        arena.cells[: self.size], arena.tangents[:], arena.ties[0] = self.begin, 0.0, 0
+        lanes = np.arange(len(seeds))
+        if not of_state:
+            arena.tangents[seeds, lanes] = 1.0
+        status = self._initialize(0.0, *arena.given())
+        if of_state:
+            arena.tangents[:] = 0.0
+            arena.tangents[seeds, lanes] = 1.0
+        for k in range(STEPS):
+            status = status or self._step(k * self.h, self.h, *arena.given())
+        assert status == DONE
+        return arena.cells[self.seen].copy(), arena.tangents[self.seen][:, lanes].T.copy(), int(arena.ties[0])
+
+
+class Verdict(NamedTuple):
+    """What differences say of a derivative."""
+
+    kind: str
+    error: float
+
+
+def judged(course: Course, cell: int, exact: np.ndarray, told: bool, of_state: bool) -> Verdict:
+    """A derivative, (n,), against central differences, then against those of either side."""
+    base, status = course.run(course.begin)
+    size = abs(course.begin[cell]) if abs(course.begin[cell]) > 1e-3 else 1.0
+
+    def at(way: float) -> np.ndarray | None:
+        if of_state:
+            y, reached = course.run(course.begin, (cell, way))
+        else:
+            cells = course.begin.copy()
+            cells[cell] += way
+            y, reached = course.run(cells)
+        return y if reached == status else None
+
+    def fits(differences: list[tuple[float, np.ndarray]]) -> float:
+        """The largest disagreement behind what differences resolve; infinite where there are none."""
+        if len(differences) < 2:
+            return np.inf
+        values = np.array([d for _, d in differences])
+        between = np.abs(np.diff(values, axis=0))
+        best = np.argmin(np.where(np.isnan(between), np.inf, between), axis=0)
+        columns = np.arange(base.size)
+        value, unsure = values[best, columns], between[best, columns]
+        lengths = np.array([d for d, _ in differences])
+        rounding = 1e-14 * np.max(np.abs(base)) / lengths[best + 1]
+        error = np.abs(exact - value) - 20.0 * unsure - rounding
+        return float(np.max(error / np.maximum(np.maximum(np.abs(value), np.abs(exact)), 1e-12), initial=0.0))
+
+    central, sides = [], {1: [], -1: []}
+    for length in LENGTHS:
+        d = length * size
+        ahead, back, near, behind = (at(way * d) for way in (1.0, -1.0, 0.5, -0.5))
+        if ahead is not None and back is not None and near is not None and behind is not None:
+            central.append((d, (4.0 * (near - behind) / d - (ahead - back) / (2.0 * d)) / 3.0))
+        for way, far, half in ((1, ahead, near), (-1, back, behind)):
+            if far is not None and half is not None:
+                sides[way].append((d, way * (4.0 * half - far - 3.0 * base) / d))
+    errors = [fits(some) for some in (central, sides[1], sides[-1])]
+    limit = 1e-5
+    if errors[0] < limit or (errors[1] < limit and errors[2] < limit):
+        return Verdict("exact", errors[0])
+    if min(errors[1:]) < limit:
+        return Verdict("one-sided, told" if told else "wrong", min(errors[1:]))
+    return Verdict("wrong, told" if told else "wrong", min(errors))
+
+
+def verdicts(course: Course) -> Iterator[tuple[int, Verdict]]:
+    """Of each parameter, input and state; the numbers beside tangents have to be bit-identical to those without."""
+    for cells, of_state in ((course.parameters, False), (course.states, True)):
+        for first in range(0, len(cells), WIDTH):
+            some = cells[first : first + WIDTH]
+            numbers, tangents, ties = course.tangents(some, of_state)
+            np.testing.assert_array_equal(numbers, course.run(course.begin)[0])
+            for k, cell in enumerate(some):
+                told = bool(ties & sum(1 << (k + WIDTH * j) for j in range(8)))
+                yield cell, judged(course, cell, tangents[k], told, of_state)
+
+
+def name_of(block: Any, cell: int) -> str:
+    """Where a cell lies, for a message."""
+    path, leaf = max(((p, one) for p, one in block._leaves.items() if one.cell <= cell), key=lambda item: item[1].cell)
+    return f"{'.'.join(map(str, path))}[{cell - leaf.cell}]" if leaf.kind == "array" else ".".join(map(str, path))
+
+
+def disagreeing(component: str, seed: int) -> tuple[Counter[str], list[str]]:
+    """How many derivatives are of each kind, and those that are wrong without being told."""
+    course = Course(component, seed)
+    counts: Counter[str] = Counter()
+    wrong = []
+    for cell, verdict in verdicts(course):
+        counts[verdict.kind] += 1
+        if verdict.kind == "wrong" and (component, name_of(course.block, cell)) not in KNOWN:
+            wrong.append(f"{name_of(course.block, cell)} = {course.begin[cell]:g}: {verdict.error:.1e}")
+    return counts, wrong
+
+
+@pytest.mark.parametrize("component", ["Pantograph", "BallBearing", "JeffcottRotor", "Thruster"])
+def test_derivatives_are_exact_or_told_to_be_at_a_tie(component):
+    counts, wrong = disagreeing(component, 0)
+    assert wrong == []
+    assert counts["exact"] > 0
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_all_derivatives_are_exact_or_told_to_be_at_a_tie(component, seed):
+    counts, wrong = disagreeing(component, seed)
+    print(component, dict(counts))
+    assert wrong == []
