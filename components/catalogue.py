@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .core.component import TABLES, Component
 from .core.declaration import check_declaration, line_of
-from .core.errors import BadInput, nearest
+from .core.errors import BadInput, nearest, pick
 
 CATALOGUE = {
     "Pantograph": "railway.pantograph",
@@ -68,10 +68,7 @@ def component_class(name: str, where: str = "component") -> type[Component]:
         return KNOWN[name]
     module, own, class_name = name.partition(":")
     if not own:
-        if name not in CATALOGUE:
-            raise BadInput(
-                where, f"component {name!r}", "a component of the catalogue, or module:Class", nearest(name, CATALOGUE)
-            )
+        pick(name, CATALOGUE, where, "a component of the catalogue, or module:Class", "component")
         module, class_name = f"{__package__}.{CATALOGUE[name]}", name
     try:
         loaded = importlib.import_module(module)

@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from .errors import BadInput, StepFailed, nearest
+from .errors import BadInput, StepFailed, nearest, pick
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .variables import Causality, Declared, Kind, Variable
 
@@ -157,8 +157,7 @@ class Component:
         self.name = name or cls.__name__
         preset_values: dict[str, Any] = {}
         if preset:
-            if preset not in cls.presets:
-                raise BadInput(self.name, f"preset {preset!r}", "a preset of " + cls.__name__, nearest(preset, cls.presets))
+            pick(preset, cls.presets, self.name, "a preset of " + cls.__name__, "preset")
             preset_values |= cls.presets[preset].parameters
             effects = (*cls.presets[preset].effects, *effects)
         self.on = self._checked_effects(tuple(effects))
@@ -187,8 +186,7 @@ class Component:
     def _checked_effects(self, effects: tuple[str, ...]) -> tuple[str, ...]:
         known = type(self).effects
         for effect in effects:
-            if effect not in known:
-                raise BadInput(self.name, f"effect {effect!r}", f"an effect of {type(self).__name__}", nearest(effect, known))
+            pick(effect, known, self.name, f"an effect of {type(self).__name__}", "effect")
         for effect in effects:
             for other in known[effect].requires:
                 if other not in effects:

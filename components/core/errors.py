@@ -50,8 +50,11 @@ def nearest(name: str, names) -> str:
     return "there is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
 
 
-def pick(name, known, where: str, expected: str):
-    """What a mapping has under a name, or the name itself of any other collection; raises `BadInput` with the near names."""
+def pick(name, known, where: str, expected: str, what: str = ""):
+    """What a mapping has under a name, or the name itself of any other collection; raises `BadInput` with the near names.
+
+    what: the name is of, as in "unit".
+    """
     if name in known:
         return known[name] if hasattr(known, "keys") else name
-    raise BadInput(where, repr(name), expected, nearest(name, known))
+    raise BadInput(where, f"{what} {name!r}".strip(), expected, nearest(str(name), known))

@@ -20,7 +20,7 @@ from typing import Any
 from ...components.core import store
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, pick
 from ...components.core.kernel_cache import sources_digest
 from ..build import write
 from ..description import documentation, shared_files
@@ -70,8 +70,7 @@ def own_target() -> str:
 
 def compiler(target: str) -> list[str]:
     """The command of a C compiler for a target: zig's where it is installed, else the system's own for this machine."""
-    if target not in TARGETS:
-        raise BadInput("build --native", f"target {target!r}", "one of " + ", ".join(TARGETS), nearest(target, TARGETS))
+    pick(target, TARGETS, "build --native", "one of " + ", ".join(TARGETS), "target")
     if find_spec("ziglang") is not None:
         return [sys.executable, "-m", "ziglang", "cc", "-target", TARGETS[target].zig]
     compiler = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest, pick
 from ...components.core.folders import cache_root
 from ...components.core.store import digest_of, read_kept, replaced, write_kept
 from .. import cache as kept
@@ -117,8 +117,7 @@ def cache(
 
     All of it is made again when it is needed. The environment variable COSIMO_CACHE moves it.
     """
-    if action not in ACTIONS:
-        raise BadInput("cache", repr(action), "one of " + ", ".join(ACTIONS), nearest(action, ACTIONS))
+    pick(action, ACTIONS, "cache", "one of " + ", ".join(ACTIONS))
     without_effect = {"kinds": kinds if action != "clear" else None, "--days": days if action != "prune" else None}
     refuse(without_effect, f"none with {action}; it would have no effect", "Leave it out.")
     if action != "show":

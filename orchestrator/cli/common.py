@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from ...components.core.errors import BadInput, nearest, visible, visible_lines
+from ...components.core.errors import BadInput, nearest, pick, visible, visible_lines
 from ..interrupts import Interrupted, handled, interrupt
 from .options import listed, value_of
 
@@ -300,8 +300,7 @@ def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
             components = [name for name, u in scene.units.items() if u.component]
             raise BadInput("--preset", f"unit {unit!r}", "a component of the scene", nearest(unit, components))
         presets = component_class(scene.units[unit].component).presets
-        if preset not in presets:
-            raise BadInput("--preset", repr(preset), f"a preset of {scene.units[unit].component}", nearest(preset, presets))
+        pick(preset, presets, "--preset", f"a preset of {scene.units[unit].component}")
         changes[f"units.{unit}.preset"] = preset
     return changes
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, pick
 from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
 from .completion import anything, scenes
 from .options import (
@@ -249,8 +249,7 @@ def stability(
     scene = scene_of(what, values, presets, {"study.stability": ranges_of(over) or None})
     algorithms = listed("--algorithm", algorithm)
     for name in algorithms:
-        if name not in ALGORITHMS:
-            raise BadInput("--algorithm", repr(name), "one of " + ", ".join(ALGORITHMS), nearest(name, ALGORITHMS))
+        pick(name, ALGORITHMS, "--algorithm", "one of " + ", ".join(ALGORITHMS))
     with study(output, resume):  # the directory now, not after a long study
         measured = measure(scene, schemes_of(scene, algorithms, extrapolation or []), steps=steps or STEPS, progress=True)
         written = [measured.save(output), for_stability(measured, output)]

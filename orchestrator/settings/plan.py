@@ -31,8 +31,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
-from ...components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest, pick
 from .model import RANGE, Model, Number, Seconds, Truth, ranged
+from .ranges import Range
 from .study import Quantities
 
 SAMPLED = ("latin-hypercube", "sobol", "random")
@@ -44,7 +45,7 @@ SHAPES = {  # of a distribution: what it must say, what it may say
 }
 
 
-class LimitSettings(Model):
+class LimitSettings(Range, Model):
     """A column of a run that must stay between two numbers, one or both."""
 
     low: Number | None = None
@@ -58,20 +59,8 @@ class LimitSettings(Model):
 
     @model_validator(mode="after")
     def _limits(self) -> LimitSettings:
-        if self.low is None and self.high is None:
-            raise BadInput("", "neither low nor high", "one or both")
-        if self.low is not None and self.high is not None and not self.low <= self.high:
-            raise BadInput("", f"low = {self.low:g}, high = {self.high:g}", "low <= high")
+        self.check_ends()
         return self
-
-    @property
-    def size(self) -> float:
-        """What its numbers are scaled by: the larger one, 1 where both are zero."""
-        return max(abs(e) for e in (self.low, self.high) if e is not None) or 1.0
-
-    def keeps(self, value: float, slack: float = 0.0) -> bool:
-        """Whether a number lies in the range, its ends and `slack` included; NaN does not."""
-        return (self.low is None or value >= self.low - slack) and (self.high is None or value <= self.high + slack)
 
 
 class RowsSettings(Model):
@@ -230,8 +219,7 @@ def _element(name: str, value: Any) -> Any:
 
 def _distribution(name: str, table: Mapping[str, Any]) -> Distribution:
     where, shape = f"vary.{name}", table["distribution"]
-    if shape not in SHAPES:
-        raise BadInput(where, f"distribution {shape!r}", "one of " + ", ".join(SHAPES), nearest(str(shape), SHAPES))
+    pick(shape, SHAPES, where, "one of " + ", ".join(SHAPES), "distribution")
     needed, optional = SHAPES[shape]
     given = {key: value for key, value in table.items() if key != "distribution"}
     if not set(needed) <= given.keys() <= {*needed, *optional}:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ...run.series import Numbers, Series
+from ...settings.ranges import Range
 
-__all__ = ["Band", "Chart", "Grid", "Lines", "Numbers", "Panel", "Picture", "Series"]
+__all__ = ["Band", "Chart", "Grid", "Lines", "Numbers", "Panel", "Picture", "Series", "filled"]
 
 
 @dataclass(frozen=True)
@@ -37,13 +40,18 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Band:
+class Band(Range):
     """A horizontal range of y, shaded; an end that is None is open. standing: of the range, "" for none."""
 
     name: str
     low: float | None
     high: float | None
     standing: str = ""
+
+    @classmethod
+    def of(cls, name: str, limit: Any) -> Band:
+        """That of a range that has a standing."""
+        return cls(name, limit.low, limit.high, limit.standing)
 
 
 @dataclass(frozen=True)
@@ -89,3 +97,9 @@ class Grid:
     header: tuple[str, ...]
     rows: tuple[tuple[str | float, ...], ...]
     text: str = ""
+
+
+def filled(parts: Iterable[tuple[str, Iterable[Series]]], **settings: Any) -> tuple[Panel, ...]:
+    """Panels of the parts (label, series) that have any series, with the same settings of `Panel` for all."""
+    listed = ((label, tuple(series)) for label, series in parts)
+    return tuple(Panel(label, series, **settings) for label, series in listed if series)

@@ -126,7 +126,7 @@ class Described:
             row = pick(
                 measure, self.rows(), self.where, 'the measure of a row, "condition: measure" or "table: condition: measure"'
             )
-            yield Band(name, row.low, row.high, row.standing)
+            yield Band.of(name, row)
 
     def _places(self, places: str | tuple[tuple[float, str], ...]) -> tuple[tuple[float, str], ...]:
         return tuple(self._named(places) if isinstance(places, str) else places)

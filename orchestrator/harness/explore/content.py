@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, nearest, pick
 from ....components.core.measure import number_in
 from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
@@ -154,13 +154,7 @@ def content_of(
 
 def _number(scene: Scene, name: str, value: Any, numbers: Mapping[str, NativeVariable], where: str) -> float:
     """The number of a parameter of the page, of a text such as "250 km/h" in the parameter's unit; within its limits."""
-    if name not in numbers:
-        raise BadInput(
-            f"{scene.name}: {where}",
-            f"parameter {name!r}",
-            "a real parameter that is not structural",
-            nearest(name, list(numbers)),
-        )
+    pick(name, numbers, f"{scene.name}: {where}", "a real parameter that is not structural", "parameter")
     scalar = numbers[name].scalar
     place = f"{scene.name}: {where}.{name}"
     number = number_in(value, scalar.unit or "1", place) if isinstance(value, str) else value

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, pick
 from ...scene.files import read_toml
 from ...scene.kinds import refuse_other
 from ...settings.answers import DesignSettings
@@ -117,8 +117,7 @@ def rows_under(rows: Sequence[TableRow], settings: RowsSettings, unique: bool = 
     """Rows of the conditions; unique: one of each measure, which is checked."""
     where, known = f"rows: table {settings.table}", list(dict.fromkeys(r.condition for r in rows))
     for condition in settings.conditions:
-        if condition not in known:
-            raise BadInput(where, f"condition {condition!r}", "one of " + ", ".join(map(repr, known)), nearest(condition, known))
+        pick(condition, known, where, "one of " + ", ".join(map(repr, known)), "condition")
     chosen = [r for r in rows if not settings.conditions or r.condition in settings.conditions]
     measures = [as_column(r.measure) for r in chosen] if unique else []
     for measure in measures:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, pick
 from ....components.core.store import digest_of
 from ....fmus.versions import version
 from ...code_digests import components_digest
@@ -126,8 +126,7 @@ def prepared(scene: Scene, keep: KeepSettings) -> Scene:
         scene = recording(scene)
     outputs = [f"{u}.{n}" for u, i in scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text]
     for name in keep.signals:
-        if name not in outputs:
-            raise BadInput("plan: keep.signals", repr(name), "an output of a unit", nearest(name, outputs))
+        pick(name, outputs, "plan: keep.signals", "an output of a unit")
     recorded = [".".join(end) for end in scene.coupling.signals]
     missing = [s for s in dict.fromkeys(keep.signals) if s not in recorded]
     return scene.with_changes({"record.signals": [*recorded, *missing]}) if missing else scene
@@ -223,8 +222,7 @@ def check_analysis(scene: Scene) -> None:
     recorded = [".".join(end) for end in scene.coupling.signals]
     section, transient = scene.analysis.section, scene.analysis.transient
     for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
-        if name not in recorded:
-            raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
+        pick(name, recorded, f"{scene.name}: analysis.section.{key}", "a recorded signal")
     if not transient < scene.duration:
         raise BadInput(
             f"{scene.name}: analysis.transient", f"{transient:g} s", f"less than the length of the run, {scene.duration:g} s"

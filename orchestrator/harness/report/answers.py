@@ -234,7 +234,7 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
     panels = [Panel(answer.quantity, tuple(s for s in series if len(s.x)))]
     for k, (name, limit) in enumerate(answer.constraints.items()):
         values = np.array([s.constraints[k] for s in answer.steps])
-        band = Band("limits", limit.low, limit.high, limit.standing)
+        band = Band.of("limits", limit)
         panels.append(Panel(name, (Series("runs", count, values, "points"),), (band,)))
     blocks: list[Block] = [draw_chart(Chart("The search", "run", tuple(panels), height=230))]
     if answer.best >= 0:

@@ -45,7 +45,7 @@ class Table:
     def bands(self, name: str) -> tuple[Band, ...]:
         """The limits of a measure."""
         limit = self.limits.get(name)
-        return (Band("limits", limit.low, limit.high, limit.standing),) if limit is not None else ()
+        return (Band.of("limits", limit),) if limit is not None else ()
 
 
 def table_of(sweep: Sweep) -> Table:

@@ -8,7 +8,7 @@ from typing import Any
 
 from ....components.catalogue import component_class
 from ....components.core.component import Component
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, nearest, pick
 from ....components.core.variables import Causality
 from ...scene.scene import Scene
 
@@ -124,8 +124,7 @@ def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
     places, known = set(), classes(scene)
     for text in more:
         unit, effect = scene.split(text)
-        if unit not in known:
-            raise BadInput(f"{scene.name}: effects", f"unit {unit!r}", "a component of the scene", nearest(unit, known))
+        pick(unit, known, f"{scene.name}: effects", "a component of the scene", "unit")
         if effect not in known[unit].effects:
             raise BadInput(
                 f"{scene.name}: effects",

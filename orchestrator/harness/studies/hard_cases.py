@@ -17,7 +17,7 @@ import numpy as np
 
 from ....components.catalogue import CATALOGUE, component_class
 from ....components.core.component import Component
-from ....components.core.errors import BadInput, StepFailed, nearest
+from ....components.core.errors import BadInput, StepFailed, pick
 from ....components.core.hard_cases import Claim, Finite, HardCase, InputSignal, Like, Refused, seen
 from ...output import write_table
 from ...run.progress import tracked
@@ -93,8 +93,7 @@ def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> Har
     cases = declared()
     chosen = list(components) or list(cases)
     for name in chosen:
-        if name not in cases:
-            raise BadInput("--hard-cases", repr(name), "a component of the catalogue", nearest(name, cases))
+        pick(name, cases, "--hard-cases", "a component of the catalogue")
     tasks = tracked([(name, case) for name in chosen for case in cases[name]], "hard cases", progress)
     return HardCases(
         tuple(

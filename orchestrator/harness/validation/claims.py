@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, pick
 
 CONSTRUCTION = "by construction"  # a row that no run can fail, and the verdict of a finding without others
 VERDICTS = ("shown", "partly", "not shown", "contradicted", CONSTRUCTION)
@@ -53,8 +53,7 @@ def read_claims(table: str, entries: Iterable[Mapping[str, Any]]) -> tuple[Claim
 
 def _claim(where: str, entry: Mapping[str, Any]) -> Claim:
     for key in entry:
-        if key not in _TEXTS + _OPTIONAL:
-            raise BadInput(where, f"field {key!r}", "a field of a claim", nearest(key, _TEXTS + _OPTIONAL))
+        pick(key, _TEXTS + _OPTIONAL, where, "a field of a claim", "field")
     for key in _TEXTS:
         if not isinstance(entry.get(key), str):
             raise BadInput(where, f"{key} = {entry.get(key)!r}", "a text")

@@ -87,8 +87,7 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
 
 def _in_run(row: TableRow, scenes: dict[str, Scene], where: str) -> TableRow:
     """A row whose condition is one of the runs."""
-    if row.condition not in scenes:
-        raise BadInput(where, f"condition {row.condition!r}", "the condition of a run", nearest(row.condition, scenes))
+    pick(row.condition, scenes, where, "the condition of a run", "condition")
     return row
 
 
@@ -100,8 +99,7 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     for kind, share in curve.tolerances.items():
         if share >= 1.0 and kind != "difference":
             raise BadInput(where, f"tolerance of {kind} = {share:g}", "a share below 1", "5 % is written 0.05.")
-        if kind not in COMPARED:
-            raise BadInput(where, f"tolerance of {kind!r}", "one of " + ", ".join(COMPARED), nearest(kind, COMPARED))
+        pick(kind, COMPARED, where, "one of " + ", ".join(COMPARED), "tolerance of")
     read_curve(curve, folder, units_of(scenes[curve.condition]))
 
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ....components.core.columns import Columns, read_table, table_of
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, nearest, pick
 from ...scene.files import shipped
+from ...settings.ranges import Range
 from .claims import CONSTRUCTION, ROLES, Claim, read_claims
 
 STANDINGS = {
@@ -38,7 +39,7 @@ OPTIONAL = (*NUMBERS, "confidence", "claim", "role")
 
 
 @dataclass(frozen=True)
-class TableRow:
+class TableRow(Range):
     """A range for one quantity under one condition; an end that is None is open.
 
     measure: the name under which a case gives the measured number, in `unit`.
@@ -80,10 +81,7 @@ class TableRow:
                     "Give standing = one of " + ", ".join(s for s in STANDINGS if s != MISSING) + ".",
                 )
             return
-        if self.low is None and self.high is None:
-            raise BadInput(where, "no low and no high", "at least one end of a range")
-        if self.low is not None and self.high is not None and self.low > self.high:
-            raise BadInput(where, f"low {self.low:g} above high {self.high:g}", "low <= high")
+        self.check_ends(where)
         if (self.standing == "recalled") != (self.confidence in CONFIDENCES):
             raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
         if not self.source.strip():
@@ -111,11 +109,7 @@ class Row:
     @property
     def margin(self) -> float:
         """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
-        if self.missing:
-            return math.nan
-        low = -math.inf if self.reference.low is None else self.reference.low
-        high = math.inf if self.reference.high is None else self.reference.high
-        return min(self.measured - low, high - self.measured) if math.isfinite(self.measured) else math.nan
+        return math.nan if self.missing else self.reference.margin(self.measured)
 
     @property
     def inside(self) -> bool:
@@ -258,8 +252,7 @@ def table_rows(name: str, rows: Sequence[Mapping[str, Any]], sources: Mapping[st
 def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, str]) -> TableRow:
     where = f"table {table}, row {number}"
     for key in row:
-        if key not in FIELDS + OPTIONAL:
-            raise BadInput(where, f"field {key!r}", "a field of a reference row", nearest(key, FIELDS + OPTIONAL))
+        pick(key, FIELDS + OPTIONAL, where, "a field of a reference row", "field")
     for key in NUMBERS:
         if isinstance(value := row.get(key, 0.0), bool) or not isinstance(value, int | float):
             raise BadInput(where, f"{key} = {value!r}", "a number")
@@ -296,8 +289,7 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
 def load_table(name: str) -> Table:
     """A shipped table by name, the stem of its file beside the case of its system."""
     tables = table_files()
-    if name not in tables:
-        raise BadInput("reference table", repr(name), "a shipped table", nearest(name, tables))
+    pick(name, tables, "reference table", "a shipped table")
     texts = (tables[name].with_suffix(suffix).read_text(encoding="utf-8") for suffix in (".toml", ".csv"))
     return parse_table(name, *texts)
 

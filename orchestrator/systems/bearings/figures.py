@@ -19,7 +19,7 @@ from ...harness.analysis.sections import crossings, distinct, section
 from ...harness.analysis.signals import amplitude_spectrum
 from ...harness.analysis.spectra import TURN, Family, envelope_spectrum, peak, resonance_band, turns_steadily
 from ...harness.charts.blocks import Block, Cells
-from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series
+from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
 from . import BearingKeys, RecurrenceKeys
@@ -416,13 +416,12 @@ def recurrence_table(recurrence: Recurrence, record: BearingRecord, who: str = "
 
 def heat_chart(result: Result) -> Chart | None:
     """Recorded temperatures, changes of clearance, friction powers and conductances over time; None without a temperature."""
-    panels = []
-    for ending, label, factor, offset in GROUPS:
-        signals = {n: np.asarray(c, dtype=float) for n, c in result.columns.items() if n.endswith(ending)}
-        if signals:
-            series = tuple(Series(n.replace("_", " "), result.time, factor * c + offset) for n, c in signals.items())
-            panels.append(Panel(label, series))
+    named = ((label, [n for n in result.columns if n.endswith(ending)], by, plus) for ending, label, by, plus in GROUPS)
+    panels = filled(
+        (label, [Series(n.replace("_", " "), result.time, by * np.asarray(result.columns[n], dtype=float) + plus) for n in names])
+        for label, names, by, plus in named
+    )
     if not panels or not panels[0].y_label.startswith("temperature"):
         return None
     text = "Clearances are diametral; they fall where the shaft warms faster than the housing."
-    return Chart("Heat", "time, s", tuple(panels), text)
+    return Chart("Heat", "time, s", panels, text)

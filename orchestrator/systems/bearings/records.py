@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import pick
 from ...harness.analysis.records import RecordedUnit, after_transient
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
@@ -58,8 +58,7 @@ def bearings(result: Result) -> list[BearingRecord]:
     wanted = (given,) if isinstance(given, str) else given or tuple(scene.units)
     records = []
     for name in wanted:
-        if name not in scene.units:
-            raise BadInput(f"{scene.name}: analysis.bearing", repr(name), "a unit of the scene", nearest(name, scene.units))
+        pick(name, scene.units, f"{scene.name}: analysis.bearing", "a unit of the scene")
         unit = RecordedUnit(result, name)
         if unit.column("displacement_x") and unit.column("displacement_y") and hasattr(unit.component, "geometry"):
             records.append(_bearing(unit))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...harness.charts.blocks import Block, Cells
-from ...harness.charts.chart import Band, Chart, Panel, Series
+from ...harness.charts.chart import Band, Chart, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
 from . import FrictionDriveKeys
@@ -85,13 +85,12 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
     if None in rests or time[-1] - time[first] < LEAST * (time[-1] - time[0]):
         return None
     kept = slice(first, None)
-    panels = []
-    for axis in AXES:
-        factor, unit = FINE[axis]
-        errors = [Series(axis if len(drives) == 1 else d.unit, d.time[kept], factor * d.error[axis][kept]) for d in drives
-                  if axis in d.error and np.ptp(d.wanted[axis])]  # fmt: skip
-        if errors:
-            panels.append(Panel(f"error of the {axis}, {unit}", tuple(errors)))
+    having = {axis: [d for d in drives if axis in d.error and np.ptp(d.wanted[axis])] for axis in AXES}
+    panels = filled(
+        (f"error of the {axis}, {unit}", [Series(axis if len(drives) == 1 else d.unit, d.time[kept], by * d.error[axis][kept])
+                                          for d in having[axis]])
+        for axis, (by, unit) in FINE.items()
+    )  # fmt: skip
     if not panels:
         return None
     counts = [sum(starts(rest[kept]) for name, rest in d.rests.items() if "shaft" in name) for d in drives]
@@ -100,17 +99,16 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
     if max(counts) > 1:
         text += (" A drive that seeks its set point by an integral, and whose friction falls once it moves, goes past it again "
                  "and again: it hunts.")  # fmt: skip
-    return Chart("While the set point stands", "time, s", tuple(panels), text, height=220)
+    return Chart("While the set point stands", "time, s", panels, text, height=220)
 
 
 def wheels_chart(drive: Drive, who: str = "") -> Chart | None:
     """Rates, voltages, currents and loads of both wheels over time, those that were recorded."""
-    panels = []
-    for key, label in QUANTITIES:
-        series = tuple(Series(f"{w.name} wheel", drive.time, w.signals[key]) for w in drive.wheels if key in w.signals)
-        if series:
-            panels.append(Panel(label, series))
-    return Chart(f"{who}Wheels and motors", "time, s", tuple(panels), height=180) if panels else None
+    panels = filled(
+        (label, [Series(f"{w.name} wheel", drive.time, w.signals[key]) for w in drive.wheels if key in w.signals])
+        for key, label in QUANTITIES
+    )
+    return Chart(f"{who}Wheels and motors", "time, s", panels, height=180) if panels else None
 
 
 def contacts_chart(drive: Drive, who: str = "") -> Chart | None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....components.core.columns import read_table
-from ....components.core.errors import BadInput, nearest
+from ....components.core.errors import BadInput, pick
 from ....components.core.measure import number_in
 from ....components.railway.line.from_table import resolved_sections
 from ....components.railway.line.table import read_line
@@ -206,13 +206,7 @@ def _from(folder: Path, file: Path) -> str:
 def _pantograph(name: str) -> dict[str, Any]:
     """Preset, effects and parameters of a preset's name, or of a fitted pantograph's file."""
     if not name.endswith(".toml"):
-        if name not in Pantograph.presets:
-            raise BadInput(
-                "--pantograph",
-                repr(name),
-                "a preset of Pantograph, or the file of a fitted one",
-                nearest(name, Pantograph.presets),
-            )
+        pick(name, Pantograph.presets, "--pantograph", "a preset of Pantograph, or the file of a fitted one")
         return {"preset": name, "effects": ["contact_loss"], "parameters": {}}
     data = read_toml(Path(name), "scene").get("units", {})
     unit = next(iter(data.values()), None) if isinstance(data, Mapping) else None

@@ -6,13 +6,13 @@ a run that ends before it does not have.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...harness.charts.blocks import Block, Cells
-from ...harness.charts.chart import Chart, Panel, Series
+from ...harness.charts.chart import Chart, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
 from . import RovKeys
@@ -104,14 +104,14 @@ def attitude_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
     wanted = tuple(Series(called(vehicles, v, "set point"), v.time, v.wanted[2]) for v in vehicles if v.wanted is not None)
     depth = wanted + tuple(Series(called(vehicles, v, "depth"), v.time, v.position[2]) for v in vehicles)
     ends = [float(f(s.y)) for f in (np.nanmax, np.nanmin) for s in depth]
-    panels = [Panel("depth, m", depth, y_range=_downwards(max(ends), min(ends)))]
-    for name in ANGLES:
-        having = [v for v in vehicles if name in v.signals]
-        series = tuple(Series(called(vehicles, v, name), v.time, unbroken(v.signals[name])) for v in having)
-        panels += [Panel(f"{name}, degrees", series)] if series else []
+    angles = filled(
+        (f"{n}, degrees", [Series(called(vehicles, v, n), v.time, unbroken(v.signals[n])) for v in vehicles if n in v.signals])
+        for n in ANGLES
+    )
     gaps = any(np.isnan(v.signals[n]).any() for v in vehicles for n in ("roll", "yaw") if n in v.signals)
     text = "Gaps in roll and yaw: the bow points up or down, where the two are ambiguous." if gaps else ""
-    return Chart("Depth and attitude", "time, s", tuple(panels), text, height=150)
+    first = Panel("depth, m", depth, y_range=_downwards(max(ends), min(ends)))
+    return Chart("Depth and attitude", "time, s", (first, *angles), text, height=150)
 
 
 def _downwards(deep: float, shallow: float) -> tuple[float, float]:
@@ -122,18 +122,14 @@ def _downwards(deep: float, shallow: float) -> tuple[float, float]:
 
 def motion_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
     """Speeds, rates and accelerations in body axes over time; None where none was recorded."""
-    panels = []
-    for label, names, factor in (("speed, m/s", SPEEDS, 1.0), ("rate, degrees/s", RATES, DEGREES),
-                                 ("acceleration, m/s²", ACCELERATIONS, 1.0)):  # fmt: skip
-        series = tuple(
-            Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
-            for v in vehicles
-            for n in names
-            if n in v.signals
-        )
-        panels += [Panel(label, series)] if series else []
-    text = "Speeds and rates are over ground."
-    return Chart("Motion in body axes", "time, s", tuple(panels), text, height=200) if panels else None
+    kinds = (("speed, m/s", SPEEDS, 1.0), ("rate, degrees/s", RATES, DEGREES), ("acceleration, m/s²", ACCELERATIONS, 1.0))
+
+    def lines(names: Sequence[str], factor: float) -> Iterator[Series]:
+        for v, n in ((v, n) for v in vehicles for n in names if n in v.signals):
+            yield Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
+
+    panels = filled((label, lines(names, factor)) for label, names, factor in kinds)
+    return Chart("Motion in body axes", "time, s", panels, "Speeds and rates are over ground.", height=200) if panels else None
 
 
 def current_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
@@ -182,15 +178,14 @@ def thrusts_table(vehicle: Vehicle, who: str = "") -> Cells:
 
 def errors_chart(vehicle: Vehicle, who: str = "") -> Chart:
     """Set point less pose over time."""
-    panels = []
-    for label, names, factor in (("error of the position, m", ERRORS[:3], 1.0),
-                                 ("error of the attitude, degrees", ERRORS[3:], DEGREES)):  # fmt: skip
-        series = tuple(
-            Series(n.removeprefix("error_"), vehicle.time, factor * vehicle.errors[n]) for n in names if n in vehicle.errors
-        )
-        panels += [Panel(label, series)] if series else []
+    kinds = (("error of the position, m", ERRORS[:3], 1.0), ("error of the attitude, degrees", ERRORS[3:], DEGREES))
+    known = ((label, [n for n in names if n in vehicle.errors], factor) for label, names, factor in kinds)
+    panels = filled(
+        (label, (Series(n.removeprefix("error_"), vehicle.time, factor * vehicle.errors[n]) for n in names))
+        for label, names, factor in known
+    )
     text = "Set point less pose: position in north, east, down, attitude as the rotation vector in body axes."
-    return Chart(f"{who}Errors against the set point", "time, s", tuple(panels), text, height=200)
+    return Chart(f"{who}Errors against the set point", "time, s", panels, text, height=200)
 
 
 def errors_table(vehicle: Vehicle, start: int, who: str = "") -> Cells:

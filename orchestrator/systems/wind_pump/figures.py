@@ -13,7 +13,7 @@ import numpy as np
 
 from ...harness.analysis.records import after_transient
 from ...harness.charts.blocks import Block, Cells
-from ...harness.charts.chart import Chart, Lines, Panel, Series
+from ...harness.charts.chart import Chart, Lines, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
 from . import WindPumpKeys
@@ -175,15 +175,12 @@ def water_chart(shown: Sequence[Shown]) -> Chart | None:
     """Flow, water delivered and the tank's level over time; None where none of them was recorded."""
     seconds, unit = scale(shown[0].chain.time)
     t = shown[0].chain.time / seconds
-    panels = []
-    for label, key, factor in (("flow, l/s", "flow", LITRES), ("water delivered, m³", "delivered", 1.0),
-                               ("level in the tank, m", "level", 1.0)):  # fmt: skip
-        series = tuple(Series(f"{s.who}pump", t, factor * np.asarray(s.signals[key])) for s in shown if key in s.signals)
-        if series:
-            panels.append(Panel(label, series))
-    if not panels:
-        return None
-    return Chart("Water", f"time, {unit}", tuple(panels), shown[0].averaged, height=200)
+    kinds = (("flow, l/s", "flow", LITRES), ("water delivered, m³", "delivered", 1.0), ("level in the tank, m", "level", 1.0))
+    panels = filled(
+        (label, [Series(f"{s.who}pump", t, factor * np.asarray(s.signals[key])) for s in shown if key in s.signals])
+        for label, key, factor in kinds
+    )
+    return Chart("Water", f"time, {unit}", panels, shown[0].averaged, height=200) if panels else None
 
 
 def _quantities(s: Shown) -> list[tuple[str, np.ndarray]]:

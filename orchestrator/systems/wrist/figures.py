@@ -12,7 +12,7 @@ import numpy as np
 
 from ...harness.analysis.records import after_transient
 from ...harness.charts.blocks import Block, Cells
-from ...harness.charts.chart import Chart, Panel, Series
+from ...harness.charts.chart import Chart, Panel, Series, filled
 from ...harness.charts.charts import draw_chart
 from . import WristKeys
 from .records import HAND, ROWS, Bundle, LinkageRecord, Muscles, WristRecord, bundles, linkages, muscles, postures, wrists
@@ -60,19 +60,15 @@ def motion_chart(records: Sequence[WristRecord], instants: Sequence[float] = ())
     if len(records) == 1:
         record = records[0]
         groups = {"hand, degrees": ("flexion", "deviation", "roll"), "rows, degrees": ("proximal_flexion", "distal_flexion")}
-        panels = [Panel(label, tuple(Series(NAMES[n], record.time, DEGREES * record.signals[n]) for n in names
-                                     if n in record.signals), x_marks=marks)
-                  for label, names in groups.items() if any(n in record.signals for n in names)]  # fmt: skip
+        panels = filled(((label, [Series(NAMES[n], record.time, DEGREES * record.signals[n]) for n in names if n in record.signals])
+                         for label, names in groups.items()), x_marks=marks)  # fmt: skip
         text = "Flexion and radial deviation are positive; what a row adds to the flexion of the hand stands below."
     else:
-        panels = []
-        for name, label in SHORT.items():
-            lines = tuple(Series(r.unit, r.time, DEGREES * r.signals[name]) for r in records if name in r.signals)
-            if lines:
-                panels.append(Panel(f"{label}, degrees", lines, x_marks=marks))
+        lines = {n: [Series(r.unit, r.time, DEGREES * r.signals[n]) for r in records if n in r.signals] for n in SHORT}
+        panels = filled(((f"{label}, degrees", lines[n]) for n, label in SHORT.items()), x_marks=marks)
         text = "Several wrists in one picture: flexion, radial deviation and roll of the hand, and by how much each row flexes."
     text += " Thin vertical lines: instants of the table of postures." if marks else ""
-    return Chart("Motion of the hand and its rows", "time, s", tuple(panels), text, height=190 if len(records) > 1 else 0)
+    return Chart("Motion of the hand and its rows", "time, s", panels, text, height=190 if len(records) > 1 else 0)
 
 
 def paths_chart(records: Sequence[WristRecord], instants: Sequence[float], start: int) -> Chart:
@@ -165,18 +161,19 @@ def difference_table(records: Sequence[WristRecord], instants: Sequence[float]) 
 def muscles_chart(record: Muscles, one_of_several: bool = False) -> Chart:
     """Activation and force of every muscle, and their torques on the hand."""
     t = record.time
-    panels = [Panel("activation, 1", tuple(Series(n, t, v) for n, v in record.activation.items()))]
-    if record.force:
-        panels.append(Panel("force, N", tuple(Series(n, t, v) for n, v in record.force.items())))
-    if record.torques:
-        words = {"flexion": "torque of flexion", "deviation": "torque of radial deviation"}
-        panels.append(Panel("torque on the hand, N·m", tuple(Series(words[n], t, v) for n, v in record.torques.items())))
+    words = {"flexion": "torque of flexion", "deviation": "torque of radial deviation"}
+    parts = {
+        "activation, 1": record.activation,
+        "force, N": record.force,
+        "torque on the hand, N·m": {words[n]: v for n, v in record.torques.items()},
+    }
+    panels = filled((label, [Series(n, t, v) for n, v in of.items()]) for label, of in parts.items())
     text = (
         "FCR, FCU: flexors on the side of radius and ulna; ECRL, ECRB, ECU: extensors. Moment arms and largest forces are "
         "in part read, in part recalled; the component says which."
     )
     text += f" Shown: those of {record.unit}." if one_of_several else ""
-    return Chart("Muscles", "time, s", tuple(panels), text)
+    return Chart("Muscles", "time, s", panels, text)
 
 
 def ligaments_chart(records: Sequence[Bundle]) -> Chart:
