@@ -13,7 +13,8 @@ import numpy as np
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class, component_name
 from ..components.core import folders, store
-from ..components.core.closure import closure, imports
+from ..components.core.closure import closure
+from ..components.core.closure import sources as source_index
 from ..components.core.component import TABLES
 from ..components.core.errors import BadInput
 from . import loader
@@ -88,11 +89,11 @@ def file_stem(name: str) -> str:
 def sources(module: str) -> dict[str, bytes]:
     """The files a component's module needs, its import closure within `components`: relative path -> content."""
     file = COMPONENTS.joinpath(*module.split(".")).with_suffix(".py")
-    contents = closure(file)
-    packages = {p / "__init__.py" for path in contents for p in path.parents if p.is_relative_to(COMPONENTS)}
-    files = {path.relative_to(COMPONENTS).as_posix(): path.read_bytes() for path in sorted(packages | {*contents})}
+    paths = closure(file).keys()
+    packages = {p / "__init__.py" for path in paths for p in path.parents if p.is_relative_to(COMPONENTS)}
+    files = {path.relative_to(COMPONENTS).as_posix(): path.read_bytes() for path in sorted(packages | paths)}
     for where, content in files.items():
-        for level, name, _ in imports(content):
+        for level, name, _ in source_index().imports(content):
             if level == 0 and name.split(".")[0] in ("components", "cosimo"):
                 raise BadInput(
                     f"components/{where}",

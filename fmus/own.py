@@ -47,14 +47,15 @@ def own_sources(name: str, components: Path) -> tuple[str, dict[str, bytes]]:
             if p.is_file()
         ),
     ]
-    contents = {path: text for first in start for path, text in closure(first, lambda n: _file_of(n, root, components)).items()}
+    paths = {path for first in start for path in closure(first, lambda n: _file_of(n, root, components))}
+    contents = {path: path.read_bytes() for path in paths}
     own = {path: text for path, text in contents.items() if not path.is_relative_to(components)}
     wanted = sorted(
         {n for text in own.values() for level, m, names in imports(text) if not level and m == PACKAGE for n in names or PLACE}
     )
-    library = {path: text for path, text in contents.items() if path.is_relative_to(components)}
+    library = {path for path in paths if path.is_relative_to(components)}
     for public in wanted:
-        library |= closure(components.joinpath(*_place(public, file).split(".")).with_suffix(".py"))
+        library |= closure(components.joinpath(*_place(public, file).split(".")).with_suffix(".py")).keys()
     folders = {p for path in library for p in path.parents if p.is_relative_to(components)}
     files = {
         path.relative_to(components).as_posix(): path.read_bytes()

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..components.catalogue import CATALOGUE, component_class
 from ..components.core.store import digest_of
 from ..fmus.build import sources
+from .kept import Kept
 from .scene.scene import Scene
 
 
@@ -32,7 +33,11 @@ def _code_digests(component: str, unit: str) -> list[str]:
 
 @cache
 def _code_digest(content: bytes) -> str:
-    return short_digest(repr(_code(ast.parse(content))).encode())
+    place = Kept("code", digest_of(content))
+    digest: str | None = place.read()
+    if digest is None:
+        place.write(digest := short_digest(repr(_code(ast.parse(content))).encode()))
+    return digest
 
 
 def _code(node: object) -> object:

@@ -20,7 +20,7 @@ def renamed(**names: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         def call(*args: P.args, **given: P.kwargs) -> R:
             for old in names.keys() & given.keys():
                 raise BadInput(
-                    f"cosimo.{function.__name__}", f"{old} = ...", f"{names[old]} = ...", "The argument has a new name."
+                    f"cosimo.{function.__qualname__}", f"{old} = ...", f"{names[old]} = ...", "The argument has a new name."
                 )
             return function(*args, **given)
 

@@ -1,6 +1,6 @@
 """The import closure of a source file: what its machine code, or an FMU that carries it, depends on.
 
-Imports are read from the source, those inside functions too; nothing is executed. `ImportIndex` keeps them on disk.
+Imports are read from the source, those inside functions too; nothing is executed. `SourceIndex` keeps them on disk.
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from time import time_ns
+from typing import TYPE_CHECKING, Any
 
-from .store import digest_of, read_kept, write_kept
+from .store import cache_folder, digest_of, read_kept, write_kept
 
 if TYPE_CHECKING:
     import ast
 
-INDEXED_SOURCES = 4096  # in the file of an `ImportIndex`; the oldest go
+INDEXED_SOURCES = 4096  # in the file of a `SourceIndex`; the oldest go
+SETTLED = 2_000_000_000  # ns after a change from which on another one has another time
 
 Imports = tuple[tuple[int, str, tuple[str, ...]], ...]
 
@@ -44,23 +46,19 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
             yield from _statements(getattr(node, field, ()))
 
 
-def closure(
-    file: Path, absolute: Callable[[str], Path | None] = lambda name: None, imports: Callable[[bytes], Imports] = imports
-) -> dict[Path, bytes]:
-    """The file and all that it imports, contents by path.
+def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None) -> dict[Path, str]:
+    """The file and all that it imports: digests of the contents by path.
 
-    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it;
-    `imports` the import statements of a source, for a caller that has kept them.
+    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it.
     """
-    contents: dict[str, bytes] = {}
-    pending = [str(file)]
+    digests: dict[str, str] = {}
+    pending, index = [str(file)], sources()
     while pending:
         path = pending.pop()
-        if path in contents:
+        if path in digests:
             continue
-        with open(path, "rb") as source:
-            contents[path] = source.read()
-        for level, module, names in imports(contents[path]):
+        digests[path], statements = index.read(path)
+        for level, module, names in statements:
             if level:
                 base = path
                 for _ in range(level):
@@ -70,7 +68,8 @@ def closure(
                 pending += [there for place in wanted if (there := _module_file(place)) is not None]
             else:
                 pending += [str(f) for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
-    return {Path(path): source for path, source in contents.items()}
+    index.save()
+    return {Path(path): digest for path, digest in digests.items()}
 
 
 def _module_file(place: str) -> str | None:
@@ -79,40 +78,61 @@ def _module_file(place: str) -> str | None:
     return file if os.path.isfile(file) else None
 
 
-class ImportIndex:
-    """`imports` with a file, because to parse the sources took a tenth of the start of a process.
+class SourceIndex:
+    """What sources import, and the digests of files, kept on disk: nothing of a file is read that is as it was.
 
-    A file that is missing or damaged is written anew. `file` None: nothing is kept.
+    To read and to parse the sources took a tenth of the start of a process. A file is as it was where its size, its times of change
+    and its number on the disk are; one that was changed just now may change once more within the same instant, and is not kept.
+    An index that is missing or damaged is written anew. `file` None: nothing is kept.
     """
 
     def __init__(self, file: Path | None):
         self._file = file
-        self._known = _read(file)
-        self._new: dict[str, Imports] = {}
+        self._imports, self._files = _read(file)
+        self._new: tuple[dict[str, Any], dict[str, Any]] = {}, {}
+
+    def read(self, path: str) -> tuple[str, Imports]:
+        """The digest of a file's content, and the import statements in it. Raises `OSError`."""
+        status = os.stat(path)
+        seen = [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
+        known = self._files.get(path)
+        if known is not None and known[0] == seen and known[1] in self._imports:
+            return known[1], self._imports[known[1]]
+        with open(path, "rb") as source:
+            content = source.read()
+        statements, digest = self.imports(content), digest_of(content)
+        if time_ns() - max(seen[1:3]) > SETTLED:
+            self._files[path] = self._new[1][path] = [seen, digest]
+        return digest, statements
 
     def imports(self, source: bytes) -> Imports:
         """The import statements of a source."""
         digest = digest_of(source)
-        statements = self._known.get(digest)
+        statements = self._imports.get(digest)
         if statements is None:
-            statements = self._known[digest] = self._new[digest] = imports(source)
+            statements = self._imports[digest] = self._new[0][digest] = imports(source)
         return statements
 
     def save(self) -> None:
         """Write what is new, beside what other processes have written meanwhile; not done where nothing can be written."""
-        if self._file is None or not self._new:
+        if self._file is None or not any(self._new):
             return
-        whole = {**_read(self._file), **self._new}
-        self._new = {}
-        write_kept(self._file, json.dumps(dict(list(whole.items())[-INDEXED_SOURCES:])).encode())
+        whole = [list((old | new).items())[-INDEXED_SOURCES:] for old, new in zip(_read(self._file), self._new, strict=True)]
+        self._new = {}, {}
+        write_kept(self._file, json.dumps(whole).encode())
 
 
-def _read(file: Path | None) -> dict[str, Imports]:
-    """Import statements by the digest of the source."""
+@lru_cache(maxsize=1)
+def sources() -> SourceIndex:
+    """The index of this user."""
+    folder = cache_folder()
+    return SourceIndex(None if folder is None else folder / "sources.json")
+
+
+def _read(file: Path | None) -> tuple[dict[str, Imports], dict[str, Any]]:
+    """Import statements by the digest of the source, and of files what was seen of them and their digests."""
     content = read_kept(file) if file is not None else None
     if content is None:
-        return {}
-    return {
-        key: tuple((level, module, tuple(names)) for level, module, names in statements)
-        for key, statements in json.loads(content).items()
-    }
+        return {}, {}
+    statements, files = map(dict, json.loads(content))
+    return {key: tuple((level, module, tuple(names)) for level, module, names in some) for key, some in statements.items()}, files

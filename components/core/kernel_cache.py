@@ -29,7 +29,7 @@ from numba.core import environment
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
 from numba.core.runtime.nrt import rtsys
 
-from .closure import ImportIndex, closure
+from .closure import closure
 from .compiler import callable_from_python
 from .folders import cache_root
 from .kernel_library import ADDRESS, KERNELS, PYTHON
@@ -53,20 +53,13 @@ def _own_module(name: str) -> Path | None:
 @lru_cache(maxsize=1024)
 def sources_digest(*files: str) -> str:
     """Digest of the import closures of source files; the same for a copy of them in another place."""
-    parts, index = list[str | bytes](), _import_index()
+    parts = list[str]()
     for file in files:
         start = Path(file).resolve()
-        contents = closure(start, _own_module, index.imports)
-        for path in sorted(contents, key=lambda p: os.path.relpath(p, start.parent)):
-            parts += [path.name, contents[path]]
-    index.save()
+        digests = closure(start, _own_module)
+        for path in sorted(digests, key=lambda p: os.path.relpath(p, start.parent)):
+            parts += [path.name, digests[path]]
     return digest_of(*parts)
-
-
-@lru_cache(maxsize=1)
-def _import_index() -> ImportIndex:
-    root = private_root()
-    return ImportIndex(None if root is None else root / "imports.json")
 
 
 @lru_cache(maxsize=1)

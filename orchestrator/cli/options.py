@@ -273,6 +273,8 @@ def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
     ranges: dict[str, Any] = {}
     for text in texts or ():
         place, _, values = text.rpartition("=")  # a name may hold some, no value does
+        if place.strip() in ranges:
+            raise BadInput("--over", f"{place.strip()} twice", "each name once", "Write all its values in one --over.")
         ends = [part.strip() for part in values.split(":")]
         try:
             if len(ends) == 3:
@@ -288,6 +290,9 @@ def ranges_of(texts: Sequence[str] | None) -> dict[str, Any]:
                 "unit.parameter=from:to:points or unit.parameter=value,value",
                 'As in --over bearing.speed=100:400:31, or --over pantograph.speed="200 km/h,250 km/h".',
             ) from None
+        given = ranges[place.strip()]
+        if twice := [value for value in given if isinstance(given, list) and given.count(value) > 1]:
+            raise BadInput("--over", f"{text!r}, with {twice[0]} twice", "each value once")
     return ranges
 
 

@@ -48,7 +48,7 @@ class Journal:
     @property
     def kept(self) -> int:
         """How many pieces there are."""
-        return sum(1 for _ in self._folder.glob("*.npz"))
+        return sum(1 for _ in self._folder.glob("*.msgpack"))
 
     def close(self, done: bool) -> None:
         """Remove the pieces of a study that is done."""
@@ -60,7 +60,7 @@ class Journal:
     def piece(self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], record: type | None) -> T:
         """See `once`."""
         key = [version("cosimo"), kind, *map(self._key, of)]
-        path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
+        path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".msgpack")
         with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
             name, content = read_verified(path)
             if name == path.name:  # what it is; its digest says that it is whole

@@ -1,4 +1,4 @@
-"""Rows of samples while a run goes on."""
+"""Rows of samples while a run goes on, and the table they go to."""
 
 from __future__ import annotations
 
@@ -6,37 +6,68 @@ import math
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..engine.coupling import Endpoint
+from ..engine.coupling import Coupling, Endpoint
 from ..engine.stepping.loop import FOREVER, BatchObserver
 from ..units import Simulator
+from .rows import Rows, joined
 
-Sample = Callable[[], list[float]]
+if TYPE_CHECKING:
+    from ..engine.algorithms.master import Master
+
+Sample = Callable[[], list[Any]]
 
 
 class Recorder(BatchObserver):
     """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end.
 
-    The ticks of a run do not depend on the interval, which therefore need not be a whole number of them.
+    The ticks of a run do not depend on the interval, which therefore need not be a whole number of them. Takes part in checkpoints.
     """
 
     def __init__(
-        self, sample: Sample, width: int, interval: Fraction, end: int, *, of_master: bool = False, columns: slice | None = None
+        self,
+        table: Rows,
+        sample: Sample,
+        width: int,
+        interval: Fraction,
+        end: int,
+        *,
+        texts: Sample | None = None,
+        of_master: bool = False,
+        columns: slice | None = None,
+        picked: Sequence[int] | None = None,
+        beside: Path | None = None,
     ):
-        """`of_master`: the sample is the master's own. `columns`: where in the outputs of batches it stands, if it does."""
-        self._sample, self._width, self._end, self._of_master = sample, width, end, of_master
+        """sample: `width` numbers; of the `picked` ones the table has columns, default all.  texts: those of the same rows.
+
+        of_master: the sample is the master's own.  columns: where in the outputs of batches it stands, if it does.
+        beside: folder of the checkpoint from which the run goes on.
+        """
+        self.table, self._picked, self._beside = table, picked, beside
+        self._sample, self._width, self._end, self._of_master = sample, width, end, of_master and texts is None
+        self._read_texts, self._columns, self._known = texts, columns, {}  # type: ignore[var-annotated]
         self._interval: Fraction | int = int(interval) if interval == int(interval) else interval
-        self._due, self._last, self._columns = 0, -math.inf, columns
+        self._due, self._last = 0, -math.inf
+        self._clear()
+
+    def _clear(self) -> None:
         self._times, self._values = array("d"), array("d")
+        self._texts: list[str] = []
 
     def __call__(self, tick: int, t: float) -> None:
         if tick >= self._due or tick == self._end:
             self._due = self._next(tick)
-            self._times.append(t)
-            self._values.fromlist(self._sample())
+            self._add(t, self._sample())
+
+    def _add(self, t: float, row: list[float]) -> None:
+        self._times.append(t)
+        self._values.fromlist(row)
+        if self._read_texts is not None:
+            self._texts += [self._known.setdefault(text, text) for text in self._read_texts()]  # each once in memory
 
     def _next(self, tick: int) -> int:
         """The first tick that is not before the next multiple of the interval."""
@@ -66,77 +97,86 @@ class Recorder(BatchObserver):
     def close(self, t: float, sample: Sample | None = None) -> None:
         """A last row where a unit has ended the run at t, s, between two steps; by `sample` where the own one is out of date."""
         if t > self.last:
-            self._times.append(t)
-            self._values.fromlist((sample or self._sample)())
+            self._add(t, (sample or self._sample)())
 
-    def go_back(self) -> None:
-        """Behind a row that is taken back: the next one is that of the next step."""
+    def forget(self, t: float) -> None:
+        """Drop the rows behind t, s: the run has been taken back to there. For rows in memory."""
+        self.flush()
+        self.table.take(self.table, int(np.searchsorted(joined(self.table)[0], t, side="right")))
         self._due, self._last = 0, -math.inf
 
-    def drain(self, rows: int) -> tuple[np.ndarray, np.ndarray]:
-        """Times (rows,) s and values (rows, width) of the first rows, which it keeps no longer."""
-        time, values = self.time[:rows], self.values[:rows]
-        if rows:
-            self._last = float(time[-1])
-            del self._times[:rows], self._values[: rows * self._width]
-        return time, values
+    @property
+    def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Those that are not in the table: times (n,) s, values (n, numbers) and texts (n, texts).
+
+        An interrupt may have left a time without its row, or a row that is not complete: it is none.
+        """
+        width, texts = self._width, len(self.table.texts)
+        counts = [
+            len(self._times),
+            *([len(self._values) // width] if width else []),
+            *([len(self._texts) // texts] if texts else []),
+        ]
+        n = min(counts)
+        values = np.array(self._values)[: n * width].reshape(n, width)
+        of_texts = np.array(self._texts[: n * texts], dtype=object).reshape(n, texts)
+        return np.array(self._times)[:n], values if self._picked is None else values[:, self._picked], of_texts
+
+    def flush(self) -> None:
+        """Rows that are not in the table yet go there, or stay, where it raises `OSError`."""
+        rows = self.rows
+        self.table.append(*rows)
+        self._last = float(rows[0][-1]) if rows[0].size else self._last
+        self._clear()
 
     @property
     def last(self) -> float:
         """Time of the last row, s; without one, minus infinity."""
-        return self._times[self.rows - 1] if self.rows else self._last
-
-    def state(self) -> dict[str, Any]:
-        """What was recorded and not drained, for a checkpoint."""
-        return {"due": self._due, "last": self._last, "times": self.time, "values": self.values}
-
-    def take(self, state: Mapping[str, Any]) -> None:
-        """Go on from a `state`."""
-        self._due, self._last = state["due"], state["last"]
-        self._times, self._values = array("d", state["times"].tolist()), array("d", state["values"].ravel().tolist())
+        times = self.rows[0]
+        return float(times[-1]) if times.size else self._last
 
     @property
     def pending(self) -> int:
-        """About how many rows have not been drained."""
+        """About how many rows are not in the table."""
         return len(self._times)
 
-    @property
-    def rows(self) -> int:
-        """How many there are; an interrupt may have left a time without its row, or a row that is not complete."""
-        return min(len(self._times), len(self._values) // self._width) if self._width else len(self._times)
-
-    @property
-    def time(self) -> np.ndarray:
-        """Times of the rows, (n,) s."""
-        return np.array(self._times)[: self.rows]
-
-    @property
-    def values(self) -> np.ndarray:
-        """The rows, (n, width)."""
-        return np.array(self._values)[: self.rows * self._width].reshape(self.rows, self._width)
-
-
-class TextRecorder(Recorder):
-    """Rows of texts: what is kept of each is its place in the list of all different ones."""
-
-    def __init__(self, sample: Callable[[], list[str]], width: int, interval: Fraction, end: int):
-        self._places: dict[str, float] = {}
-        places = self._places
-        super().__init__(lambda: [places.setdefault(text, float(len(places))) for text in sample()], width, interval, end)
-
     def state(self) -> dict[str, Any]:
-        """As in `Recorder`."""
-        return super().state() | {"texts": list(self._places)}
+        """All rows, or where they are, for a checkpoint."""
+        self.flush()
+        return {"due": self._due, "last": self._last, "rows": self.table.state()}
 
     def take(self, state: Mapping[str, Any]) -> None:
-        """As in `Recorder`."""
-        super().take(state)
-        self._places |= {text: float(k) for k, text in enumerate(state["texts"])}
+        """Go on from a `state`; raises `BadInput` where the rows are not stored where they were any more."""
+        self._clear()
+        self._due, self._last = state["due"], state["last"]
+        self.table.go_on(state["rows"], self._beside)
 
-    def drain(self, rows: int) -> tuple[np.ndarray, np.ndarray]:
-        """As in `Recorder`; values (rows, width) of texts."""
-        time, places = super().drain(rows)
-        return time, np.array([*self._places, None], dtype=object)[places.astype(int)]
+
+def signals_recorder(
+    master: Master,
+    units: Mapping[str, Simulator],
+    coupling: Coupling,
+    every: Fraction,
+    end: int,
+    table: Rows | None = None,
+    beside: Path | None = None,
+) -> Recorder:
+    """The recorder of all signals and texts that a scene records; every, end: ticks.  table: where they go, default: memory."""
+    ends, texts = list(master.positions), coupling.recorded_texts
+    names = [[f"{u}.{n}" for u, n in some] for some in (coupling.signals, texts)]
+    table, places = table if table is not None else Rows(*names), {end: k for k, end in enumerate(ends)}
+    return Recorder(
+        table,
+        master.sample,
+        len(ends),
+        every,
+        end,
+        of_master=True,
+        texts=reading(units, texts, texts=True) if table.texts else None,
+        # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
+        picked=[places[signal] for signal in coupling.signals],
+        beside=beside,
+    )
 
 
 def reading(units: Mapping[str, Simulator], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -14,10 +14,11 @@ import numpy as np
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import conversion
 from ..output import UNFINISHED, is_locked, locked, not_written, write_json
+from ..renamed import OUTPUT
 from ..scene.scene import Models, recorded_scene
-from .recording import INFO, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
+from .recording import INFO, RESULT, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
+from .rows import STREAM, TIME, Rows, joined
 from .series import Series
-from .tables import TIME, StoredColumns, StoredTable, Table, joined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -188,9 +189,10 @@ class Result:
         """
         return self._views.plot(self, signals, fig)
 
-    def report(self, directory: str | Path | None = None) -> Path:
+    @OUTPUT
+    def report(self, output: str | Path | None = None) -> Path:
         """Write report.html into a directory, or into the one where the result is stored; returns its path."""
-        where = directory if directory is not None else self.directory
+        where = output if output is not None else self.directory
         if where is None:
             raise BadInput(
                 f"report of {self.scene.name}",
@@ -211,20 +213,21 @@ class Result:
             signal.raise_signal(signal.Signals[self.info["signal"]])
         return self
 
-    def save(self, directory: str | Path) -> Path:
-        """Write result.parquet, result.csv, run.json and snapshots into the directory, which is created.
+    @OUTPUT
+    def save(self, output: str | Path) -> Path:
+        """Write result.parquet, result.csv, run.json and snapshots into the directory `output`, which is created.
 
         result.csv: first column "time", then numbers, which keep every bit, then texts in quotation marks. Where the result is
         stored there already, only run.json is written anew. Raises `BadInput` where that is impossible; what was there stays.
         """
-        with locked(directory) as path:
+        with locked(output) as path:
             try:
                 if self.directory is not None and self.directory == path.resolve():
                     write_json(path / INFO, self.info)
                 else:
                     self._write(path)
             except OSError as error:
-                raise not_written(directory, error) from None
+                raise not_written(output, error) from None
             except OutputFailed as error:
                 raise BadInput("output directory", str(error), "a place that can be written") from None
         return path
@@ -258,10 +261,11 @@ class Result:
         try:
             info = json.loads((folder / INFO).read_text(encoding="utf-8"))
             scene = recorded_scene(info["scene"], analysis)
-            where = folder / TABLE if (folder / TABLE).is_dir() else path / TABLE  # killed while it was put in place
-            rowless = (killed or info["outcome"] != "done") and not any(where.glob("*.parquet"))  # ended before its first row
-            table = StoredTable.read(where) if where.is_dir() and not rowless else None
-            snapshots = [StoredTable.read(p) for p in sorted((folder / SNAPSHOTS).glob("*.parquet")) if any(p.iterdir())]
+            file = folder / (RESULT + STREAM) if killed else path / TABLE
+            rowless = (killed or info["outcome"] != "done") and not file.exists()  # ended before its first row
+            table = Rows.read(file) if not rowless else None
+            pieces = folder.glob(f"{SNAPSHOTS}-*{STREAM}") if killed else (path / SNAPSHOTS).glob("*.parquet")
+            snapshots = [Rows.read(p) for p in sorted(pieces)]
         except OSError as error:
             raise BadInput(
                 "result", repr(str(path)), "a directory that a run has written", f"{error.strerror or error}."
@@ -270,7 +274,7 @@ class Result:
             if isinstance(error, BadInput):
                 raise
             raise BadInput("result", repr(str(path)), "a directory that a run has written", f"{error}.") from None
-        if killed:
+        if killed and info["outcome"] == "running":
             last = table.extremes(TIME)[2] if table and table.rows else 0.0
             info |= {"outcome": "failed", "message": f"the run was killed; its rows up to t = {last:.9g} s were written"}
         return result_of(
@@ -290,7 +294,7 @@ class _Held:
         if result is None:
             return self
         given = result.__dict__["_time"]
-        return given.column(TIME) if isinstance(given, StoredTable) else given
+        return given.column(TIME) if isinstance(given, Rows) else given
 
     def __set__(self, result: StoredResult, value: Any) -> None:
         result.__dict__["_time"] = value
@@ -317,43 +321,45 @@ class StoredResult(Result):
         return self.columns.table.extremes(name)  # type: ignore[attr-defined]
 
 
-class _Snapshots(Mapping[str, Snapshot]):
-    """Snapshots that are read when they are asked for."""
+class _Stored(Mapping[str, Any]):
+    """Values by name that are read when they are asked for, and not kept."""
 
-    def __init__(self, tables: Mapping[str, StoredTable]):
-        self._tables = tables
+    def __init__(self, names: Iterable[str], read: Callable[[str], Any], table: Rows | None = None):
+        self._names, self._read, self.table = dict.fromkeys(names), read, table
 
-    def __getitem__(self, name: str) -> Snapshot:
-        return Snapshot(*joined(self._tables[name])[:2])
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._read(name)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._tables)
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(self._tables)
+        return len(self._names)
 
 
 def result_of(
     scene: Scene,
-    table: Table | None,
-    snapshots: Mapping[str, Any],
+    table: Rows | None,
+    snapshots: Mapping[str, Rows],
     measures: Mapping[str, str],
     info: Mapping[str, Any],
     directory: Path | None,
 ) -> Result:
     """The result whose rows are in tables, held in memory unless they are many; `directory`: where they are stored."""
     outcome, message = str(info.get("outcome", "failed")), str(info.get("message", ""))
-    if isinstance(table, StoredTable) and table.rows * (1 + len(table.names)) > HELD:
+    if table is not None and table.on_disk and table.rows * (1 + len(table.names)) > HELD:
         return StoredResult(
             scene,
             table,  # type: ignore[arg-type]
-            StoredColumns(table, table.names),
-            _Snapshots(snapshots),
+            _Stored(table.names, table.column, table),
+            _Stored(snapshots, lambda name: Snapshot(*joined(snapshots[name])[:2])),
             measures,
             info,
             outcome,
             message,
-            StoredColumns(table, table.texts),
+            _Stored(table.texts, table.column),
             directory,
         )
     time, values, texts = joined(table) if table is not None else (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))

@@ -40,11 +40,11 @@ from ..units.interface import SimulationEnded
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
-from .recorders import Recorder, reading
-from .recording import OutputFailed, ResultFiles, Spool, signals_spool
+from .recorders import Recorder, reading, signals_recorder
+from .recording import OutputFailed, ResultFiles
 from .results import Result, result_of
+from .rows import Rows
 from .run_info import CompileTime, describe_run, scene_info
-from .tables import MemoryTable, Table
 
 if TYPE_CHECKING:
     from ..units.native import NativeFmu
@@ -184,25 +184,25 @@ class Run:
         )  # each macro step ends at a tick
         self._ends = tuple(master.positions)
         beside = past.folder if past else None
-        self.signals = signals_spool(master, self.units, coupling, self._table(past), every, end, beside)
+        self.signals = signals_recorder(master, self.units, coupling, every, end, self._table(past), beside)
         self.arrays = {}
         for (unit, array), names in coupling.snapshots.items():
-            recorder = Recorder(
+            name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
+            self.arrays[name] = Recorder(
+                self.files.snapshots(name, elements) if self.files else Rows(elements),
                 self.units[unit].reader(names),
                 len(names),
                 snapshot_every,
                 end,
                 columns=self.stepping.watch([(unit, n) for n in names]),
+                beside=beside,
             )
-            name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
-            table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
-            self.arrays[name] = Spool(recorder, table, beside=beside)
         if isinstance(self._interrupt, Interrupt):
             self._interrupt.halt = self.stepping.halt
-        recorders = [*self.signals.recorders, *(spool.recorder for spool in self.arrays.values())]
-        self.observers: list[Observer] = [*recorders, self._interrupt]
+        self.recorders = [self.signals, *self.arrays.values()]
+        self.observers: list[Observer] = [*self.recorders, self._interrupt]
         if self.files is not None:
-            self.files.watch([self.signals, *self.arrays.values()])
+            self.files.watch(self.recorders)
             self.observers.append(self.files)
         steps = int(scene.duration / scene.master.step)
         if self._wish is not None and not obstacle(scene):
@@ -226,12 +226,11 @@ class Run:
         if self.pacing is not None:
             self.observers.append(stack.enter_context(self.pacing))
 
-    def _table(self, past: Checkpoint | None) -> Table:
-        """Where the rows of the recorded signals go."""
-        names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
+    def _table(self, past: Checkpoint | None) -> Rows | None:
+        """Where the rows of the recorded signals go; None: in memory."""
         if self.files is None:
-            return MemoryTable(names, texts)
-        self.stack.callback(self.files.close)
+            return None
+        names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
         info = {"scene": scene_info(self.scene), "outcome": "running", "message": "the run has not ended", "warnings": []}
         try:
             return self.files.open(names, texts, self._measures, info, resumed=past is not None)
@@ -246,7 +245,7 @@ class Run:
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
         parts: dict[str, Part] = {"signals": self.signals, "stepping": self.stepping}
-        return parts | {f"snapshots of {name}": spool for name, spool in self.arrays.items()}
+        return parts | {f"snapshots of {name}": recorder for name, recorder in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
         """Initialize, go on from a checkpoint where there is one, and step to the end; keeps why it did not get there."""
@@ -284,11 +283,8 @@ class Run:
         except KeyboardInterrupt:
             self._stopped()
             if self.checkpoints is not None and self._interrupt.taken and self.stepping.tick:
-                try:
-                    self.checkpoints.write()
-                    self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
-                except OutputFailed as error:
-                    self.outcome, self.message = "failed", str(error)
+                self.checkpoints.write()
+                self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         if self.outcome in ("done", "failed") and self._interrupt.wanted:  # in the last step, or a unit took it for its own
             self._stopped()
         self._until = perf_counter(), process_time()
@@ -330,9 +326,8 @@ class Run:
         rewinds = self.stepping.rewinds
         if len(self.units) == 1 or rewinds:
             t = self._now if rewinds else end.time
-            self.signals.recorder.close(t, reading(self.units, self._ends))
-            others = [spool.recorder for spool in self.arrays.values()]
-            for recorder in (*others, *([self.signals.texts] if self.signals.texts else [])):
+            self.signals.close(t, reading(self.units, self._ends))
+            for recorder in self.arrays.values():
                 recorder.close(t)
         last, near = self.signals.last, END * self.scene.master.step
         if isfinite(last) and last < end.time - near:
@@ -343,10 +338,9 @@ class Run:
     def conclude(self, past: Checkpoint | None) -> Result:
         """The result, with all that run.json says of the run."""
         coupling = self.coupling
-        spools = [self.signals, *self.arrays.values()]
         try:
-            for spool in spools if self.files is None else ():
-                spool.flush()
+            for recorder in self.recorders if self.files is None else ():
+                recorder.flush()
             if self.files is not None:
                 self.files.flush()
         except OutputFailed as error:
@@ -392,7 +386,7 @@ class Run:
         return result_of(
             self.scene,
             self.signals.table,
-            {name: spool.table for name, spool in self.arrays.items()},
+            {name: recorder.table for name, recorder in self.arrays.items()},
             self._measures,
             info,
             directory,

@@ -22,11 +22,9 @@ from ..engine.coupling import Endpoint
 from ..judgement.instability import energy_warnings
 from ..judgement.verification import verified_result
 from ..run.checkpoint import Part, checkpoint_of, header, present, restore
-from ..run.recorders import reading
-from ..run.recording import Spool, signals_spool
+from ..run.recorders import Recorder, reading, signals_recorder
 from ..run.results import Result, result_of
 from ..run.run_info import describe_run
-from ..run.tables import MemoryTable
 from ..scene.names import declared, elements, variable_of
 from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
@@ -65,7 +63,7 @@ class Session:
         self._unseen = False  # whether a step may be taken that nothing has to be asked before
         self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
         self._observers: list[Any] = []
-        self._spool: Spool | None = None
+        self._recorder: Recorder | None = None
         self._free: dict[str, tuple[str, str, Signal]] = {}  # inputs that were set, by name
 
     # -- from the beginning to the end -------------------------------------------------------------------------------
@@ -162,7 +160,7 @@ class Session:
         self._initialized, self._unseen, self._failure, self._ended = False, False, "", ""
         self._inputs.clear()
         self._readers.clear()
-        self._observers, self._spool = [], None
+        self._observers, self._recorder = [], None
         if self._open_scene is not None and not self._open_scene.takes({}):
             self._close_units()
         if seed is not None:
@@ -369,8 +367,8 @@ class Session:
         else:
             self._go_to(state)
         self._failure, self._ended = "", ""
-        if self._spool is not None:
-            self._spool.forget(self.time)
+        if self._recorder is not None:
+            self._recorder.forget(self.time)
 
     def _go_to(self, state: State) -> None:
         if state.released or state.units != [node.unit for node in self._master.nodes]:
@@ -405,18 +403,16 @@ class Session:
     def record(self) -> None:
         """From now on a row of all that the scene records, at every macro step; see `result`."""
         self._started("record()")
-        coupling = self._scene.coupling
-        table = MemoryTable(*([f"{u}.{n}" for u, n in some] for some in (coupling.signals, coupling.recorded_texts)))
-        self._spool = signals_spool(self._master, self._units, coupling, table, Fraction(1), self._stepping.end)
-        self._observers, self._unseen = self._spool.recorders, False
+        self._recorder = signals_recorder(self._master, self._units, self._scene.coupling, Fraction(1), self._stepping.end)
+        self._observers, self._unseen = [self._recorder], False
         for observe in self._observers:
             observe(self._stepping.tick, self.time)
 
     def result(self) -> Result:
         """What was recorded so far, as of `cosimo.run`: its summary, report and plots; not verified."""
-        if self._spool is None:
+        if self._recorder is None:
             raise BadInput(f"{self._where}: result", "a session that records nothing", "a call of record() before")
-        self._spool.flush()
+        self._recorder.flush()
         coupling = self._scene.coupling
         measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
         info = describe_run(self._scene, coupling, self._units, self._master)
@@ -426,7 +422,7 @@ class Session:
         warnings = [*remarks_of(self._scene, self._units), *self._course.warnings(), *energy_warnings(self._course.account)]
         warnings += of_discarded(info["counters"]["units"])
         info |= {"outcome": outcome, "message": message, "warnings": warnings, "timing": {}}
-        return verified_result(result_of(self._scene, self._spool.table, {}, measures, info, None), "no")
+        return verified_result(result_of(self._scene, self._recorder.table, {}, measures, info, None), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------
     def _alive(self) -> None:

@@ -167,9 +167,6 @@ class PythonCalls:
         calls = {name: callback.function for name, callback in self._callbacks.items()}
         return CallTable(calls, IN_PYTHON, (self,), (0,) * self._n, (0,) * self._m, (False,) * self._n, True)
 
-    def stepped(self, steps: int, t: float) -> None:
-        """The unit knows."""
-
     def stopped(self, status: int, t: float, h: float) -> None:
         """A callback has failed; raises what it has raised."""
         for callback in self._callbacks.values():
@@ -177,7 +174,7 @@ class PythonCalls:
 
 
 def calls_of(unit: Any, links: np.ndarray, outputs: np.ndarray) -> tuple[Any, CallTable]:
-    """What has `stepped` and `stopped` of a unit, and its call table; links, outputs: as of `PythonCalls`."""
+    """What has `stopped` of a unit, and may have `stepped`, and its call table; links, outputs: as of `PythonCalls`."""
     table = unit.call_table() if hasattr(unit, "call_table") else None
     if table is not None:
         return unit, table

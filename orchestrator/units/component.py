@@ -147,9 +147,10 @@ class ComponentSimulator(PlainSimulator):
         calls = {"step": step, "outputs": outputs, "argument": argument, "row": c.u.strides[0]}
         return CallTable(calls, IN_MEMORY, alive, *self.addresses, (False,) * len(self.addresses[0]), bool(self._callbacks))
 
-    def stepped(self, steps: int, t: float) -> None:
-        """Compiled code has taken steps of this unit, to the time t, s."""
-        self.component.stepped(t)
+    @property
+    def stepped(self) -> Callable[[float], None]:
+        """To be called with the time, s, to which compiled code has taken steps of this unit."""
+        return self.component.stepped
 
     def stopped(self, status: int, t: float, h: float) -> None:
         """The step from t over h, s, has ended with this status; raises the reason."""

@@ -147,10 +147,15 @@ class Fmi2CoSimulation(Fmi2Simulator):
             raise SimulationEnded(self.name, self._ended)
         return self._states.none
 
-    def stepped(self, steps: int, t: float) -> None:
+    def stepped(self, t: float) -> None:
         """Compiled code has taken steps of this unit, the last one from t."""
-        self._steps += steps
         self._time = t
+
+    def counted(self, steps: int, warnings: int) -> None:
+        """Compiled code has taken so many steps of it, and so many calls have ended with a warning."""
+        self._steps += steps
+        if warnings:
+            self.messages.warned(warnings)
 
     def stopped(self, status: int, t: float, h: float) -> None:
         """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""

@@ -24,6 +24,7 @@ import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, visible
+from ..verified_file import packed
 from .answers import (
     REPORT,
     nothing,
@@ -35,7 +36,7 @@ from .answers import (
     read_warnings,
     within,
 )
-from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packed, packer, unpacker
+from .channel import EVENT, INDEX, LARGEST, TIMES, Channel, Code, Late, NoMessage, packer, unpacker
 from .fmu_messages import Messages
 from .folders import process_folder
 from .interface import PortValues, Span
@@ -309,7 +310,6 @@ class WorkerSimulator:
                 f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
             ) from None
         self._started, self.walls = True, walls() if self._restricted else []
-        self._channel.limit = self._limit
         self._channel.limit = self._limit
 
     def put(self, name: str, value: float | str) -> None:

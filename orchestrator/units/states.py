@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-import json
-import struct
 from collections.abc import Callable
 from typing import Any
 
+from ..verified_file import packed, unpacked
 from .inputs import WARNING, Functions
 
 # what FMI 2 and 3 call the same functions
@@ -74,19 +73,18 @@ class States:
         self._check(self._free(self._instance, state.place))
 
     def pack(self, state: State) -> bytes:
-        """The FMU's own bytes behind the length of what the unit knows and that."""
+        """What the unit knows, and the FMU's own bytes."""
         size = ctypes.c_size_t()
         self._check(self._size(self._instance, state.handle, ctypes.addressof(size)))
         buffer = (ctypes.c_char * size.value)()
         self._check(self._serialize(self._instance, state.handle, ctypes.addressof(buffer), size.value))
-        beside = json.dumps(state.beside).encode()
-        return struct.pack("<I", len(beside)) + beside + buffer.raw
+        return packed([state.beside, buffer.raw])
 
-    def unpack(self, packed: bytes) -> State:
+    def unpack(self, content: bytes) -> State:
         """The state of `pack`, in the FMU's memory."""
-        state, start = State(), 4 + struct.unpack("<I", packed[:4])[0]
-        state.beside = json.loads(packed[4:start])
-        buffer = (ctypes.c_char * (len(packed) - start)).from_buffer_copy(packed, start)
+        state = State()
+        state.beside, own = unpacked(content)
+        buffer = (ctypes.c_char * len(own)).from_buffer_copy(own)
         self._check(self._deserialize(self._instance, ctypes.addressof(buffer), len(buffer), state.place))
         self._kept[state.place], self.none = state, False
         return state

@@ -17,15 +17,15 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-import msgpack
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from ..interrupts import STOPPING
 from ..settings import UnitSettings
+from ..verified_file import packed, unpacked
 from . import Simulator, environment, open_unit
 from .answers import LONGEST_TEXT, MOST_WARNINGS, REPORT
-from .channel import EVENT, INDEX, TIMES, Channel, Code, packed, packer, unpacker
+from .channel import EVENT, INDEX, TIMES, Channel, Code, packer, unpacker
 from .fmu_messages import Messages
 from .interface import PortValues, SimulationEnded, Span
 from .sandbox import limit_resources
@@ -115,7 +115,7 @@ class Worker:
 
     def _answer(self, code: int, content: memoryview) -> tuple[int, bytes]:
         if code == Code.CALL:
-            name, *arguments = msgpack.unpackb(content)
+            name, *arguments = unpacked(content)
             method = getattr(self, name, None) or getattr(self._unit, name)
             return Code.DATA, packed(method(*arguments))
         if code == Code.READ:

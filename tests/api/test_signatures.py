@@ -38,6 +38,14 @@ def test_the_earlier_name_is_told_the_new_one(name):
         getattr(cosimo, name)("mass-on-spring", directory="out")
 
 
+@pytest.mark.parametrize("name", ["save", "report"])
+def test_a_result_goes_to_output_too(name, tmp_path):
+    result = cosimo.run(cosimo.load_scene("mass-on-spring").with_changes({"stop_time": 0.01}), in_process=True)
+    with pytest.raises(BadInput, match=rf"cosimo.Result.{name}: directory = .*; expected output = "):
+        getattr(result, name)(directory=tmp_path)
+    assert getattr(result, name)(output=tmp_path).exists()
+
+
 def test_python_builds_what_the_command_builds():
     options = inspect.signature(fmus.build).parameters
     assert {IN_PYTHON.get(option, option) for option in options} == set(parameters("build"))

@@ -1,8 +1,7 @@
-"""Checkpoints of runs with a result directory: they refer to its parts, and grow with nothing."""
+"""Checkpoints of runs with a result directory: they refer to its rows, and grow with nothing."""
 
 from __future__ import annotations
 
-import os
 import random
 import shutil
 from time import monotonic, sleep
@@ -12,8 +11,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.output import UNFINISHED
 from cosimo.orchestrator.run import recording
+from cosimo.orchestrator.run.rows import Rows
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.run.tables import StoredTable
 from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.run.test_checkpoint import SCENES, oscillator, same
 from cosimo.tests.run.test_result_files import PATIENCE, posix, started
@@ -57,7 +56,7 @@ def test_a_resumed_run_gives_the_same_bits_wherever_it_writes(name, where, tmp_p
         assert csv_of(target)[:, 0].tobytes() == whole.time.tobytes()
         assert not (target / UNFINISHED).exists()
     if where == "another":
-        same(whole, read_result(out))  # which shares parts with the new one
+        same(whole, read_result(out))
 
 
 def test_a_checkpoint_does_not_grow_with_the_run(tmp_path):
@@ -72,7 +71,7 @@ def test_a_checkpoint_does_not_grow_with_the_run(tmp_path):
 def test_rows_that_are_not_there_any_more_are_one_message(tmp_path):
     scene, out, file = oscillator(), tmp_path / "out", tmp_path / "c"
     run(scene, checkpoint_every=0.5, checkpoint_to=file, output=out)
-    part = sorted((out / "result.parquet").iterdir())[1]
+    part = out / "result.parquet"
     content = part.read_bytes()
     part.write_bytes(content[:100] + bytes([content[100] ^ 1]) + content[101:])
     before = {p: p.read_bytes() for p in out.rglob("*") if p.is_file()}
@@ -89,24 +88,12 @@ def test_rows_that_are_not_there_any_more_are_one_message(tmp_path):
 def test_a_run_without_files_goes_on_into_a_directory(tmp_path):
     scene = oscillator()
     whole = run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "c")
-    (tmp_path / "out" / UNFINISHED / "result.parquet").mkdir(parents=True)
-    StoredTable(tmp_path / "out" / UNFINISHED / "result.parquet", ["x"]).append(  # of a run that was killed
-        np.zeros(1), np.zeros((1, 1)), np.zeros((1, 0), dtype=object)
-    )
+    (tmp_path / "out" / UNFINISHED).mkdir(parents=True)
+    killed = Rows(["x"], directory=tmp_path / "out", name="result")
+    killed.begin()
+    killed.append(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 0), dtype=object))
     same(whole, run(scene, resume=tmp_path / "c", output=tmp_path / "out"))
     same(whole, read_result(tmp_path / "out"))
-
-
-def test_tables_on_different_disks_are_copied(tmp_path, monkeypatch):
-    scene = oscillator()
-    whole = run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "c", output=tmp_path / "out")
-
-    def other_disk(*_):
-        raise OSError(18, "Invalid cross-device link")
-
-    monkeypatch.setattr(os, "link", other_disk)
-    same(whole, run(scene, resume=tmp_path / "c", output=tmp_path / "new"))
-    same(whole, read_result(tmp_path / "new"))
 
 
 @posix

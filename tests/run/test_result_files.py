@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from time import monotonic, sleep
 
 import cosimo
@@ -19,8 +20,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import output
 from cosimo.orchestrator.output import UNFINISHED, locked
 from cosimo.orchestrator.run import recording, results
+from cosimo.orchestrator.run.rows import Rows
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.run.tables import StoredTable
 from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.support import Oscillator, two_masses
 
@@ -71,15 +72,15 @@ def test_rows_wait_in_memory_only_until_a_chunk_is_full(tmp_path, monkeypatch):
 
     def watched(files, tick, t):
         call(files, tick, t)
-        seen.append(max(spool.recorder.pending for spool in files._spools))
+        seen.append(max(recorder.pending for recorder in files._recorders))
 
     monkeypatch.setattr(recording.ResultFiles, "__call__", watched)
     run(masses(), output=tmp_path)
     assert len(seen) >= 401 // 16
     assert max(seen) < 16
-    parts = sorted(p.name for p in (tmp_path / "result.parquet").iterdir())
-    assert parts == [f"part-{k:06d}.parquet" for k in range(len(parts))]
-    assert len(parts) >= 401 // 16
+    chunks = [time.size for time, *_ in Rows.read(tmp_path / "result.parquet").chunks()]
+    assert max(chunks) < 16 + 1
+    assert sum(chunks) == 401
 
 
 def test_a_result_that_fills_the_memory_stays_on_disk(tmp_path, monkeypatch):
@@ -108,17 +109,67 @@ def test_figures_of_a_scene_without_connections_are_read_again(tmp_path):
 
 def test_texts_are_kept_as_well(tmp_path):
     """Units without texts are the rule; the table takes them with numbers whose names start alike."""
-    table = StoredTable(tmp_path / "t", ["a.x", "a.x.y"], ["a.s"], {"a.x": "m"}, "title")
+    (tmp_path / UNFINISHED).mkdir()
+    table = Rows(["a.x", "a.x.y"], ["a.s"], directory=tmp_path, name="t", units={"a.x": "m"}, title="title")
+    table.begin()
     texts = np.array([["one"], ['zwölf, "\n']], dtype=object)
     for k in range(3):
         table.append(np.array([k, k + 0.5]), np.array([[1.0, np.nan], [2.0, np.inf]]) * (k + 1), texts)
-    again = StoredTable.read(tmp_path / "t")
-    assert (again.names, again.texts, again.title, again.rows) == (["a.x", "a.x.y"], ["a.s"], "title", 6)
-    assert again.units["a.x"] == "m"
-    assert again.column("a.x").tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
-    assert again.column("a.s").tolist() == ["one", 'zwölf, "\n'] * 3
-    with pytest.raises(KeyError):
-        again.column("a")
+    table.store()
+    for file in ("t.arrows", "t.parquet"):
+        again = Rows.read(tmp_path / UNFINISHED / file)
+        assert (again.names, again.texts, again.title, again.rows) == (["a.x", "a.x.y"], ["a.s"], "title", 6)
+        assert again.units["a.x"] == "m"
+        assert again.column("a.x").tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
+        assert again.column("a.s").tolist() == ["one", 'zwölf, "\n'] * 3
+        with pytest.raises(KeyError):
+            again.column("a")
+
+
+def test_a_stream_is_read_up_to_its_last_whole_chunk_wherever_it_ends(tmp_path):
+    (tmp_path / UNFINISHED).mkdir()
+    table = Rows(["x"], ["s"], directory=tmp_path, name="t")
+    table.begin()
+    ends, file = [], tmp_path / UNFINISHED / "t.arrows"
+    for k in range(3):
+        ends.append(file.stat().st_size)
+        table.append(np.array([2.0 * k, 2.0 * k + 1.0]), np.full((2, 1), k), np.array([["a"], ["b"]], dtype=object))
+    content = file.read_bytes()
+    for size in range(ends[0], len(content) + 1):
+        file.write_bytes(content[:size])
+        whole = sum(size >= end for end in [*ends[1:], len(content)])
+        assert Rows.read(file).rows == 2 * whole
+        assert Rows.read(file).column("time").tolist() == [float(t) for t in range(2 * whole)]
+
+
+def test_rows_that_cannot_be_written_leave_the_earlier_ones_and_are_written_when_they_can(tmp_path, monkeypatch):
+    (tmp_path / UNFINISHED).mkdir()
+    table = Rows(["x"], directory=tmp_path, name="t", with_csv=True)
+    table.begin()
+    rows = np.arange(2.0), np.ones((2, 1)), np.zeros((2, 0), dtype=object)
+    table.append(*rows)
+    before = {file: file.read_bytes() for file in (tmp_path / UNFINISHED).iterdir()}
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("cosimo.orchestrator.run.rows._csv_lines", full)  # the stream has been written by then
+        with pytest.raises(OSError, match="No space"):
+            table.append(*rows)
+    assert {file: file.read_bytes() for file in before} == before
+    table.append(*rows)
+    assert table.rows == Rows.read(tmp_path / UNFINISHED / "t.arrows").rows == 4
+
+
+def test_a_result_of_an_earlier_version_whose_parts_lie_in_a_folder_is_read(tmp_path):
+    whole = run(masses(), output=tmp_path)
+    (tmp_path / "result.parquet").rename(tmp_path / "part-000000.parquet")
+    (tmp_path / "result.parquet").mkdir()
+    (tmp_path / "part-000000.parquet").rename(tmp_path / "result.parquet" / "part-000000.parquet")
+    same(whole, read_result(tmp_path))
+    same(whole, run(masses(), output=tmp_path))  # takes its place
+    assert (tmp_path / "result.parquet").is_file()
 
 
 def command(folder, *options: str) -> list[str]:
@@ -138,11 +189,12 @@ def started(folder, *options: str, **named):
 
 
 def until_written(process, folder) -> int:
-    """Number of parts that a run has put in place."""
+    """Number of rows that a run has written."""
     end = monotonic() + PATIENCE
     while monotonic() < end and process.poll() is None:
-        if parts := [*(folder / UNFINISHED / "result.parquet").glob("*.parquet")]:
-            return len(parts)
+        with suppress(OSError, ValueError):  # it is not there, or empty
+            if rows := Rows.read(folder / UNFINISHED / "result.arrows").rows:
+                return rows
         sleep(0.02)
     raise AssertionError(process.communicate()[1])
 
@@ -157,13 +209,13 @@ def test_a_killed_run_leaves_its_chunks_and_the_earlier_result(seed, tmp_path):
     try:
         until_written(process, tmp_path)
         sleep(random.Random(seed).uniform(0.0, 2.0))
-        acknowledged = [*(tmp_path / UNFINISHED / "result.parquet").glob("*.parquet")]
+        acknowledged = until_written(process, tmp_path)
         process.kill()
     finally:
         process.communicate()
     left = read_result(tmp_path)
     assert (left.outcome, left.message) == ("failed", f"the run was killed; its rows up to t = {left.end:.9g} s were written")
-    assert left.rows >= StoredTable.read(acknowledged[0].parent).rows > 0
+    assert left.rows >= acknowledged > 0
     again = run(scene.with_changes({"stop_time": left.end}), in_process=True)
     assert left.time.tobytes() == again.time.tobytes()
     for name in left.columns:

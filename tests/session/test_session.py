@@ -154,7 +154,7 @@ def test_damaged_and_foreign_states_are_refused():
     with cosimo.open(scene) as sim, cosimo.open(one_mass(parameters={"m": 2.0})) as other:
         sim.initialize()
         content = bytes(state := sim.save())
-        for bad in (b"", b"nothing", content[:-30], content.replace(b"mapping", b"mopping")):
+        for bad in (b"", b"nothing", content[:-30], content.replace(b"records", b"recalls")):
             with pytest.raises(BadInput, match="undamaged"):
                 sim.restore(bad)
         with pytest.raises(BadInput, match="of another scene"):
@@ -334,8 +334,8 @@ def test_a_step_takes_one_call_of_the_loop(monkeypatch):
         calls = []
         master = sim._master
         monkeypatch.setattr(type(master), "take_steps", lambda *_: calls.append("batch"))
-        original = type(master.records).call
-        monkeypatch.setattr(type(master.records), "call", lambda *a: (calls.append("loop"), original(*a)))
+        original = type(master.records).take_rows
+        monkeypatch.setattr(type(master.records), "take_rows", lambda *a: (calls.append("loop"), original(*a)))
         for _ in range(10):
             sim.step()
         assert calls == ["loop"] * 10

@@ -16,8 +16,9 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.orchestrator.units.answers import read_warnings
-from cosimo.orchestrator.units.channel import LARGEST, Code, packed
+from cosimo.orchestrator.units.channel import LARGEST, Code
 from cosimo.orchestrator.units.interface import SimulationEnded
+from cosimo.orchestrator.verified_file import packed
 from cosimo.tests.units import forged
 
 ROOT = Path(__file__).resolve().parents[2]

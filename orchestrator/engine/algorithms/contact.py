@@ -7,7 +7,6 @@ the motion of the bodies under the known impulses.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -15,6 +14,7 @@ from ....components.core.reduced import LAWS, force_in_series, reduced_step
 from ...settings import ContactSettings
 from ...settings.scene import SideSettings
 from ...units.interface import PlainSimulator, PortValues
+from ...verified_file import packed, unpacked
 from ..coupling.contacts import PARTS, SIDES
 from .polynomials import end_of, extrapolation
 
@@ -254,10 +254,10 @@ class ContactSimulator(PlainSimulator):
             side.restore(saved)
 
     def pack(self, state: list[Any]) -> bytes:
-        return json.dumps(state).encode()  # numbers keep every bit
+        return packed(state)
 
-    def unpack(self, packed: bytes) -> list[Any]:
-        return json.loads(packed)
+    def unpack(self, content: bytes) -> list[Any]:
+        return unpacked(content)
 
     def parameters(self) -> dict[str, Any]:
         given = self.settings.model_dump(exclude_none=True)

@@ -56,8 +56,9 @@ class Machine:
         self._begin = [Callback(partial(_begin, node, texts)) for node in nodes]
         for node, callback in zip(nodes, self._begin, strict=True):
             node.unit_record["initialize"] = callback.function
-        self._called: list[tuple[Any, int, int]] = []  # what steps each unit, and the cells of the steps taken and of its time
-        self._fmus: list[tuple[Any, int, int]] = []  # with the cells that tell whether a state will come back, and of warnings
+        self._called: list[Any] = []  # what steps each unit
+        self._noted: list[tuple[Any, int, int]] = []  # who asks for its time, and the cells of the steps taken and of the time
+        self.fmus: list[tuple[Any, int, int, int]] = []  # with the cells of whether a state will come back, of steps, of warnings
         self._tables: list[Any] = []  # which keep what addresses point to
         self._watched = np.zeros(0, dtype=np.int64)
         self._under_way: Space | None = None
@@ -74,7 +75,8 @@ class Machine:
         """Find the functions of the initialized units, and where their inputs and outputs lie in memory."""
         records, memory = self.records, self.records.memory
         self._called.clear()
-        self._fmus.clear()
+        self._noted.clear()
+        self.fmus.clear()
         self._tables.clear()
         for node in self._nodes:
             row, links = node.of_called
@@ -84,11 +86,15 @@ class Machine:
                 row[name] = address
             links["at"], memory.outputs_at[node.place] = table.inputs_at, table.outputs_at
             links["set_on_change"], row["n_set_on_change"] = table.set_on_change, sum(table.set_on_change)
-            self._called.append((unit, *(records.place("units", node.called, name) for name in ("taken", "time"))))
+            self._called.append(unit)
+            taken, time = (records.place("units", node.called, name) for name in ("taken", "time"))
+            if hasattr(unit, "stepped"):
+                self._noted.append((unit.stepped, taken, time))
             if hasattr(unit, "begin_steps"):  # an FMU that compiled code steps
                 unit.driven = partial(polynomials, links)
-                unit.time_of_step = partial(records.numbers.__getitem__, self._called[-1][2])
-                self._fmus.append((unit, *(records.place("units", node.called, name) for name in ("no_return", "warned"))))
+                unit.time_of_step = partial(records.numbers.__getitem__, time)
+                no_return, warned = (records.place("units", node.called, name) for name in ("no_return", "warned"))
+                self.fmus.append((unit, no_return, taken, warned))
             self._tables.append(table)
 
     def perform(self, rows: Rows, t: float, h: float) -> None:
@@ -98,12 +104,13 @@ class Machine:
             self._go_on(t, h)
 
     def step(self, rows: Rows, t: float, h: float) -> bool:
-        """Take the rows of a macro step; returns whether the signals have left the limit."""
-        self.records.take_rows(rows, t, h, 1)
-        if (unit := self.records.answer("unit")) < 0:
-            return unit == BEYOND
-        self._go_on(t, h)
-        return self.records.answer("unit") == BEYOND
+        """Take the rows of a macro step, and tell the units; returns whether the signals have left the limit."""
+        records = self.records
+        records.take_rows(rows, t, h, 1)
+        if records.integers[records.unit_place] >= 0:
+            self._go_on(t, h)
+        self.note()
+        return records.integers[records.unit_place] == BEYOND
 
     def _go_on(self, t: float, h: float) -> None:
         """Where the call of a unit has failed, raises the reason; if its step is done all the same, the rest follows."""
@@ -112,7 +119,7 @@ class Machine:
             node = self._nodes[unit]
             begin, length = (float(node.unit_record[name][0]) for name in ("start", "length")) if node.own else (t, h)
             self.note()
-            self._called[unit][0].stopped(records.answer("status"), begin, length)
+            self._called[unit].stopped(records.answer("status"), begin, length)
             records.ask(first=records.answer("row") + 1, steps=1, times=0, rows=0, sampled_count=0)
             records.call("run_steps", t, h)
 
@@ -123,20 +130,19 @@ class Machine:
 
     def begin(self) -> None:
         """Before steps: FMUs tell whether a state will come back; raises `SimulationEnded` where one has ended it."""
-        for fmu, place, _ in self._fmus:
+        for fmu, place, _, _ in self.fmus:
             self.records.integers[place] = fmu.begin_steps()
 
     def note(self) -> None:
         """Tell the units how far they have come."""
         integers, numbers = self.records.integers, self.records.numbers
-        for unit, taken, time in self._called:
+        for fmu, _, taken, warned in self.fmus:
+            fmu.counted(integers[taken], integers[warned])
+            integers[warned] = 0
+        for stepped, taken, time in self._noted:
             if integers[taken]:
-                unit.stepped(integers[taken], numbers[time])
+                stepped(numbers[time])
                 integers[taken] = 0
-        for fmu, _, warned in self._fmus:
-            if integers[warned]:
-                fmu.messages.warned(int(integers[warned]))
-                integers[warned] = 0
 
     def space(self, times: np.ndarray, sampled: np.ndarray) -> Space:
         """Room for macro steps from each of `times`, s; sampled: as of `Master.take_steps`."""

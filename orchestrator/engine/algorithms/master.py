@@ -135,7 +135,8 @@ class Master:
         """One macro step from t to t + h."""
         if self.texts is not None:
             self.texts.hand_over()
-        self.machine.begin()
+        if self.machine.fmus:
+            self.machine.begin()
         if self.in_batches:
             beyond = self.machine.step(self._step, t, h)
         else:
@@ -147,7 +148,6 @@ class Master:
             if not solved:
                 self.feedthrough.solve(self.machine, t + h)
             beyond = self.machine.step(self._finish if solved else self._push, t, h)
-        self.machine.note()
         self.steps += 1
         if beyond:
             self.check_finite(t + h)

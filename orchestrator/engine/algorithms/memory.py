@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from ctypes import CFUNCTYPE, c_double, c_int32, c_void_p
 from typing import Any
 
 import numpy as np
 
-from ....components.core.block import CELL, Block, Entry, callable_of
+from ....components.core.block import CELL, Block, Entry
 from ....components.core.kernels import COMPILED, RAISED
 from .fault_kernels import begin_change, end_change
 from .initial_kernels import ROWS, initialize_groups
@@ -33,6 +34,8 @@ from .records import (
 HEAD = 5  # fields at the beginning of `REQUEST`, up to `whole`
 KERNELS: dict[str, Any] = {"run_steps": run_steps, "initialize_groups": initialize_groups}
 OF_FAULTS: dict[str, Any] = {"begin_change": begin_change, "end_change": end_change}
+RAW = CFUNCTYPE(c_int32)  # an entry that is given its arguments as those of C
+KERNEL_RAISED = "a kernel of the loop has raised an exception"
 _ENTRIES: dict[tuple[Any, ...], Entry] = {}  # of the kernels, for each layout in this process
 
 
@@ -92,10 +95,13 @@ class Records:
         self.block, self.driven = Block(begin, (), (), dict.fromkeys(KERNELS | OF_FAULTS, times)), driven
         self.memory = self.block.s if COMPILED else Memory(*(a.view(np.recarray) if a.dtype.names else a for a in self.block.s))
         self.integers, self.numbers = _cells(self.block.memory.view(np.int64)), _cells(self.block.memory)
-        self._head = self.place("request", 0, "first")
-        self._heads: dict[tuple[tuple[int, int], int], Any] = {}  # the first fields of the request, for single steps
+        first = self.place("request", 0, "first")
+        self._head = slice(first, first + HEAD)
+        self._heads: tuple[dict[tuple[int, int], Any], ...] = {}, {}  # the first fields of the request, for single steps
         self._requested = {name: self.place("request", 0, name) for name in REQUEST.names or ()}
-        self._calls: dict[str, Callable[[float, float], int]] = {}
+        self.unit_place = self._requested["unit"]
+        self._calls: dict[str, Callable[..., int]] = {}  # the kernels
+        self._times = c_double(), c_double(), c_void_p(self.block.address)  # what they get; made once, half of the time of a call
 
     def place(self, array: str, k: int, field: str) -> int:
         """The cell of a field of the k-th record of an array."""
@@ -110,30 +116,36 @@ class Records:
 
     def take_rows(self, rows: tuple[int, int], t: float, h: float, whole: int = 0) -> None:
         """Call the kernel for some rows of the program, in the step from t to t + h; whole: whether they are a macro step."""
-        if (head := self._heads.get((rows, whole))) is None:  # one write of all takes a fifth of the time
-            head = self._heads[rows, whole] = _cells(np.array([*rows, 1, 0, whole], dtype=np.int64))
-        self.integers[self._head : self._head + HEAD] = head
-        self.call("run_steps", t, h)
+        if (head := self._heads[whole].get(rows)) is None:  # one write of all takes a fifth of the time
+            head = self._heads[whole][rows] = _cells(np.array([*rows, 1, 0, whole], dtype=np.int64))
+        self.integers[self._head] = head
+        times = self._times  # from here as of `call`: this is in every step
+        times[0].value, times[1].value = t, h
+        if (self._calls.get("run_steps") or self._prepare("run_steps"))(*times) == RAISED:
+            raise RuntimeError(KERNEL_RAISED)
 
     def answer(self, field: str) -> int:
         """A field of the request."""
         return self.integers[self._requested[field]]
 
     def call(self, name: str, t: float, h: float = 0.0) -> None:
-        """Call a kernel of `KERNELS` or `OF_FAULTS`: compiled, the first time, if need be."""
-        if (call := self._calls.get(name)) is None:
-            memory, address, kernel = self.memory, self.block.address, (KERNELS | OF_FAULTS)[name]
-            if COMPILED:
-                key = name, *(array.shape for array in memory)
-                if key not in _ENTRIES:
-                    _ENTRIES[key] = self.block.entry(name, kernel, (memory,))
-                entry = callable_of(self.block.take(name, _ENTRIES[key]))
-                call = lambda t, h: entry(t, h, address)  # noqa: E731
-            else:
-                call = lambda t, h: kernel(t, h, memory)  # noqa: E731
-            self._calls[name] = call
-        if call(t, h) == RAISED:
-            raise RuntimeError("a kernel of the loop has raised an exception")
+        """Call a kernel of `KERNELS` or `OF_FAULTS`."""
+        times = self._times
+        times[0].value, times[1].value = t, h
+        if (self._calls.get(name) or self._prepare(name))(*times) == RAISED:
+            raise RuntimeError(KERNEL_RAISED)
+
+    def _prepare(self, name: str) -> Callable[..., int]:
+        """A kernel, compiled if need be, as a function of times and the block."""
+        memory, kernel = self.memory, (KERNELS | OF_FAULTS)[name]
+        if COMPILED:
+            key = name, *(array.shape for array in memory)
+            if key not in _ENTRIES:
+                _ENTRIES[key] = self.block.entry(name, kernel, (memory,))
+            self._calls[name] = RAW(self.block.take(name, _ENTRIES[key]))
+        else:
+            self._calls[name] = lambda t, h, _: kernel(t.value, h.value, memory)
+        return self._calls[name]
 
     def state(self) -> np.ndarray:
         """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""

@@ -120,7 +120,11 @@ class Stepping:
         self.stops = dict(stops or {})
         self._order = sorted({end, *self.stops})
         self.tick, self._begun = 0, False
-        self._whole, self._seconds = range(0), clock.seconds(stride)  # ticks from which a step is a whole stride
+        self._whole, self._seconds, self._time = (
+            range(0),
+            clock.seconds(stride),
+            clock.time,
+        )  # ticks from which a step is a stride
         self._batches, self._trusted = batches, trusted
         self._pace = BATCH_SECONDS  # s of a step, as in the last batch
         self._under_way: tuple[range, np.ndarray] | None = None  # ticks and times of the batch that is being taken
@@ -145,15 +149,15 @@ class Stepping:
         """Find out to where `step_unseen` can go."""
         place = bisect_right(self._order, self.tick)
         stop = self._order[place] if place < len(self._order) else self.tick
-        self._whole = range(self.tick, stop - 2 * self.stride)
+        self._whole = range(-(-self.tick // self.stride) * self.stride, stop - 2 * self.stride, self.stride)
 
     def step_unseen(self) -> bool:
         """One step that no observer sees, on the shortest way to the master, and whether there was one: from a multiple of the
         stride, behind the last `look_ahead`, and away from what happens at a tick."""
         tick = self.tick
-        if tick not in self._whole or tick % self.stride:
+        if tick not in self._whole:
             return False
-        self.master.step(self.clock.time(tick), self._seconds)
+        self.master.step(self._time(tick), self._seconds)
         self.tick = tick + self.stride
         return True
 

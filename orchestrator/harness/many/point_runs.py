@@ -17,10 +17,10 @@ import numpy as np
 from ....components.core.errors import BadInput, StepFailed
 from ...judgement.instability import InstabilityMonitor
 from ...run.progress import Interrupt, Stop
-from ...run.recording import signals_spool
+from ...run.recorders import signals_recorder
 from ...run.results import Result
+from ...run.rows import Rows
 from ...run.run import Run, run
-from ...run.tables import MemoryTable
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked, asked_for
 from ...session.open_scene import Course, OpenScene
@@ -184,9 +184,9 @@ class _Course:
             self._course.stepping.run((), 0)  # it has begun; the observers look at the start below
         stepping, account, master = self._course.stepping, self._course.account, open_scene.master
         stepping.tick = 0
-        spool = signals_spool(master, open_scene.units, coupling, MemoryTable(self._names), self._every, stepping.end)
+        recorder = signals_recorder(master, open_scene.units, coupling, self._every, stepping.end, Rows(self._names))
         monitor = InstabilityMonitor(master, self._steps, account) if self._monitored else None
-        observers = [*spool.recorders, stop, *([monitor] if monitor else [])]
+        observers = [recorder, stop, *([monitor] if monitor else [])]
         if isinstance(stop, Interrupt):
             stop.halt = stepping.halt
         self._course.start()
@@ -201,7 +201,7 @@ class _Course:
             monitor.close(scene.stop_time)
         if master.no_numbers:
             raise StepFailed(scene.name, scene.stop_time, "an output was no number")
-        time, values, _ = spool.drain()
+        time, values, _ = recorder.rows
         columns = dict(zip(self._names, values.T, strict=True))
         info: dict[str, Any] = {"missed": monitor and monitor.missed()}
         if self._described:

@@ -1,5 +1,7 @@
 """Plans: which points they give, against closed forms, and how they are refused."""
 
+import re
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
@@ -126,6 +128,20 @@ def test_values_with_their_units():
 )
 def test_ranges_and_lists_of_the_command_line(text, values):
     assert ranges_of([text]) == {"m.k": values}
+
+
+@pytest.mark.parametrize(
+    ("texts", "message"),
+    [
+        (["m.k=1,2", "m.c=3", "m.k=4:5:2"], "--over: m.k twice; expected each name once"),
+        (["m.k=1,2,1.0"], "--over: 'm.k=1,2,1.0', with 1.0 twice; expected each value once"),
+        (["m.k=1 m,2 m,1 m"], "--over: 'm.k=1 m,2 m,1 m', with 1 m twice; expected each value once"),
+    ],
+)
+def test_what_is_given_twice_is_refused(texts, message):
+    """The last one had been taken, and a value that came twice was run twice, without a word."""
+    with pytest.raises(BadInput, match=re.escape(message)):
+        ranges_of(texts)
 
 
 @pytest.mark.parametrize("text", ["m.k", "m.k=", "m.k=1:2", "m.k=1:2:3:4", "m.k=a,b", "m.k=1:2:x"])
