@@ -44,7 +44,8 @@ def _plain(value: Any) -> Any:
         return vars(value)
     if isinstance(value, Mapping):
         return dict(value)
-    for kind in (str, int, float, list):
+    kinds: tuple[Any, ...] = str, int, float, list
+    for kind in kinds:
         if isinstance(value, kind):  # of a class of its own
             return kind(value)
     raise TypeError(f"{type(value).__name__} {value!r} is neither number, text, array, list nor mapping")

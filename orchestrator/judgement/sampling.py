@@ -13,7 +13,6 @@ from math import isfinite, sqrt
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
 
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
@@ -37,8 +36,26 @@ def denser(result: Result, times: int) -> Result | None:
     columns = {}
     for name, values in result.columns.items():
         smooth = _smooth(result, name, values)
-        columns[name] = Akima1DInterpolator(t, values, method="makima")(time) if smooth else values[before]
+        columns[name] = np.append(curve(t, values, share).ravel(), values[-1]) if smooth else values[before]
     return replace(result, time=time, columns=columns, texts={name: texts[before] for name, texts in result.texts.items()})
+
+
+def curve(t: np.ndarray, y: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """A modified Akima curve through at least three points, (n - 1, shares): at shares, 0 to 1, of each interval.
+
+    Akima, Journal of the ACM 17 (1970); weights of MATLAB's makima. SciPy has it, too, and takes a third of the start of a process.
+    """
+    h = np.diff(t)
+    m = np.diff(y) / h
+    m = np.concatenate(([3.0 * m[0] - 2.0 * m[1], 2.0 * m[0] - m[1]], m, [2.0 * m[-1] - m[-2], 3.0 * m[-1] - 2.0 * m[-2]]))
+    weights = np.abs(np.diff(m)) + 0.5 * np.abs(m[1:] + m[:-1])
+    before, both = weights[:-2], weights[2:] + weights[:-2]
+    defined = both > 1e-9 * both.max()
+    left, right = m[1:-2], m[2:-1]
+    slopes = np.where(defined, left + before / np.where(defined, both, 1.0) * (right - left), 0.5 * (m[3:] + m[:-3]))
+    y0, rise = y[:-1, None], np.diff(y)[:, None]
+    begin, end = slopes[:-1, None] * h[:, None], slopes[1:, None] * h[:, None]
+    return y0 + share * (begin + share * (3.0 * rise - 2.0 * begin - end + share * (begin + end - 2.0 * rise)))
 
 
 def _smooth(result: Result, name: str, values: np.ndarray) -> bool:

@@ -49,7 +49,8 @@ class Recorder(BatchObserver):
         """
         self.table, self._picked, self._beside = table, picked, beside
         self._sample, self._width, self._end, self._of_master = sample, width, end, of_master and texts is None
-        self._read_texts, self._columns, self._known = texts, columns, {}  # type: ignore[var-annotated]
+        self._read_texts, self._columns = texts, columns
+        self._known: dict[str, str] = {}
         self._interval: Fraction | int = int(interval) if interval == int(interval) else interval
         self._due, self._last = 0, -math.inf
         self._clear()

@@ -228,5 +228,5 @@ def test_control_characters_of_warnings_are_made_visible():
 
 
 def test_arrays_of_objects_are_not_sent():
-    with pytest.raises(TypeError, match="a ndarray cannot be sent"):
+    with pytest.raises(TypeError, match="neither number, text, array, list nor mapping"):
         packed([np.array([{}], dtype=object)])

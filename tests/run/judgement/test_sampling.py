@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.sampling import between, of_parts
+from cosimo.orchestrator.judgement.sampling import between, curve, of_parts
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 from scipy.integrate import solve_ivp
+from scipy.interpolate import Akima1DInterpolator
 
 pytestmark = pytest.mark.interpreted
 NAME = "a.x_out"
@@ -83,3 +84,15 @@ def test_the_mean_of_a_chaotic_motion_has_the_error_that_an_ensemble_shows(resul
         held = int((np.abs(numbers - numbers.mean()) <= errors).sum())
         assert held >= 17, (name, held)
         assert errors.mean() < 6.0 * numbers.std()  # no error that says nothing
+
+
+@pytest.mark.parametrize("n", [3, 4, 200])
+def test_the_curve_is_that_of_scipy(n):
+    rng = np.random.default_rng(n)
+    t, share = np.cumsum(rng.uniform(0.1, 1.0, n)), np.arange(4) / 4
+    for y in (rng.normal(size=n), np.repeat(rng.normal(size=n), 3)[:n], np.zeros(n), 1e6 + t):
+        at = (t[:-1, None] + np.diff(t)[:, None] * share).ravel()
+        expected = Akima1DInterpolator(t, y, method="makima")(at)
+        np.testing.assert_allclose(
+            curve(t, y, share).ravel(), expected, rtol=0.0, atol=1e-12 * max(np.ptp(y), abs(y).max(), 1e-300)
+        )
