@@ -125,7 +125,7 @@ class SourceIndex:
 @lru_cache(maxsize=1)
 def sources() -> SourceIndex:
     """The index of this user."""
-    folder = cache_folder()
+    folder = cache_folder("kernels")
     return SourceIndex(None if folder is None else folder / "sources.json")
 
 

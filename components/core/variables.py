@@ -19,6 +19,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from numbers import Real
+from typing import Any
+
+import numpy as np
 
 from .errors import BadInput
 from .measure import OTHERWISE, is_quantity, number_in, parse
@@ -90,6 +93,23 @@ class Variable:
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
         parse(self.unit, f"{owner.__name__}.{name}")
+
+    def __get__(self, component: Any, owner: type | None = None) -> Any:
+        """Of a class the declaration; of a component the present value, of an array all of them, (n,)."""
+        if component is None:
+            return self
+        if self.name in vars(component):  # what the component itself calls so
+            return vars(component)[self.name]
+        values = [component.get(scalar.name) for scalar in self.scalars]
+        return np.array(values) if self.size else values[0]
+
+    def __set__(self, component: Any, value: Any) -> None:
+        """An output gets a value; with the name of any other variable a component may call something of its own."""
+        if self.causality is not Causality.OUTPUT or not hasattr(component, "_used") or self.name in vars(component):
+            vars(component)[self.name] = value
+            return
+        first = component.output_positions([self.scalars[0].name])[0]
+        component.y[first : first + max(self.size, 1)] = value
 
     def __post_init__(self) -> None:
         if self.kind is Kind.REAL:

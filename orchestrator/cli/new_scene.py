@@ -121,7 +121,6 @@ def scene(
 
     Or like another: cosimo new scene my-scene.toml --from friction-drive-step
     """
-    from ..harness.validation.limits_of_run import with_limits
     from ..systems import load_scene
     from ..systems.railway.new_line import scene_text
 
@@ -144,7 +143,7 @@ def scene(
     for table, content in tables.items():
         table.write_bytes(content)
     try:
-        with_limits(load_scene(file))
+        load_scene(file)
     except BadInput:
         for path in (file, *tables):
             path.unlink()

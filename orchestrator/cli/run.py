@@ -163,7 +163,6 @@ def run(
     Preview: cosimo run scene.toml --step 2e-3 --dry-run. Continue after an interrupt: cosimo run scene.toml -o out
     --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_scene
     from . import run_parts
 
@@ -206,7 +205,6 @@ def run(
     accuracy_within = None if accuracy is None else share("--accuracy", accuracy)
     if accuracy_within is not None:
         refuse({"--step": step, "--algorithm": algorithm}, "none with --accuracy, which chooses it", "Remove one of them.")
-    with_limits(loaded)  # what cannot be is refused before anything is measured
     reasons = []  # functions that put those of a choice into run.json
     if effects_within is not None:
         from .choices import with_effects_within
@@ -223,7 +221,6 @@ def run(
             from ..harness.studies.quantities import distances, recording
 
             loaded, of_quantities = recording(loaded), distances
-    loaded = with_limits(loaded)
     if dry_run:
         run_parts.dry_run(loaded, in_process, output)
         return

@@ -41,7 +41,7 @@ Models = Mapping[str, type[AnalysisKeys]]  # of [analysis], by the name of a sys
 
 
 class KnownSystems(dict[str, type[AnalysisKeys]]):
-    """`Models`, with the summaries, reports and plots of results of these systems (`results.Views`)."""
+    """`Models`, with what else is known of these systems: summaries, reports and plots of results (`results.Views`), tables of limits."""
 
     def __init__(self, models: Models, views: Any):
         super().__init__(models)
@@ -241,7 +241,7 @@ def read_scene(
     scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
     _check_quantities(scene)
     _check_tables(scene)
-    return scene
+    return scene if scene.limits is None or scene.views is None else scene.views.with_limits(scene)
 
 
 def _with_place_of_limits(data: Mapping[str, Any], folder: Path | None) -> Mapping[str, Any]:

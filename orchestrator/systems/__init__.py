@@ -54,7 +54,12 @@ SYSTEMS: Systems = {name: _system(name) for name in NAMES}
 
 
 class _Views:
-    """`results.Views` that know all systems."""
+    """`results.Views` that know all systems, and what a scene with limits needs."""
+
+    def with_limits(self, scene: Scene) -> Scene:
+        from ..harness.validation.limits_of_run import with_limits
+
+        return with_limits(scene)
 
     def summary(self, result: Result) -> SummaryTable:
         return summary(result)
@@ -164,11 +169,10 @@ def run(
     real_time: no macro step ends before its time on the clock.  fmu_log: the level from which on messages of foreign FMUs are kept.
     Raises `BadInput` for what cannot start.
     """
-    from ..harness.validation.limits_of_run import with_limits
     from ..judgement.verification import run as run_verified
 
     return run_verified(
-        with_limits(scene_of(scene)),
+        scene_of(scene),
         verify=verify,
         in_process=in_process,
         native=native,

@@ -9,6 +9,7 @@ from cosimo import components
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.component import Component, Effect, Preset
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import choice, input_, integer, output, parameter
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.rov.controller import RovController
@@ -169,3 +170,36 @@ def test_preset_sets_effects_and_parameters():
     assert {"pre_sag", "wire_profile"} <= set(catenary.on)
     with pytest.raises(BadInput, match="did you mean 'EN 50318:2018 AC simple'"):
         Catenary(preset="EN 50318:2018 AC simpel")
+
+
+class Named(Component):
+    """Names of variables, and one that is also something of every component."""
+
+    mass = parameter(2.0, "kg", "mass")
+    gains = parameter((1.0, 2.0), "1", "gains", size=2)
+    kind = choice("soft", ("soft", "hard"), "kind")
+    force = input_(3.0, "N", "force")
+    area = output("m2", "areas", size=2)
+    x = output("m", "position")
+    speed = output("m/s", "velocity")
+
+    def _initialize(self, t):
+        self.x = np.array([self.force / self.mass])  # the state
+        return DONE
+
+    def _outputs(self, t):
+        self.area, self.speed = self.gains, 7.0
+
+
+def test_values_are_had_by_name_and_outputs_set():
+    assert Named.mass is Named.own_variables[0]
+    one = Named(parameters={"mass": 4.0, "kind": "hard"})
+    assert (one.mass, one.kind, one.force, one.gains.tolist()) == (4.0, "hard", 3.0, [1.0, 2.0])
+    one.initialize(0.0)
+    assert one.x.tolist() == [0.75]  # not the output of this name
+    assert one.y.tolist() == [1.0, 2.0, 0.0, 7.0]
+    assert (one.area.tolist(), one.speed) == ([1.0, 2.0], 7.0)
+    one.set("force", 8.0)
+    assert one.force == 8.0
+    one.mass = 5.0  # a name of its own, as before
+    assert (one.mass, one.parameters["mass"]) == (5.0, 4.0)

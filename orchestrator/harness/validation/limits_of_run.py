@@ -53,19 +53,19 @@ class Judged:
 
 
 def with_limits(scene: Scene) -> Scene:
-    """The scene with the quantities of its limits among those of interest, and what they need recorded.
+    """The scene with the quantities of its limits among those of interest, and what they need recorded; part of reading it.
 
     Raises `BadInput` for a table or a condition that there is not, and where a run would have nothing to compare.
     """
-    if scene.limits is None:
-        return scene
+    assert scene.limits is not None
     table = table_of(scene.limits.table)
     rows = rows_under(table.rows, scene.limits, unique=not table.rules)
     if table.check:
         _function(table.check)(scene)
     kinds = [] if table.rules or table.measures else [row.measure for row in rows if "," in row.measure]
-    quantities = [*scene.study.quantities, *(kind for kind in kinds if kind not in scene.study.quantities)]
-    return recording(scene.with_changes({"study.quantities": quantities})) if kinds else scene
+    if missing := [kind for kind in kinds if kind not in scene.study.quantities]:
+        return scene.with_changes({"study.quantities": [*scene.study.quantities, *missing]})  # which comes here again
+    return recording(scene) if kinds else scene
 
 
 def judged_numbers(result: Result, numbers: Sequence[SummaryRow]) -> tuple[list[Judged], list[str]]:

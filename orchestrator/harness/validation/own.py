@@ -20,7 +20,7 @@ from ...settings.messages import one_message
 from ..studies.quantities import recording
 from .case import Case, Row, compare
 from .curves import Comparison, compare_curve, read_curve, units_of
-from .limits_of_run import judge, named_numbers, with_limits
+from .limits_of_run import judge, named_numbers
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
 
@@ -56,7 +56,6 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         table = settings.limits.table
         place = str((path.parent / table).resolve()) if table.endswith(".toml") else table
         scene = scene.with_changes({"limits": {"table": place, "conditions": settings.limits.conditions}})
-        scene = with_limits(scene)
     conditions = [r.condition for r in settings.runs]
     if twice := [c for c in dict.fromkeys(conditions) if conditions.count(c) > 1]:
         raise BadInput(f"{name}: runs", f"condition {twice[0]!r} twice", "a condition of its own for each run")
