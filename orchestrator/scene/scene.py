@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import tomli_w
 from pydantic import PrivateAttr, ValidationError
@@ -30,9 +30,6 @@ from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
 from .names import changed_settings, check_effects, is_setting
 from .written_units import with_numbers, with_tables
-
-if TYPE_CHECKING:
-    from .edit import SceneEdit
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
 Keys = TypeVar("Keys", bound=AnalysisKeys)
@@ -162,12 +159,6 @@ class Scene(SceneSettings):
             data |= {"start_time": float(table[0, 0]), "stop_time": float(table[-1, 0])}
         remarks = (*self.remarks, remark) if remark else self.remarks
         return read_scene(data, self.name, remarks=remarks, analysis=self._models)
-
-    def edit(self) -> SceneEdit:
-        """Changes as assignments, which an interpreter completes: `edit.units.pantograph.speed = 83.3`, then `edit.scene`."""
-        from .edit import SceneEdit
-
-        return SceneEdit(self)
 
     def split(self, name: str) -> tuple[str, str]:
         """("unit", "rest") of "unit.rest", see `settings.names`."""

@@ -44,51 +44,6 @@ def test_a_class_that_nobody_could_look_up_is_refused():
         cosimo.unit(Local)
 
 
-def test_changes_by_attributes():
-    scene = load_scene("en50318-2002")
-    edit = scene.edit()
-    assert edit.units.pantograph.frame_mass == 15.0  # of the preset
-    edit.units.pantograph.speed = 70.0
-    edit.units.pantograph.effects += ("bump_stops",)
-    edit.units.pantograph.bump_stops.travel = 0.04
-    edit.units.catenary.dropper_position = [v + 0.1 for v in edit.units.catenary.dropper_position]
-    edit.master.step = 5e-4
-    assert edit.units.pantograph.speed == 70.0
-    changed = edit.scene
-    assert (
-        changed.settings()
-        == scene.with_changes(
-            {
-                "pantograph.speed": 70.0,
-                "units.pantograph.effects": (*scene.units["pantograph"].effects, "bump_stops"),
-                "pantograph.bump_stops.travel": 0.04,
-                "master.step": 5e-4,
-                "catenary.dropper_position": edit.changes["catenary.dropper_position"],
-            }
-        ).settings()
-    )
-    assert changed.units["catenary"].parameters["dropper_position[1]"] == pytest.approx(5.1)
-    assert scene.settings() == load_scene("en50318-2002").settings()
-
-
-def test_completion_offers_what_can_be_set():
-    edit = load_scene("en50318-2002").edit()
-    assert {"stop_time", "master", "units", "scene"} <= set(dir(edit))
-    assert set(dir(edit.units)) == {"catenary", "pantograph"}
-    assert {"speed", "bump_stops", "effects"} <= set(dir(edit.units.pantograph))
-    assert set(dir(edit.units.pantograph.bump_stops)) == {"travel", "stiffness"}
-
-
-def test_a_misspelt_name_is_one_message_at_once():
-    edit = load_scene("en50318-2002").edit()
-    with pytest.raises(BadInput, match="did you mean 'speed'"):
-        edit.units.pantograph.sped = 1.0
-    with pytest.raises(AttributeError, match="did you mean 'master'"):
-        _ = edit.mastr
-    with pytest.raises(BadInput, match="one of the settings in it"):
-        edit.master = 1.0
-
-
 @pytest.mark.parametrize("name", ["en50318-2002", "en50318-2002-interface-model", "rov-manoeuvre", "two-pantographs"])
 def test_a_drawing_has_every_unit_and_every_connection(name):
     scene = load_scene(name)
