@@ -13,8 +13,6 @@ from .....components.bearings.dimensionless import dimensionless
 from .....components.bearings.two_dof import bearing_derivatives
 from ....harness.analysis.sections import Bifurcation, bifurcation
 from ....harness.validation import Evidence, Runs
-from ....scene.scene import Scene
-from ... import load_scene
 
 RPM = 2.0 * math.pi / 60.0
 MICRO = 1e-6
@@ -33,14 +31,6 @@ def bearing(clearance: float, rpm: float, start_cage_angle: float = 0.0) -> Ball
     model = BallBearing(["clearance"], parameters, preset="JIS 6306")
     model.initialize(0.0)
     return model
-
-
-def scenes() -> dict[str, Scene]:
-    """The shipped scene, for the pictures."""
-    scene = load_scene("ball-bearing-clearance")
-    given = scene.units["bearing"].parameters
-    micrometres, rpm = float(given["clearance.radial_clearance"]) / MICRO, float(given["speed"]) * 30.0 / math.pi
-    return {f"radial clearance {micrometres:g} µm, {rpm:.0f} rpm": scene}
 
 
 def measure(runs: Runs) -> Evidence:

@@ -49,11 +49,11 @@ def measure(runs: Runs) -> Evidence:
     late = start.time >= 0.5 * start.time[-1]
     measured |= {f"start.{n}": float(start[f"{n}.unbalance.rate"][late].mean()) for n in ("caught", "passing")}
     speeds = {f"{n}.speed": float(np.ptp(start[f"{n}.position"][late]) / np.ptp(start.time[late])) for n in ("caught", "passing")}
-    w, rates, at = np.linspace(25.0, 135.0, 400), np.linspace(50.0, 160.0, 600), (*FREQUENCIES, *NEAR)
+    fine, rates, at = np.linspace(25.0, 135.0, 400), np.linspace(50.0, 160.0, 600), (*FREQUENCIES, *NEAR)
     drawn = {
-        "frequency": w,
-        "closed.free": 1e3 * _amplitude(w),
-        "closed.stuck": QUIET * 1e3 / np.abs(STIFFNESS - INNER * w * w + 1j * DAMPING * w),
+        "frequency": fine,
+        "closed.free": 1e3 * _amplitude(fine),
+        "closed.stuck": QUIET * 1e3 / np.abs(STIFFNESS - INNER * fine * fine + 1j * DAMPING * fine),
         "at": at,
         **{f"runs.{n}": [1e3 * measured[f"{n}.{v:g}"] for v in at] for n in ("free", "stuck")},
         "frequencies": FREQUENCIES,

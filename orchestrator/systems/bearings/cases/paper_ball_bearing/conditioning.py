@@ -59,9 +59,9 @@ def measure(runs: Runs) -> Evidence:
         for form, scaled in (("metres", False), ("dimensionless", True)):
             measured[f"{name}.{form}"] = 100.0 * short_numbers(kind, scaled)
     measured["float16.failed"] = float(not math.isfinite(measured["float16.metres"]))
-    units, scaled = ("m", "m/s", "N/m^1.5", "N.s/m", "kg", "N"), magnitudes(True)
+    units, by_scale = ("m", "m/s", "N/m^1.5", "N.s/m", "kg", "N"), magnitudes(True)
     sizes = [
-        (f"{name}, {unit}", float(f"{v:.3g}"), float(f"{scaled[name]:.3g}"))
+        (f"{name}, {unit}", float(f"{v:.3g}"), float(f"{by_scale[name]:.3g}"))
         for (name, v), unit in zip(numbers.items(), units, strict=True)
     ]
     by_form = {form: [100.0 * tables[GAP][s][form][0] for s in SOLVERS] for form in rk45}
