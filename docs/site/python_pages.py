@@ -46,7 +46,7 @@ COMMON = {  # what a name means wherever the docstring does not say it
     "progress": "show a bar with the time left",
     "output": "where results are written; what is there is read, not run again",
     "jobs": "workers; 1: this process alone, None: one for each core",
-    "scheduler": "address of a Dask cluster",
+    "cluster": "address of a Dask scheduler, whose workers run the scene",
     "verify": "find the numerical error of each number, as in `run`",
     "plan": "a plan, the file of one, or the same as plain data",
     "settings": "the file of a study, or the same as plain data",

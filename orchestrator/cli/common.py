@@ -82,7 +82,7 @@ def first_sentence(text: str) -> str:
 GROUPS = {
     "Simulate": ("run", "show", "list", "compare", "explore", "new"),
     "Judge": ("validate", "accuracy", "stability", "effects"),
-    "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design", "dataset"),
+    "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design"),
     "Give away": ("build", "check", "ssp"),
     "Railway": ("railway",),
     "House-keeping": ("open", "cache", "schema"),

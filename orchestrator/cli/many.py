@@ -1,4 +1,4 @@
-"""Many runs of one scene: sweeps, and sensitivity, uncertainty, fits and designs that follow from them; data sets."""
+"""Many runs of one scene: sweeps, and sensitivity, uncertainty, fits and designs that follow from them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
-from importlib.util import find_spec
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,21 +16,10 @@ from typer import Option
 
 from ...components.core.errors import visible_lines
 from ..output import locked
-from .common import (
-    FAILED_CHECK,
-    FAILED_RUN,
-    STOPPED,
-    app,
-    fail,
-    group,
-    print_table,
-    print_written,
-    scene_of,
-    status_spinner,
-    warn,
-)
+from .common import FAILED_CHECK, FAILED_RUN, STOPPED, app, fail, print_table, print_written, scene_of, status_spinner, warn
 from .options import (
     Changes,
+    Cluster,
     Conditions,
     Jobs,
     Limits,
@@ -43,7 +31,6 @@ from .options import (
     Presets,
     Quantities,
     SceneName,
-    Scheduler,
     Step,
     Stop,
     ranges_of,
@@ -56,8 +43,6 @@ from .options import (
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
     from ..scene.scene import Scene
-
-dataset = group("dataset", "Data sets of simulated records.")
 
 
 @dataclass(frozen=True)
@@ -76,19 +61,19 @@ def many_runs(command: Callable[..., None]) -> Callable[..., None]:
         "step": (Step, None),
         "stop": (Stop, None),
         "jobs": (Jobs, None),
-        "scheduler": (Scheduler, ""),
+        "cluster": (Cluster, ""),
         "no_verify": (NoVerify, False),
     }
 
     @wraps(command)
     def running(*, scene: str, output: Path, **given: Any) -> None:
-        values, presets, step, stop, jobs, scheduler, no_verify = (given.pop(name) for name in more)
+        values, presets, step, stop, jobs, cluster, no_verify = (given.pop(name) for name in more)
         over = given.get("over")
         if given["plan"] is not None:
             refuse({"--over": over}, "none with --plan", "Give one of them.")
         loaded = scene_of(scene, values, presets, {**times_of(step, stop), "sweep": ranges_of(over) or None})
         with locked(output):  # now, not after many runs
-            command(Runs(loaded, {"jobs": jobs, "scheduler": scheduler, "verify": not no_verify}), output=output, **given)
+            command(Runs(loaded, {"jobs": jobs, "cluster": cluster, "verify": not no_verify}), output=output, **given)
 
     _, *own = inspect.signature(command, eval_str=True).parameters.values()
     first = inspect.Parameter("scene", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=SceneName)
@@ -126,7 +111,7 @@ def sweep(
     kept = f", {earlier} of an earlier call" if earlier else ""
     print_written(written, f"{len(results.outcomes)} points{kept}, {len(failed)} failed; ")
     print(verified(results))
-    for sentence in failure_groups(results.outcomes, results.varied)[:20]:
+    for sentence in failure_groups(results.outcomes)[:20]:
         print(f"cosimo: {visible_lines(sentence)}", file=sys.stderr)
     stopped_early(results)
     if failed:
@@ -171,11 +156,6 @@ def uncertainty(
     runs: Runs,
     plan: PlanFile,
     quantity: Quantities = None,
-    effects: Annotated[
-        bool,
-        Option("--effects", help="Which effects are needed so that the others change less than the parameters' uncertainty."),
-    ] = False,
-    share: Annotated[float, Option(help="Of the standard deviation that the others may change.")] = 1.0,
     limits: Limits = "",
     condition: Conditions = None,
     output: Output = Path("uncertainty"),
@@ -186,16 +166,7 @@ def uncertainty(
     from ..systems import many
 
     answer = many.uncertainty(
-        runs.scene,
-        plan,
-        output,
-        quantities=quantity or [],
-        effects=effects,
-        share=share,
-        progress=True,
-        limits=limits,
-        conditions=condition or (),
-        **runs.how,
+        runs.scene, plan, output, quantities=quantity or [], progress=True, limits=limits, conditions=condition or (), **runs.how
     )
     stopped_early(answer.sweep)
     written = [*answer.save(output), answers.for_uncertainty(answer, output)]
@@ -208,11 +179,6 @@ def uncertainty(
     print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high", "error of a run"], rows)
     if answer.limits:
         print_table("Probability of keeping the limits", answers.LIMIT_COLUMNS, answers.limit_rows(answer.limits))
-    if effects:
-        print(
-            f"effects that are needed: {', '.join(answer.needed) or 'none'}; the others change {answer.left_error:.3g} of a "
-            "standard deviation at most"
-        )
     warn(answer.messages)
     print(verified(answer.sweep))
     print_written(written, f"{len(answer.sweep.outcomes)} runs; ")
@@ -269,56 +235,6 @@ def design(
     print_written(written, _runs(len(answer.steps), answer.computed))
     if answer.best < 0:
         raise SystemExit(FAILED_CHECK)
-
-
-@dataset.command("bearing-faults")
-def bearing_faults(
-    output: Output = Path("bearing-faults"),
-    individuals: Annotated[int, Option(help="Bearings of each class; each is in one part only.")] = 5,
-    duration: Annotated[float, Option(help="Length of a record, s; 0.25 or more.")] = 1.0,
-    conditions: Annotated[int, Option(help="Of the four speeds and loads, how many.")] = 4,
-    rate: Annotated[float, Option(help="Samples a second.")] = 12_000.0,
-    resonance: Annotated[float, Option(help="Of the structure between bearing and sensor, Hz.")] = 3_000.0,
-    snr: Annotated[float, Option(help="Ratio of signal to noise, dB.")] = 30.0,
-    run_up: Annotated[bool, Option("--run-up", help="A run-up beside every steady record.")] = False,
-    layout: Annotated[str, Option(help="cwru or paderborn.")] = "cwru",
-    seed: Annotated[int, Option(help="Of all random numbers.")] = 1,
-    jobs: Jobs = None,
-    scheduler: Scheduler = "",
-) -> None:
-    """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
-    from ..harness.many.failures import failure_groups
-    from ..systems.bearings.fault_check import check
-    from ..systems.bearings.fault_data import Sensor, fault_data
-
-    sensor = Sensor(rate=rate, resonance=resonance, snr=snr)
-    with locked(output):
-        records, runs = fault_data(
-            output,
-            individuals=individuals,
-            duration=duration,
-            seed=seed,
-            run_up=run_up,
-            conditions=conditions,
-            sensor=sensor,
-            layout=layout,
-            jobs=jobs,
-            scheduler=scheduler,
-            progress=True,
-        )
-    stopped_early(runs)
-    parts = {part: sum(r.part == part for r in records) for part in ("train", "validation", "test")}
-    print_written([output / "labels.csv"], f"{len(records)} records ({', '.join(f'{n} {p}' for p, n in parts.items())}); ")
-    if layout == "cwru" and find_spec("sklearn") is not None:
-        result = check(output, sensor)
-        names = list(next(iter(result.by_label.values())))
-        print_table("Medians", ["label", *names], [(label, *row.values()) for label, row in result.by_label.items()])
-        print(
-            f"a random forest labels {100.0 * result.accuracy:.0f} % of {result.records} test records right "
-            f"(by chance {100.0 * result.chance:.0f} %)"
-        )
-    if _failed(runs):
-        raise fail(failure_groups(runs.outcomes, runs.varied)[0])
 
 
 def verified(results: Sweep) -> str:

@@ -89,9 +89,12 @@ Quantities = Annotated[
     ),
 ]
 Jobs = Annotated[
-    int | None, Option("--jobs", help="Threads, or processes where steps need Python; default: one for each core, where it pays.")
+    int | None,
+    Option("--jobs", help="Threads, or processes of Dask where steps need Python; default: one for each core, where it pays."),
 ]
-Scheduler = Annotated[str, Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
+Cluster = Annotated[
+    str, Option("--cluster", metavar="tcp://HOST:PORT", help="Scheduler of a Dask cluster, whose workers run it.")
+]
 Limits = Annotated[
     str,
     Option(

@@ -1,4 +1,4 @@
-"""One scene, many runs: the points of a plan, computed here, by a pool of processes or by a cluster, and kept as one data set.
+"""One scene, many runs: the points of a plan, computed here, by processes or by a cluster, and kept as one data set.
 
 What is kept of a run are statistics of its recorded signals after the transient, the figures of its system, quantities, own
 functions and signals on request, and, where [analysis] has a section, the points of a signal each time an angle passes a
@@ -11,7 +11,8 @@ multiple of something: the raw material of a bifurcation diagram.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -23,13 +24,13 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ..output import locked
+from ..run.progress import terminal_bar
 from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
 from .many.columns import check_columns, column_name
 from .many.execute import Computing, WorkerOptions
 from .many.files import Sweep, collect, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
-from .many.live import Live
 from .many.measures import Summarize, Task, check_analysis, own_version
 from .many.plan import plan_of, plan_settings
 from .many.repetition import compared, ends_and_some, repeat
@@ -67,7 +68,7 @@ def sweep(
     directory: str | Path | None = None,
     *,
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     add: int = 0,
     retry: bool = False,
     progress: bool = False,
@@ -81,7 +82,7 @@ def sweep(
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `directory`: where the points, the table and the data set go; what is there of the same scene is not run again. `jobs`:
-    processes of this machine, 1: this one, None: all cores where it pays; `scheduler`: address of a Dask cluster instead.
+    threads or processes of this machine, 1: this thread, None: all cores where it pays; `cluster`: address of a Dask scheduler instead.
     `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
     `cube`: points (n, d) of the unit cube in the place of the method's own. `limits`, `conditions`: a validation table whose rows
     are limits, and which of them. `verify`: whether some points, those at the ends and three at random, run again with half of
@@ -99,27 +100,29 @@ def sweep(
         points = StoredPlan(task, chosen, Store.of(task, folder))
         missing = points.missing(retry)
         stopped = None
-        title = f"Sweep of {scene.title or scene.name}"
-        with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
-            with Computing(jobs, scheduler, live.count) as computing:
-                first = missing[:0] if known else missing[:1]
-                if first.size:
-                    stopped = computing(points, first)
-                    for row in points.rows(first.tolist()).values():
-                        if row.outcome == "done":
-                            check_limits(settings.limits, row.units)
-                            for name in columns:
-                                column_name(row.numbers, name, "quantities")
-                if missing.size > first.size and stopped is None:
-                    stopped = computing(points, missing[first.size :])
-            repeating = verify and stopped is None
-            if repeating:
-                live.repeating()
-            kept = directory is not None
-            collected = collected_sweep(
-                scene, points, folder, stopped=stopped, kept=kept, computed=missing.size, verify=repeating
-            )
-            live.write("stopped" if stopped is not None else "done")
+        with (
+            _counted(f"Sweep of {scene.title or scene.name}", chosen.size, missing.size, progress) as observe,
+            Computing(task, jobs, cluster, observe) as computing,
+        ):
+            first = missing[:0] if known else missing[:1]
+            if first.size:
+                stopped = computing(points, first)
+                for row in points.rows(first.tolist()).values():
+                    if row.outcome == "done":
+                        check_limits(settings.limits, row.units)
+                        for name in columns:
+                            column_name(row.numbers, name, "quantities")
+            if missing.size > first.size and stopped is None:
+                stopped = computing(points, missing[first.size :])
+        collected = collected_sweep(
+            scene,
+            points,
+            folder,
+            stopped=stopped,
+            kept=directory is not None,
+            computed=missing.size,
+            verify=verify and stopped is None,
+        )
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
     return collected
@@ -134,6 +137,17 @@ def points_directory(directory: str | Path | None, prefix: str) -> Iterator[Path
     else:
         with TemporaryDirectory(prefix=prefix) as temporary:
             yield Path(temporary)
+
+
+@contextmanager
+def _counted(title: str, total: int, missing: int, progress: bool) -> Iterator[Callable[[Sequence[Any]], None]]:
+    """What is told of rows, and shows on a terminal how many of all there are."""
+    if not (progress and sys.stderr.isatty()):
+        yield lambda rows: None
+        return
+    with terminal_bar("{task.completed:g}/{task.total:g}") as bar:
+        shown = bar.add_task(title, total=total, completed=total - missing)
+        yield lambda rows: bar.advance(shown, len(rows))
 
 
 def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
@@ -163,7 +177,7 @@ def collected_sweep(
     verify: bool = False,
 ) -> Sweep:
     """The points as they lie in their store, with table and data set where the folder is kept; `verify`: some are run again."""
-    collected = collect(scene, points, folder)
+    collected = collect(scene, points)
     repeated = None
     if verify:
         chosen = ends_and_some(points.plan, collected.done)

@@ -24,7 +24,6 @@ TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # setting
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
 KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
 OF_A_KIND = {*KINDS, *TABLE_KEYS, "preset", "effects", "parameters"}  # what a whole unit does not take over from the one before
-STRUCTURAL = {*KINDS, "preset", "effects", "interface"}  # what machine code depends on, beside structural parameters
 
 
 class Place(NamedTuple):
@@ -34,11 +33,6 @@ class Place(NamedTuple):
     unit: str = ""
     parameter: str = ""
     effect: str = ""
-
-    @property
-    def structural(self) -> bool:
-        """Whether other values may need other machine code: what a unit is and which effects it has."""
-        return bool(self.unit) and (len(self.keys) == 2 or self.keys[2] in STRUCTURAL)
 
 
 def is_setting(name: str) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..harness import sweep as sweeps
 from ..harness.many.plan import from_columns
 from ..harness.sweep import Sweep
-from ..renamed import OUTPUT
+from ..renamed import renamed
 from ..scene.scene import Scene
 from ..settings.plan import KeepSettings, PlanSettings
 from . import scene_of, summary
@@ -24,17 +24,18 @@ if TYPE_CHECKING:
     from ..harness.sweep import AnswerOptions
     from ..settings.answers import DesignSettings, FitSettings
 
+RENAMED = renamed(directory="output", scheduler="cluster")
 PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
 
-@OUTPUT
+@RENAMED
 def sweep(
     scene: Scene | str | Path,
     plan: PlanLike | None = None,
     output: str | Path | None = None,
     *,
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     add: int = 0,
     retry: bool = False,
     progress: bool = False,
@@ -46,8 +47,8 @@ def sweep(
 
     `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `output`: where the points,
     the table and the data set go; what is there of the same scene is not run again. `jobs`: workers, 1: this thread alone, None:
-    one for each core where it pays; they are threads, or processes where a step of the scene needs Python. `scheduler`: address
-    of a Dask cluster. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or
+    one for each core where it pays; they are threads, or processes of Dask where a step of the scene needs Python. `cluster`:
+    address of a Dask scheduler. `add`: further points of a sampled plan. `retry`: failed points run again. `limits`: a validation table, or
     the file of one, whose rows are limits, under these `conditions`. `verify`: some points run again with half of every macro
     step, for the errors of the numbers. A script that uses several processes keeps its own calls behind
     `if __name__ == "__main__":`.
@@ -58,7 +59,7 @@ def sweep(
         plan,
         output,
         jobs=jobs,
-        scheduler=scheduler,
+        cluster=cluster,
         add=add,
         retry=retry,
         progress=progress,
@@ -69,7 +70,7 @@ def sweep(
     )
 
 
-@OUTPUT
+@RENAMED
 def run_many(
     scene: Scene | str | Path,
     table: Mapping[str, Iterable[Any]],
@@ -104,7 +105,7 @@ def function(
     return Function(scene_of(scene), parameters, figures, summarize=summary, threads=threads)
 
 
-@OUTPUT
+@RENAMED
 def sensitivity(
     scene: Scene | str | Path,
     plan: PlanLike,
@@ -114,7 +115,7 @@ def sensitivity(
     method: str = "sobol",
     samples: int = 128,
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     progress: bool = False,
     verify: bool = True,
 ) -> Sensitivity:
@@ -126,40 +127,36 @@ def sensitivity(
     """
     from ..harness.many.sensitivity import sensitivity as answer
 
-    how: AnswerOptions = {"jobs": jobs, "scheduler": scheduler, "progress": progress, "verify": verify, "summarize": summary}
+    how: AnswerOptions = {"jobs": jobs, "cluster": cluster, "progress": progress, "verify": verify, "summarize": summary}
     return answer(scene_of(scene), plan, output, quantities=quantities, method=method, samples=samples, **how)
 
 
-@OUTPUT
+@RENAMED
 def uncertainty(
     scene: Scene | str | Path,
     plan: PlanLike,
     output: str | Path | None = None,
     *,
     quantities: Sequence[str] = (),
-    effects: bool = False,
-    share: float = 1.0,
     limits: str = "",
     conditions: Sequence[str] = (),
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     progress: bool = False,
     verify: bool = True,
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
-    quantities: columns of a sweep; default: those of the plan or of the scene's [study].  effects: look which effects of the full model
-    are needed so that leaving out the others changes no quantity by more than `share` of its standard deviation over the samples.
-    limits: a validation table whose rows are limits as well, under these `conditions`. Raises `BadInput`.
+    quantities: columns of a sweep; default: those of the plan or of the scene's [study].  limits: a validation table whose rows are
+    limits as well, under these `conditions`. Raises `BadInput`.
     """
     from ..harness.many.uncertainty import uncertainty as answer
 
-    how: AnswerOptions = {"jobs": jobs, "scheduler": scheduler, "progress": progress, "verify": verify, "summarize": summary}
-    of = {"quantities": quantities, "effects": effects, "share": share, "limits": limits, "conditions": conditions}
-    return answer(scene_of(scene), plan, output, **of, **how)  # type: ignore[arg-type]
+    how: AnswerOptions = {"jobs": jobs, "cluster": cluster, "progress": progress, "verify": verify, "summarize": summary}
+    return answer(scene_of(scene), plan, output, quantities=quantities, limits=limits, conditions=conditions, **how)
 
 
-@OUTPUT
+@RENAMED
 def fit(
     scene: Scene | str | Path,
     settings: FitSettings | Mapping[str, Any] | str | Path,
@@ -168,7 +165,7 @@ def fit(
     folder: str | Path = ".",
     verify: bool = True,
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     observe: Callable[[int], None] = lambda n: None,
 ) -> SceneFit:
     """Parameters from measurements: curves, spectra and numbers, by least squares over their standard deviations.
@@ -179,11 +176,11 @@ def fit(
     """
     from ..harness.many.fitting import fit as answer
 
-    how: SearchOptions = {"jobs": jobs, "scheduler": scheduler, "observe": observe, "summarize": summary}
+    how: SearchOptions = {"jobs": jobs, "cluster": cluster, "observe": observe, "summarize": summary}
     return answer(scene_of(scene), settings, output, folder=folder, verify=verify, **how)
 
 
-@OUTPUT
+@RENAMED
 def design(
     scene: Scene | str | Path,
     settings: DesignSettings | Mapping[str, Any] | str | Path,
@@ -193,7 +190,7 @@ def design(
     conditions: Sequence[str] = (),
     verify: bool = True,
     jobs: int | None = 1,
-    scheduler: str = "",
+    cluster: str = "",
     observe: Callable[[int], None] = lambda n: None,
 ) -> Design:
     """Parameters for the least or largest value of a quantity within bounds and limits; of several quantities a front.
@@ -204,5 +201,5 @@ def design(
     """
     from ..harness.many.design import design as answer
 
-    how: SearchOptions = {"jobs": jobs, "scheduler": scheduler, "observe": observe, "summarize": summary}
+    how: SearchOptions = {"jobs": jobs, "cluster": cluster, "observe": observe, "summarize": summary}
     return answer(scene_of(scene), settings, output, limits=limits, conditions=conditions, verify=verify, **how)

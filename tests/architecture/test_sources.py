@@ -64,7 +64,7 @@ READS_CLOCKS = {
     "orchestrator/run": {"pacing", "progress", "recording", "run", "run_info"},
     "orchestrator/cli": {"show_parts"},
     "orchestrator/engine/stepping": {"loop"},
-    "orchestrator/harness/many": {"execute", "executors", "live", "store"},
+    "orchestrator/harness/many": {"execute", "store"},
     "orchestrator/harness/studies": {"component_accuracy", "reference", "trial"},
     "orchestrator/judgement": {"probing", "verification"},
     "orchestrator/units": {"channel", "fmi2", "folders", "process"},

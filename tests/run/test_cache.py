@@ -19,7 +19,7 @@ from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.measures import Row
-from cosimo.orchestrator.harness.many.store import Store, table_of
+from cosimo.orchestrator.harness.many.store import Store
 from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
 from cosimo.orchestrator.verified_file import read_verified, write_verified
@@ -144,7 +144,7 @@ def read_rows(path):
 
 def make_rows(path):
     rows = Store(path.parent)
-    rows.append(table_of([(1, Row("done", path.parent.name))]))
+    rows.append([(1, Row("done", path.parent.name))])
     rows.flush()
     return next(path.parent.glob("*.arrow"))
 

@@ -53,7 +53,7 @@ def evaluations(
     for end in ("low", "high"):  # before a long search
         check_analysis(own.with_changes({name: getattr(bounds, end) for name, bounds in vary.items()}))
     observe = how.get("observe", lambda n: None)
-    computing = Computing(how.get("jobs", 1), how.get("scheduler", ""), lambda rows, workers: observe(computing.computed))
+    computing = Computing(task, how.get("jobs", 1), how.get("cluster", ""), lambda rows: observe(computing.computed))
     with points_directory(directory, "cosimo-search-") as folder, computing:
         runs = Evaluations(scene, vary, task, computing, folder, directory is not None)
         try:

@@ -14,7 +14,6 @@ import platform
 import shutil
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -55,7 +54,7 @@ class Sweep:
     """What the points of a sweep gave, in the order of its plan.
 
     plan: how the points were chosen.  varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind"
-    and the like -> (n,), NaN where a run failed; of many points in a file that the system reads as it is needed.  kinds: (n,) of
+    and the like -> (n,), NaN where a run failed.  kinds: (n,) of
     `measures.OUTCOMES`, with their reasons; of points that are done, why they may be unstable.  section: per point the values of
     the section's signal, (k,) each; none of more points than a piece has.  units: unit of measure of every column.
     longest: samples of the kept signals, at most.
@@ -123,7 +122,7 @@ class Sweep:
     def doubts(self) -> list[str]:
         """What keeps points that are done from being sure results, as sentences."""
         not_confirmed = self.repeated.not_confirmed() if self.repeated is not None else []
-        return doubt_groups(self.kinds, self.reasons, self.varied) + not_confirmed
+        return doubt_groups(self.kinds, self.reasons) + not_confirmed
 
     @property
     def done(self) -> np.ndarray:
@@ -131,12 +130,11 @@ class Sweep:
         return self.kinds == "done"
 
 
-def collect(scene: Scene, points: StoredPlan, directory: Path) -> Sweep:
+def collect(scene: Scene, points: StoredPlan) -> Sweep:
     """The rows of points, column by column; NaN where there is none."""
     import pyarrow.compute as compute
 
     n, plan, columns = points.plan.size, points.plan, points.store.columns
-    free = iter(_mapped(directory, sum(name.startswith(NUMBER) for name in columns), n))
     numbers: dict[str, np.ndarray] = {}
     kinds, reasons = np.full(n, NOT_RUN, dtype=object), np.full(n, "", dtype=object)
     texts: dict[str, str] = {}  # each once in memory
@@ -147,9 +145,7 @@ def collect(scene: Scene, points: StoredPlan, directory: Path) -> Sweep:
             target[some] = [texts.setdefault(t, t) for t in compute.fill_null(table.column(column), missing).to_pylist()]
         for name in table.column_names:
             if name.startswith(NUMBER):
-                if (key := name.removeprefix(NUMBER)) not in numbers:
-                    numbers[key] = next(free)
-                numbers[key][some] = table.column(name).to_numpy()
+                numbers.setdefault(name.removeprefix(NUMBER), np.full(n, np.nan))[some] = table.column(name).to_numpy()
         if TIME in table.column_names:
             longest = max(longest, compute.max(compute.list_value_length(table.column(TIME))).as_py() or 0)
         if n <= stores.PIECE:
@@ -160,19 +156,6 @@ def collect(scene: Scene, points: StoredPlan, directory: Path) -> Sweep:
     units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
     varied = {name: column.labels for name, column in plan.columns.items()}
     return Sweep(scene, plan.settings, varied, numbers, kinds, reasons, tuple(section), units, longest, points)
-
-
-def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
-    """(columns, n) NaNs; of many points in a file that has no name any more, which the system pages in and out."""
-    if columns * n <= LARGEST_PIECE:
-        return np.full((columns, n), np.nan)
-    path = directory / f".columns.{os.getpid()}"
-    values = np.memmap(path, dtype=float, mode="w+", shape=(columns, n))
-    with suppress(OSError):  # on Windows it stays until the end
-        path.unlink()
-    for column in values:
-        column[:] = np.nan
-    return values
 
 
 def write_tables(directory: Path, sweep: Sweep) -> Path:
@@ -213,15 +196,10 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
     def described(name: str) -> dict[str, str]:
         return {"long_name": name, "units": sweep.units.get(name) or "1"}
 
-    def tables() -> Iterator[xarray.Dataset]:
-        for first in range(0, n, stores.PIECE):
-            some = slice(first, min(first + stores.PIECE, n))
-            variables: dict[str, Any] = {
-                stored[m]: ("point", np.asarray(c[some]), described(m)) for m, c in sweep.measures.items()
-            }
-            variables |= {"outcome": ("point", sweep.kinds[some]), "reason": ("point", sweep.reasons[some])}
-            coordinates = {stored[name]: ("point", c[some], described(name)) for name, c in sweep.varied.items()}
-            yield xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
+    variables: dict[str, Any] = {stored[m]: ("point", c, described(m)) for m, c in sweep.measures.items()}
+    variables |= {"outcome": ("point", sweep.kinds), "reason": ("point", sweep.reasons)}
+    coordinates = {stored[name]: ("point", c, described(name)) for name, c in sweep.varied.items()}
+    whole = xarray.Dataset(variables, coordinates | {"point": np.arange(n)}, dict(attributes))
 
     def signals() -> Iterator[xarray.Dataset]:
         along = "time" if keep.interval is not None else "sample"
@@ -240,7 +218,7 @@ def write_data_set(directory: Path, sweep: Sweep, points: StoredPlan, attributes
 
     target, part = directory / DATA_SET, directory / f".{DATA_SET}.{os.getpid()}"
     shutil.rmtree(part, ignore_errors=True)
-    _append(part, tables(), (min(CHUNK, n),))
+    _append(part, [whole], (min(CHUNK, n),))
     if longest:
         per = max(1, min(CHUNK, LARGEST_PIECE // (longest * (1 + len(keep.signals)))))
         _append(part, signals(), (per, longest))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import signal
 import warnings
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from ...session.session import Session
 from ...settings.plan import KeepSettings
 from ...settings.study import wanted
 from .columns import as_column, check_columns, column_name, keep_for
-from .executors import cores
+from .execute import by_threads, cores
 from .measures import Row, Summarize, Task
 from .point_runs import PointRuns, only_kernels
 
@@ -76,10 +76,9 @@ class Function:
 
     def _open(self) -> None:
         """Begin with the runs of one thread."""
-        self._stop = Stop()
         self._runs = [PointRuns(self._task)]
         if only_kernels(self._task, self._runs[0]):
-            self._runs = [PointRuns(self._task, self._stop) for _ in range(self._threads or cores())]
+            self._runs += [PointRuns(self._task) for _ in range(1, self._threads or cores())]
 
     def __call__(self, x: Any) -> Any:
         """The figures at x, NaN where a run fails; raises `BadInput` for an x of another shape."""
@@ -113,27 +112,18 @@ class Function:
         count = min(len(self._runs), len(points))
         if count == 1 and len(self._runs) == 1:
             rows = [self._runs[0].row(point) for point in points]
+        elif count == 1:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)
+                self._runs[0].stop = Stop()  # costs less than handlers of signals
+                rows = [self._runs[0].row(point) for point in points]
         else:
-            rows = self._in_threads(points, count)
+            ended = dict(chain.from_iterable(by_threads(self._runs[:count], iter(enumerate(points)))))
+            rows = [ended[place] for place in range(len(points))]
         for row in rows:
             if row.stopped is not None:
                 signal.raise_signal(row.stopped)
         return rows
-
-    def _in_threads(self, points: Sequence[Mapping[str, Any]], count: int) -> list[Row]:
-        with warnings.catch_warnings():  # the list of them is one for all threads
-            warnings.simplefilter("ignore", UserWarning)
-            if count == 1:
-                return [self._runs[0].row(point) for point in points]
-            with ThreadPoolExecutor(count, "cosimo-point") as executor:
-                parts = [executor.submit(lambda k: [self._runs[k].row(p) for p in points[k::count]], k) for k in range(count)]
-                try:
-                    rows = [part.result() for part in parts]
-                except BaseException:
-                    self._stop.set()
-                    self._stop = Stop()
-                    raise
-        return [rows[i % count][i // count] for i in range(len(points))]
 
     def close(self) -> None:
         """Close the units."""
@@ -151,7 +141,7 @@ class Function:
         return f"<Function of {self._task.name}: {', '.join(self.parameters)} -> {', '.join(self.figures)}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name not in ("_runs", "_stop")}
+        return {name: value for name, value in vars(self).items() if name != "_runs"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)

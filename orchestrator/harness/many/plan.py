@@ -7,7 +7,6 @@ import json
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ import numpy as np
 
 from ....components.core.columns import read_table
 from ....components.core.errors import BadInput
-from ...scene.names import measure_of, parameter_of, place_of
+from ...scene.names import measure_of, parameter_of
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
@@ -51,16 +50,12 @@ class Column:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of a scene. columns: by name, each of `size` values.  doubts: questions about values, see `Variable.doubt`.
-
-    structural: names on whose values machine code depends.
-    """
+    """Points of a scene. columns: by name, each of `size` values.  doubts: questions about values, see `Variable.doubt`."""
 
     settings: PlanSettings
     columns: Mapping[str, Column]
     size: int
     doubts: tuple[str, ...] = ()
-    structural: tuple[str, ...] = ()
 
     def values(self, i: int) -> dict[str, Any]:
         """What varies, at point i."""
@@ -70,7 +65,7 @@ class Points:
         """Those at some places."""
         some = np.array(places, dtype=int)
         columns = {name: Column(column.numbers[some], column.choices) for name, column in self.columns.items()}
-        return Points(self.settings, columns, some.size, structural=self.structural)
+        return Points(self.settings, columns, some.size)
 
     @property
     def remarks(self) -> list[str]:
@@ -81,14 +76,6 @@ class Points:
         if self.settings.method == "latin-hypercube" and self.settings.correlation:
             texts.append("with correlations, a Latin hypercube keeps its even spacing in the first of the correlated names only")
         return [*texts, *self.doubts]
-
-    @cached_property
-    def kernels(self) -> np.ndarray:
-        """(n,) whole numbers: points of one number use the same machine code."""
-        structural = [self.columns[n].numbers for n in self.structural if self.columns[n].choices is not None]
-        if not structural:
-            return np.zeros(self.size, dtype=np.int32)
-        return np.unique(np.stack(structural, axis=1), axis=0, return_inverse=True)[1].ravel()
 
     def digests(self, base: str) -> np.ndarray:
         """(n,) 64-bit numbers: of a point's values on the background of `base`, what else results depend on."""
@@ -151,7 +138,7 @@ def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None
             numbers = column.labels if column.labels.dtype.kind == "f" else ()
             texts = (f"{name} = {v:g}: {known.doubt(v)}" for v in numbers if known.doubt(v))
             doubts += [text for text in [next(texts, "")] if text]
-    plan = Points(settings, columns, size, tuple(doubts), tuple(n for n in columns if place_of(scene, n).structural))
+    plan = Points(settings, columns, size, tuple(doubts))
     _check_values(scene, plan)
     return plan
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import logging
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from signal import SIGINT, Signals
-from threading import local
 from typing import Any
 
 import numpy as np
@@ -22,31 +21,18 @@ from ...run.results import Result
 from ...run.rows import Rows
 from ...run.run import Run, run
 from ...scene.names import parameter_of
-from ...scene.shorter_steps import asked, asked_for
+from ...scene.shorter_steps import asked_for
 from ...session.open_scene import Course, OpenScene
 from .measures import Row, Task, row_of_result
 
 log = logging.getLogger("cosimo")
-_here = local()  # the runs of this thread
-
-
-def runs_of(task: Task, stop: Stop | None = None) -> PointRuns:
-    """The runs of a task in this thread: those of its last batch, where it was of the same task."""
-    key = task.base, asked()
-    if getattr(_here, "key", None) != key:
-        close_runs()
-        _here.key, _here.runs = key, PointRuns(task, stop)
-    runs: PointRuns = _here.runs
-    return runs
-
-
-def in_threads(task: Task) -> bool:
-    """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
-    return only_kernels(task, runs_of(task))
+LOOK = 0.2  # s between two looks at signals
+Point = tuple[int, Mapping[str, Any]]  # a number of the caller's, values
+Ended = Generator[list[tuple[int, Row]], None, None]  # rows as they come; none of them at some looks at signals
 
 
 def only_kernels(task: Task, runs: PointRuns) -> bool:
-    """As `in_threads`, by these runs of the task."""
+    """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
     catalogue = all(unit.component and ":" not in unit.component for unit in runs.scene.units.values())
     return catalogue and not task.keep.functions and runs.open_scene({}) is not None
 
@@ -65,22 +51,16 @@ def row_of(run: Callable[[], Result], task: Task) -> Row:
         return Row("failed", f"{type(error).__name__}: {error}")
 
 
-def close_runs() -> None:
-    """Close what the runs of this thread have left open."""
-    if hasattr(_here, "runs"):
-        _here.runs.close()
-        del _here.key, _here.runs
-
-
 class PointRuns:
     """Runs of a task's scene. Where a scene is kernels alone, other parameters are written into the blocks of its units; every
     number is that of a scene that is read and opened for the point, bit by bit.
 
-    stop: what ends runs from another thread.
+    stop: what ends runs from another thread, while they are in one.
     """
 
-    def __init__(self, task: Task, stop: Stop | None = None):
-        self._task, self._stop, self.scene = task, stop, task.scene()
+    def __init__(self, task: Task):
+        self._task, self.scene = task, task.scene()
+        self.stop: Stop | None = None
         self._stack, self._key = ExitStack(), ""
         self._open_scene: OpenScene | None = None
         self._course: _Course | None = None  # of the open scene
@@ -104,8 +84,8 @@ class PointRuns:
             return None
         self._course = self._course or _Course(open_scene, described=self._task.summarize is not None)
         try:
-            if self._stop is not None:  # what all threads share is left alone
-                return self._course.run(values, self._stop)
+            if self.stop is not None:  # what all threads share is left alone
+                return self._course.run(values, self.stop)
             with Interrupt() as interrupt, warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)
                 return self._course.run(values, interrupt)
@@ -130,7 +110,7 @@ class PointRuns:
         except BadInput:
             return self._anew(values)  # which refuses it as a scene
         with ExitStack() as stack:
-            current = Run(scene, stack, in_process=True, native=False, progress=False, again=open_scene, stop=self._stop)
+            current = Run(scene, stack, in_process=True, native=False, progress=False, again=open_scene, stop=self.stop)
             current.prepare()
             current.observe(None, None, None)
             current.execute(None)

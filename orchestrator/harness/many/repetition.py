@@ -18,8 +18,7 @@ from ...judgement.thresholds import WARN
 from ...scene.shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error
-from .execute import Schedule, compute
-from .executors import Here
+from .execute import Computing
 from .measures import Row
 from .plan import Points
 from .point_runs import PointRuns
@@ -105,8 +104,8 @@ def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, Row]:
     places = _allowed(points, places)
     half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
     if (missing := half.missing()).size:
-        with shorter_steps(2):
-            compute(Here(), half, Schedule(half, missing))
+        with shorter_steps(2), Computing(points.task, 1) as computing:
+            computing(half, missing)
     return {places[k]: row for k, row in half.rows(range(len(places))).items()}
 
 

@@ -25,7 +25,6 @@ from .plan import Points
 
 WRITE_EVERY = 1.0  # s between two files
 SUFFIX = ".arrow"
-COMPRESS_FROM = 1_000_000  # bytes: parts with signals
 PIECE = 65536  # points that are in memory at a time
 NUMBER, SIGNAL, SECTION, TIME = "number ", "signal ", "section", "time"  # columns; a name follows the first two
 
@@ -93,7 +92,7 @@ class Store:
         self._files: list[Path] = []
         self._digests: list[np.ndarray] = []  # of each file's rows
         self._done: list[np.ndarray] = []
-        self._pending: list[Any] = []  # tables that are not written yet
+        self._pending: list[tuple[int, Row]] = []  # with their digests, not written yet
         self._since = perf_counter()
         self.columns: dict[str, str] = {}
         self.remarks: list[str] = []
@@ -125,9 +124,9 @@ class Store:
         """How many rows there are."""
         return sum(part.size for part in self._digests)
 
-    def append(self, table: Any) -> None:
-        """Add the rows of a table; they are on disk within a second of work, and after `flush`."""
-        self._pending.append(table)
+    def append(self, rows: Sequence[tuple[int, Row]]) -> None:
+        """Add rows with the digests of their points; they are on disk within a second of work, and after `flush`."""
+        self._pending += rows
         if perf_counter() - self._since > WRITE_EVERY:
             self.flush()
 
@@ -137,12 +136,11 @@ class Store:
         from pyarrow import feather
 
         self._since = perf_counter()
-        if not (tables := [t for t in self._pending if t.num_rows]):
+        if not self._pending:
             return
-        self._pending = []
-        table = pyarrow.concat_tables(tables, promote_options="default").combine_chunks()
+        table, self._pending = table_of(self._pending), []
         content = pyarrow.BufferOutputStream()
-        feather.write_feather(table, content, compression="zstd" if table.nbytes > COMPRESS_FROM else "uncompressed")
+        feather.write_feather(table, content, compression="uncompressed")
         buffer = content.getvalue()
         path = self.folder / (_name(self.folder, buffer) + SUFFIX)
         try:

@@ -1,4 +1,4 @@
-"""What uncertain parameters make of a quantity: its distribution, tolerance intervals, and the effects whose absence is smaller.
+"""What uncertain parameters make of a quantity: its distribution, tolerance intervals, and how often it keeps its limits.
 
 Tolerance intervals between order statistics (Wilks 1941): with n independent samples, a share p of all values lies between the
 r-th smallest and the r-th largest with the probability 1 - B(p; n + 1 - 2 r, 2 r), B the distribution function of the beta
@@ -8,7 +8,7 @@ distribution. No shape of the distribution is assumed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -16,17 +16,12 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...output import write_table
-from ...run.run import run
 from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
-from ..studies.effects import select
-from ..studies.full_model import Place, full_model
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
 from .limits import recalled, with_rows
-from .measures import Row, Task
 from .plan import plan_settings
-from .point_runs import row_of
 from .repetition import blurred
 
 CONTENT, CONFIDENCE = 0.95, 0.95
@@ -68,27 +63,12 @@ class Inside:
 
 
 @dataclass(frozen=True)
-class EffectSize:
-    """What a quantity loses without an effect, in its unit, and over its standard deviation by the parameters."""
-
-    effect: str
-    quantity: str
-    change: float
-    share: float
-    needed: bool
-
-
-@dataclass(frozen=True)
 class Uncertainty:
-    """effects: of every effect that could be switched off, on every quantity.  needed: the set that is kept, "unit.effect".
-    left_error: largest change of a quantity by all that is left out together, over its standard deviation."""
+    """spreads: of the quantities.  limits: how often each is kept, and all together.  messages: what a user should know."""
 
     sweep: Sweep
     spreads: tuple[Spread, ...]
     limits: tuple[Inside, ...] = ()
-    effects: tuple[EffectSize, ...] = ()
-    needed: tuple[str, ...] = ()
-    left_error: float = float("nan")
     messages: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -105,7 +85,7 @@ class Uncertainty:
         return "\n".join(lines)
 
     def save(self, directory: str | Path) -> list[Path]:
-        """Write uncertainty.csv; limits.csv where there are limits, effects.csv where effects were looked at."""
+        """Write uncertainty.csv, and limits.csv where there are limits."""
         header = [
             "quantity",
             "unit",
@@ -141,16 +121,6 @@ class Uncertainty:
                     "limits.csv",
                     header,
                     [(i.column, *_limit_cells(i.limit), i.count, i.inside, i.probability, i.low, i.high) for i in self.limits],
-                )
-            )
-        if self.effects:
-            header = ["effect", "quantity", "change without it", "over the standard deviation", "needed"]
-            files.append(
-                write_table(
-                    directory,
-                    "effects.csv",
-                    header,
-                    [(e.effect, e.quantity, e.change, e.share, "yes" if e.needed else "no") for e in self.effects],
                 )
             )
         return files
@@ -200,19 +170,14 @@ def uncertainty(
     directory: str | Path | None = None,
     *,
     quantities: Sequence[str] = (),
-    effects: bool = False,
-    share: float = 1.0,
     limits: str = "",
     conditions: Sequence[str] = (),
     **how: Unpack[AnswerOptions],
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
-    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `how`: as of a sweep.
-
-    `effects`: look which effects of the full model are needed so that leaving out the others changes no quantity by more than
-    `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
-    left out alone, the small ones together, and a run with what remains decides. Raises `BadInput`.
+    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `how`: as of a sweep. Raises
+    `BadInput`.
     """
     settings = plan_settings(plan, scene=scene)
     if settings.method not in SAMPLED:
@@ -225,8 +190,7 @@ def uncertainty(
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
     spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
     messages = _messages(runs, spreads, settings.method)
-    answer = Uncertainty(runs, spreads, _kept(runs), messages=tuple(messages))
-    return _with_effects(Task.of(scene, settings.keep, how.get("summarize")), answer, share) if effects else answer
+    return Uncertainty(runs, spreads, _kept(runs), tuple(messages))
 
 
 def spread(name: str, unit: str, values: np.ndarray) -> Spread:
@@ -258,50 +222,3 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
         *recalled(runs.plan.limits),
         *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads}),
     ]
-
-
-def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:
-    """Leave effects out, the least first, as long as no quantity changes by more than a share of its standard deviation."""
-    spreads, messages = answer.spreads, list(answer.messages)
-    model = full_model(task.scene())
-    reference = _row(model.scene, task)
-    alone: dict[Place, dict[str, float]] = {}
-    for where in model.places:
-        try:
-            alone[where] = _changes(spreads, reference, _row(model.without(model.dependents(where)), task))
-        except BadInput as error:
-            messages.append(f"{'.'.join(where)} was not left out: {error}")
-
-    def change(dropped: frozenset[Place]) -> float:
-        try:
-            return max(_changes(spreads, reference, _row(model.without(dropped), task)).values())
-        except BadInput:
-            return np.inf
-
-    sizes_alone = {where: max(changes.values()) for where, changes in alone.items()}
-    selection = select(sizes_alone, {where: model.dependents(where) for where in alone}, change, share)
-    left, largest = selection.dropped, selection.error
-    needed = tuple(".".join(p) for p in model.places if p not in left)
-    sizes = tuple(
-        EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)
-        for w in alone
-        for s in spreads
-    )
-    messages += [f"{'.'.join(w)} is not in the full model: {why}" for w, why in model.left.items()]
-    messages.append("effects were left out at the scene's own values of the parameters")
-    return replace(answer, effects=sizes, needed=needed, left_error=largest, messages=tuple(messages))
-
-
-def _row(scene: Scene, task: Task) -> Row:
-    row = row_of(lambda: run(scene, in_process=True), task)
-    if row.outcome != "done":
-        raise BadInput("uncertainty: effects", f"a run that is {row.outcome}: {row.reason}", "runs that come to their end")
-    return row
-
-
-def _changes(spreads: Sequence[Spread], reference: Row, other: Row) -> dict[str, float]:
-    """Change of each quantity over its standard deviation."""
-    return {
-        s.quantity: abs(other.numbers[s.quantity] - reference.numbers[s.quantity]) / (s.deviation or np.finfo(float).tiny)
-        for s in spreads
-    }

@@ -172,7 +172,7 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     """`report.html` of a sweep: its section against the last parameter that varies, and the measures."""
     scene = sweep.scene
     blocks: list[Block] = []
-    if failures := failure_groups(sweep.outcomes, sweep.varied):
+    if failures := failure_groups(sweep.outcomes):
         blocks.append(Text(failures, "warning"))
     blocks += [Text(sweep.remarks, "note")] if sweep.remarks else []
     table = many_runs.table_of(sweep)

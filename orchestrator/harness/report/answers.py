@@ -151,17 +151,6 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
                 right=frozenset({1, 2, 4, 5, 6}),
             )
         )
-    if answer.effects:
-        blocks.append(
-            Cells(
-                "Effects",
-                ("effect", "quantity", "change without it", "over the standard deviation", "needed"),
-                [(e.effect, e.quantity, number(e.change), number(e.share), "yes" if e.needed else "no") for e in answer.effects],
-                f"Needed: {', '.join(answer.needed) or 'none'}. What is left out changes no quantity by more than "
-                f"{number(answer.left_error)} of its standard deviation by the parameters.",
-                right=frozenset({2, 3}),
-            )
-        )
     blocks += many_runs.blocks(many_runs.table_of(answer.sweep))
     parts = [
         f"{s.quantity}: {number(s.mean)} ± {number(s.deviation)}{f' {s.unit}' if s.unit not in ('', '1') else ''}"

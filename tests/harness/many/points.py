@@ -4,7 +4,7 @@ import os
 import signal
 import time
 
-from cosimo.components.core.component import Component, Effect
+from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 
@@ -58,27 +58,14 @@ def fails(result):
     raise KeyError("nothing")
 
 
-class Small(Effect):
-    """Adds little."""
-
-    size = parameter(0.01, "1", "what it adds")
-
-
-class Large(Effect):
-    """Adds more than any parameter."""
-
-    size = parameter(5.0, "1", "what it adds")
-
-
 class Formula(Component):
     """Gives closed forms of its parameters."""
 
     a = parameter(0.0, "1", "first number")
     b = parameter(0.0, "1", "second number")
-    linear = output("1", "2 a + b, and what the effects add")
+    linear = output("1", "2 a + b")
     parabola = output("1", "(a - 1)² + (b - 2)²")
     total = output("1", "a + b")
-    small, large = Small, Large
 
     def _initialize(self, t):
         self.arguments = self._declared_arguments()
@@ -91,8 +78,7 @@ class Formula(Component):
 
     def _outputs(self, t):
         a, b = self.parameters["a"], self.parameters["b"]
-        added = sum(self.parameters[f"{effect}.size"] for effect in self.on)
-        self.y[:] = 2.0 * a + b + added, (a - 1.0) ** 2 + (b - 2.0) ** 2, a + b
+        self.y[:] = 2.0 * a + b, (a - 1.0) ** 2 + (b - 2.0) ** 2, a + b
 
 
 def formula(**parameters):

@@ -163,15 +163,6 @@ def test_effects_presets_units_and_the_master_vary():
     assert dict(other.units["m"].parameters) == {}
 
 
-def test_points_that_need_the_same_machine_code_are_known():
-    scene = load_scene("en50318-2002")
-    plan = plan_of(
-        scene,
-        plan_settings({"vary": {"catenary.effects.dropper_slackening": [True, False], "pantograph.static_force": [60.0, 70.0]}}),
-    )
-    assert plan.kernels[0] == plan.kernels[1] != plan.kernels[2] == plan.kernels[3]
-
-
 @pytest.mark.parametrize(
     ("settings", "named"),
     [

@@ -1,15 +1,16 @@
 """Points whose units are opened once: every number is that of a scene which is read and opened for the point alone."""
 
 import random
-from concurrent.futures import wait
+import threading
+from itertools import chain
 
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import Kind
-from cosimo.orchestrator.harness.many.executors import Here, Threads
+from cosimo.orchestrator.harness.many.execute import by_threads
 from cosimo.orchestrator.harness.many.measures import Task
-from cosimo.orchestrator.harness.many.point_runs import PointRuns, close_runs, in_threads, row_of
+from cosimo.orchestrator.harness.many.point_runs import PointRuns, only_kernels, row_of
 from cosimo.orchestrator.harness.many.store import table_of
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import scene_files
@@ -83,27 +84,28 @@ def test_units_are_opened_once_for_all_points_of_the_same_effects(monkeypatch):
     assert len(set(result.measures["mass.base_x, maximum"].tolist())) == 8
 
 
-def test_threads_give_the_same_rows_and_stop_when_they_are_told_to():
-    close_runs()
+def test_threads_give_the_same_rows_and_end_where_their_caller_leaves_them():
     scene = short("mass-on-spring", stop_time=2.0)
     task = task_of(scene)
-    assert in_threads(task)
+    threads = [PointRuns(task) for _ in range(3)]
+    assert only_kernels(task, threads[0])
     points = [(k, {"spring.stiffness": 50.0 + k}) for k in range(12)]
-    threads = Threads(3)
-    futures = [threads.submit(task, points[k : k + 2]) for k in range(0, 12, 2)]
-    wait(futures)
-    assert [f.result().table.slice(i, 1).to_pylist() for f in futures for i in range(2)] == [
-        Here().submit(task, [point]).result().table.to_pylist() for point in points
-    ]
-    endless = task_of(scene.with_changes({"stop_time": 1e5}))
-    begun = [threads.submit(endless, points) for _ in range(2)]
-    threads.stop()
-    assert all(f.done() and (f.cancelled() or f.result().table.num_rows == 0) for f in begun)
+    rows = dict(chain.from_iterable(by_threads(threads, iter(points))))
+    for k, values in points:
+        assert table_of([(k, rows[k])]).equals(table_of([(k, threads[0].row(values))]), check_metadata=True)
+    task = task_of(scene.with_changes({"stop_time": 1e5}))
+    endless = [PointRuns(task) for _ in range(2)]
+    left = by_threads(endless, iter(points))
+    assert next(left) == []  # a look at signals
+    left.close()
+    assert not [t for t in threading.enumerate() if t.name.startswith("cosimo-point")]
+    for runs in threads + endless:
+        runs.close()
 
 
 def test_scenes_that_need_python_in_a_step_run_in_processes():
-    assert not in_threads(task_of(read_scene(doubler())))
-    assert not in_threads(task_of(load_scene("jaw-crusher")))
+    for scene in (read_scene(doubler()), load_scene("jaw-crusher")):
+        assert not only_kernels(task_of(scene), PointRuns(task_of(scene)))
 
 
 def test_a_table_of_points_in_python():

@@ -52,7 +52,7 @@ def test_stated_errors_hold_the_true_ones(tmp_path):
 def test_repeated_points_are_kept_and_change_no_number(tmp_path, monkeypatch):
     plan = {"vary": {"spring.stiffness": [50.0, 100.0]}}
     first = sweep(held(), plan, tmp_path)
-    monkeypatch.setattr(repetition, "compute", lambda *_, **__: pytest.fail("a point was repeated again"))
+    monkeypatch.setattr(repetition, "Computing", lambda *_, **__: pytest.fail("a point was repeated again"))
     again, without = sweep(held(), plan, tmp_path), sweep(held(), plan, verify=False)
     assert again.repeated == first.repeated
     assert without.repeated is None

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import tomli_w
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.many import execute
-from cosimo.orchestrator.harness.many.execute import KILLED
+from cosimo.orchestrator.harness.many import cluster, execute
+from cosimo.orchestrator.harness.many.cluster import KILLED
 from cosimo.orchestrator.harness.many.fitting import fit
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import scene
 from cosimo.tests.harness.test_sweep import MASS
@@ -45,9 +45,7 @@ HERE = "cosimo.tests.harness.many.points"
 def contents(directory):
     """Bytes of all that a sweep writes in the plan's order."""
     return {
-        str(p.relative_to(directory)): p.read_bytes()
-        for p in directory.rglob("*")
-        if p.is_file() and "points" not in p.parts and p.name != "progress.html"
+        str(p.relative_to(directory)): p.read_bytes() for p in directory.rglob("*") if p.is_file() and "points" not in p.parts
     }
 
 
@@ -104,16 +102,40 @@ def test_a_second_call_computes_what_is_missing(tmp_path):
 
 
 def test_failed_points_run_again_wherever_they_are_computed(tmp_path, monkeypatch):
-    """Also those that are left when the command's own process gives the rest to others."""
+    """Also by other processes, where the first seconds in this one are over."""
     plan = {"vary": {"d.value": [1.0, 2.0, 3.0]}, "keep": {"functions": [f"{HERE}:fails"]}}
     sweep(read_scene(scene()), plan, tmp_path, verify=False)
-    monkeypatch.setattr(execute, "ALONE", 1e-9)
+    asked = []
+
+    class Others(cluster.Workers):
+        def __init__(self, jobs, address):
+            self.close = lambda: None
+
+        def rows(self, task, points):
+            asked.extend(points)
+            yield from execute.one_by_one(execute.PointRuns(task), iter(asked))
+
+    monkeypatch.setattr(execute, "ALONE", 0.0)
     monkeypatch.setattr(execute, "cores", lambda: 2)
-    monkeypatch.setattr(execute, "Pool", lambda count: execute.Here())
-    asked, submit = [], execute.Here.submit
-    monkeypatch.setattr(execute.Here, "submit", lambda self, task, points: asked.extend(points) or submit(self, task, points))
-    sweep(read_scene(scene()), plan, tmp_path, verify=False, retry=True, jobs=None)
+    monkeypatch.setattr(cluster, "Workers", Others)
+    again = sweep(read_scene(scene()), plan, tmp_path, verify=False, retry=True, jobs=None)
     assert [values["d.value"] for _, values in asked] == [1.0, 2.0, 3.0]
+    assert again.computed == 3
+
+
+def test_workers_are_asked_for_where_they_are_missing(monkeypatch):
+    """One message; one job needs none of them, and the default does with this process."""
+    monkeypatch.setattr(execute, "ALONE", 0.0)
+    for module in (cluster, execute):
+        monkeypatch.setattr(module, "find_spec", lambda name: None)
+    with pytest.raises(BadInput, match=r"--jobs.*distributed.*pip install cosimo\[cluster\], or use one job"):
+        sweep(read_scene(scene()), VALUES, jobs=2)
+    with pytest.raises(BadInput, match=r"--cluster.*pip install cosimo\[cluster\]"):
+        sweep(read_scene(scene()), VALUES, cluster="tcp://127.0.0.1:1")
+    for jobs in (1, None):
+        assert set(sweep(read_scene(scene()), VALUES, jobs=jobs, verify=False).outcomes) == {"done"}
+    kernels = load_scene("mass-on-spring").with_changes({"stop_time": 0.1})
+    assert set(sweep(kernels, {"vary": {"spring.stiffness": [90.0, 100.0]}}, jobs=2).outcomes) == {"done"}
 
 
 def test_own_functions_and_quantities_are_columns():
@@ -144,7 +166,7 @@ def test_a_point_that_kills_its_process_is_a_row_and_the_others_are_done(tmp_pat
 
 SCRIPT = f"""
 import sys
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from {HERE} import scene
 if __name__ == "__main__":
@@ -158,7 +180,7 @@ def test_a_script_that_each_process_would_run_again_is_one_message(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     command = [sys.executable, tmp_path / "script.py", tmp_path / "out"]
     done = subprocess.run(command, env={**os.environ}, capture_output=True, text=True, timeout=300)
-    assert "worker processes: none that came as far as its first point" in done.stderr
+    assert 'keep the calls of a script behind if __name__ == "__main__"' in done.stderr
     assert not parts(tmp_path / "out")
 
 
@@ -222,17 +244,17 @@ def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
     import dask
 
     dask.config.refresh()
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        address = cluster.scheduler_address
-        there = sweep(read_scene(scene()), signals, tmp_path / "there", scheduler=address)
-        fits = [fit(read_scene(scene()), LINE, tmp_path / f"fit{len(by)}", scheduler=by) for by in ("", address)]
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as workers:
+        address = workers.scheduler_address
+        there = sweep(read_scene(scene()), signals, tmp_path / "there", cluster=address)
+        fits = [fit(read_scene(scene()), LINE, tmp_path / f"fit{len(by)}", cluster=by) for by in ("", address)]
         four = {"vary": {"d.value": [1.0, 2.0, 3.0, 4.0]}}
-        deadly = sweep(read_scene(scene(fatal=3.0)), four, tmp_path / "d", scheduler=address)
+        deadly = sweep(read_scene(scene(fatal=3.0)), four, tmp_path / "d", cluster=address)
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(2)
             for pid in client.run(os.getpid).values():
                 os.kill(pid, signal.SIGKILL)
-        fits.append(fit(read_scene(scene()), LINE, tmp_path / "killed", scheduler=address))
+        fits.append(fit(read_scene(scene()), LINE, tmp_path / "killed", cluster=address))
     assert there.computed == 12
     assert here.measures["d.twice, mean"].tobytes() == there.measures["d.twice, mean"].tobytes()
     assert contents(tmp_path / "here") == contents(tmp_path / "there")
@@ -241,7 +263,7 @@ def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
     assert len({f.fit.values.tobytes() for f in fits}) == 1
     assert contents(tmp_path / "killed") == contents(tmp_path / "fit0") == contents(tmp_path / f"fit{len(address)}")
     with pytest.raises(BadInput, match="address of a running scheduler"):
-        sweep(read_scene(scene()), VALUES, tmp_path / "none", scheduler="tcp://127.0.0.1:1")
+        sweep(read_scene(scene()), VALUES, tmp_path / "none", cluster="tcp://127.0.0.1:1")
 
 
 @pytest.mark.full
