@@ -59,7 +59,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks and campaigns only where `-m` names them.
+    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`).
 
     Of all tests, those marked `interpreted` are left to the process of `test_plain_python.py`, but for the `full` ones, which
     the complete run compiles. Those marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
@@ -77,7 +77,6 @@ def pytest_collection_modifyitems(config, items):
         item
         for item in items
         if (COMPILED and item.get_closest_marker("uncompiled"))
-        or any(kind not in config.option.markexpr and item.get_closest_marker(kind) for kind in ("benchmark", "campaign"))
         or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))
     ]
     config.hook.pytest_deselected(items=elsewhere)

@@ -1,6 +1,6 @@
 """Speed of the ball bearing with two degrees of freedom: accuracy over cost, beside SciPy in the same run.
 
-Run with `pytest -m benchmark -n 0 -s`. 8 balls, 20 µm radial clearance, 3000 rpm: contacts open and close all the time.
+Run with `pytest -n 0 -s tests/benchmarks`. 8 balls, 20 µm radial clearance, 3000 rpm: contacts open and close all the time.
 SciPy gets a right-hand side that Numba has compiled, the same operations as the component's kernel, with the constants
 compiled in; what is compared is the whole loop.
 """
@@ -9,14 +9,11 @@ import math
 import time
 
 import numpy as np
-import pytest
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.dimensionless import scales
 from cosimo.components.bearings.two_dof import constants
 from numba import njit
 from scipy.integrate import solve_ivp
-
-pytestmark = pytest.mark.benchmark
 
 RPM, GAP, END, STEP = 3000.0, 20e-6, 0.5, 1e-3
 SPEED = RPM * 2.0 * math.pi / 60.0

@@ -1,6 +1,6 @@
 """Speed of the deep groove bearing: one evaluation inside compiled code and from Python, and a static equilibrium.
 
-Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
 """
 
 import time
@@ -14,7 +14,6 @@ from cosimo.components.bearings.loads import static_loads
 from cosimo.components.bearings.six_dof import bearing_outputs
 from cosimo.tests.systems.bearings.ring_contacts import ball_contacts
 
-pytestmark = pytest.mark.benchmark
 njit = pytest.importorskip("numba").njit
 
 RACES = ("inner_waviness", "outer_waviness")

@@ -9,8 +9,6 @@ import pytest
 from cosimo.components.catalogue import component_class
 from cosimo.tests.contract.never_written import never_written
 
-pytestmark = pytest.mark.benchmark
-
 MOST = 1.03  # of the time of the component in which no effect was ever written
 REPEATS = 301  # each, by turns: short ones, of which the least disturbed count
 SPAN = 4e-3  # s of real time that a measured run takes

@@ -1,6 +1,6 @@
 """The friction drive at a macro step of 1 ms against real time: motors, wheels with sleeve, controller, in process and as FMUs.
 
-Run with `pytest -m benchmark -n 0 -s`. Friction of shafts, contacts and seal is exact. Recording is every 10 ms and there is no
+Run with `pytest -n 0 -s tests/benchmarks`. Friction of shafts, contacts and seal is exact. Recording is every 10 ms and there is no
 energy account, as for a long run; the first, short runs compile.
 """
 
@@ -9,8 +9,6 @@ import time
 import pytest
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 LEAST = 10.0  # times faster than real time
 END = 20.0  # s

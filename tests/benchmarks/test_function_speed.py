@@ -1,6 +1,6 @@
 """A call of a scene as a function beside its macro steps alone, which no observer sees.
 
-Run with `pytest -m benchmark -n 0 -s`. CPU time of one thread, the median of 15 ratios, each of a call and of the steps before it.
+Run with `pytest -n 0 -s tests/benchmarks`. CPU time of one thread, the median of 15 ratios, each of a call and of the steps before it.
 """
 
 from statistics import median
@@ -10,8 +10,6 @@ import pytest
 from cosimo.orchestrator.session.session import Session
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.many import function
-
-pytestmark = pytest.mark.benchmark
 
 POINTS = [
     ("en50318-2002", "pantograph.static_force", "pantograph.contact_force, maximum", 1.15),

@@ -1,6 +1,6 @@
 """Interface model against Gauss-Seidel on the railway pair: error and stepping time over the macro step.
 
-Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
 """
 
 import numpy as np
@@ -9,8 +9,6 @@ from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import passages
-
-pytestmark = pytest.mark.benchmark
 
 SIGNALS = ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height"]
 WINDOW = np.linspace(240.0, 360.0, 1201)

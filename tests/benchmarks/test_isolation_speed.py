@@ -1,6 +1,6 @@
 """What a worker process costs in a step, and what two of them gain on two cores.
 
-Run with `pytest -m benchmark -n 0 -s` on a quiet machine.
+Run with `pytest -n 0 -s tests/benchmarks` on a quiet machine.
 """
 
 import os
@@ -12,8 +12,6 @@ from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, integer, output
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
-
-pytestmark = pytest.mark.benchmark
 
 STEPS = 2000
 

@@ -11,8 +11,6 @@ from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from scipy.integrate import solve_ivp
 
-pytestmark = pytest.mark.benchmark
-
 ERROR = 1e-9  # rad, at the end
 END = 5.0  # s
 REPEATS = 7

@@ -18,7 +18,6 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.interop.masters import surroundings
 
-pytestmark = pytest.mark.benchmark
 HERE = Path(__file__).parent
 STEPS, TURNS = 10_000, 5
 INTEROP = os.environ.get("COSIMO_INTEROP_PYTHON", sys.executable)

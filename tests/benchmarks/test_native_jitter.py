@@ -7,7 +7,7 @@ import pytest
 from cosimo.fmus.native.build import own_target
 from cosimo.tests.fmus.native.railway_pair import run_host
 
-pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(own_target() != "linux64", reason="the host is a program for Linux")]
+pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="the host is a program for Linux")
 STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
 
 

@@ -2,7 +2,7 @@
 
 Held inputs, all exchanged once per step, which every master can do. Each cell is a process of its own on one core; the best of
 several turns counts. COSIMO_INTEROP_PYTHON names a Python that has the extra `interop` where the one of the tests has not.
-`pytest -m benchmark -n 0 -s tests/benchmarks/test_packagings_speed.py`; how evenly a native step
+`pytest -n 0 -s tests/benchmarks/test_packagings_speed.py`; how evenly a native step
 of the railway pair takes its time: test_native_jitter.py.
 """
 
@@ -14,7 +14,6 @@ from time import perf_counter
 
 import pytest
 
-pytestmark = pytest.mark.benchmark
 INTEROP = os.environ.get("COSIMO_INTEROP_PYTHON", sys.executable)
 TURNS = 3
 HELD = {"master.algorithm": "jacobi", "master.extrapolation": 0, "master.feedthrough": "delayed"}

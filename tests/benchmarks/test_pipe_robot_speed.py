@@ -1,17 +1,14 @@
 """Speed of a minute of a pipe robot with exact friction, and of the cheaper laws beside it.
 
-Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
 """
 
 import time
 
 import numpy as np
-import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 MINUTE = 60.0
 LAWS = {"exact": (), "smoothed": ("smoothed_friction",), "lugre": ("lugre_friction",)}

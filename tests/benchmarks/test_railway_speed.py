@@ -1,6 +1,6 @@
 """Speed of the railway pair: whole runs, ratios within one process, errors against an independent solution.
 
-Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
 """
 
 import subprocess
@@ -16,8 +16,6 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
 from cosimo.orchestrator.systems.railway.records import passages
-
-pytestmark = pytest.mark.benchmark
 
 EFFECTS = ["dropper_slackening", "gravity_sag", "damping"]
 SIGNALS = ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height"]

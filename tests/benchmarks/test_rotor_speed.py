@@ -1,6 +1,6 @@
 """Speed of a beam rotor of 20 elements with two nonlinear bearings, against ROSS's Newmark response with linear ones.
 
-Run with `pytest -m benchmark -n 0 -s`; COSIMO_ROSS_PYTHON names the interpreter of an environment with ross-rotordynamics and
+Run with `pytest -n 0 -s tests/benchmarks`; COSIMO_ROSS_PYTHON names the interpreter of an environment with ross-rotordynamics and
 plotly<6. Everything runs on one core at equal steps. ROSS compiles its Newmark loop at every start: both the first response
 of a process, which is what a user waits for, and the next ones are printed.
 """
@@ -16,8 +16,6 @@ import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 STEPS, H = 2000, 1e-4
 LENGTH, DIAMETER, SPEED, MOMENT = 0.6, 0.03, 500.0, 8e-5

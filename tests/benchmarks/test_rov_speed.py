@@ -1,6 +1,6 @@
 """An hour of station keeping: hull, six thrusters, controller and current at a macro step of 20 ms, in process and as FMUs.
 
-Run with `pytest -m benchmark -n 0 -s`. Recording is once a second, as for an hour one would; the first, short run compiles.
+Run with `pytest -n 0 -s tests/benchmarks`. Recording is once a second, as for an hour one would; the first, short run compiles.
 """
 
 import time
@@ -8,8 +8,6 @@ import time
 import pytest
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 HOUR = 3600.0
 

@@ -10,8 +10,6 @@ from time import perf_counter
 
 import pytest
 
-pytestmark = pytest.mark.benchmark
-
 
 def seconds(*arguments: str) -> float:
     """The shortest of ten runs of a new process, in s."""

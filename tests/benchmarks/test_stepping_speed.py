@@ -1,6 +1,6 @@
 """A macro step of scenes in process beside its physics: the kernels of all units, called in a compiled loop and nothing else.
 
-Run with `pytest -m benchmark -n 0 -s`. CPU time, best of five, all in one run. The physics goes on from where the run has
+Run with `pytest -n 0 -s tests/benchmarks`. CPU time, best of five, all in one run. The physics goes on from where the run has
 ended, with the inputs of that instant. A run of 20 000 steps has its fixed costs in it, such as finding the units' addresses.
 """
 
@@ -14,8 +14,6 @@ from cosimo.orchestrator.session.open_scene import OpenScene
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_entry
 from numba import njit
-
-pytestmark = pytest.mark.benchmark
 
 STEPS = 20_000
 SCENES = {  # largest ratios accepted: of the compiled loop, and of a run recorded at every 50th step with all that watches it

@@ -1,6 +1,6 @@
 """What the errors beside the numbers cost: a verified run over the stepping of one without, CPU time, least of several in turns.
 
-Run with `pytest -m benchmark -n 0 -s`. Two runs have 1 + 2 times the steps, three 1 + 2 + 4 times; what is above is opening the
+Run with `pytest -n 0 -s tests/benchmarks`. Two runs have 1 + 2 times the steps, three 1 + 2 + 4 times; what is above is opening the
 units again, comparing, and reading the figures from other rows.
 """
 
@@ -8,8 +8,6 @@ import cosimo
 import pytest
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 SCENES = (
     "en50318-2002",

@@ -1,13 +1,10 @@
 """Speed of a day of wind on the averaged wind pump, and what the full converter costs beside it.
 
-Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+Run with `pytest -n 0 -s tests/benchmarks`. Nothing here is a statement about another machine.
 """
 
-import pytest
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
-
-pytestmark = pytest.mark.benchmark
 
 SHARED = {"gear_ratio", "crank_radius", "lever_mass", "slider_mass", "clutch_arm", "driven_inertia"}  # by both converters
 

@@ -60,21 +60,6 @@ def counted_here(tmp_path, monkeypatch):
     gc.freeze()
 
 
-@pytest.mark.campaign
-def test_two_thousand_runs_of_components():
-    """A signal of the result that was kept would be some hundred bytes."""
-    unit = {"component": "Pantograph", "effects": ["contact_loss"]}
-    scene = read_scene(
-        {
-            "stop_time": 2e-3,
-            "units": {"p": unit, "q": unit},
-            "master": {"step": 1e-3},
-            "connections": ["p.head_height -> q.wire_height"],
-        }
-    )
-    assert growth(scene, 2000, 100, in_process=True) < 100.0
-
-
 @pytest.mark.full
 @pytest.mark.parametrize("kind", ["FMI 2", "FMI 3", "model exchange"])
 def test_hundreds_of_runs_of_a_native_fmu(kind):
