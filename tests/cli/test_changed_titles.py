@@ -3,9 +3,9 @@
 import re
 
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import changed
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 SCENE = load_scene("mass-on-spring")
 
@@ -15,9 +15,7 @@ def title_of(page):
 
 
 def run(*arguments):
-    with pytest.raises(SystemExit) as exit_:
-        main([*map(str, arguments)])
-    assert not exit_.value.code
+    assert exit_code(*map(str, arguments)) == 0
 
 
 def test_a_changed_scene_is_titled_as_changed(tmp_path):

@@ -6,10 +6,10 @@ from importlib.metadata import version
 import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import change, scene_of, with_presets
 from cosimo.orchestrator.cli.options import parameters_of, preset_of
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 SCENE = """
 title = "pantograph under a rigid wire"
@@ -29,12 +29,6 @@ step = 0.1
 """
 
 
-def cosimo(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    return end.value.code or 0
-
-
 @pytest.fixture
 def scene(tmp_path):
     path = tmp_path / "rigid.toml"
@@ -44,12 +38,12 @@ def scene(tmp_path):
 
 @pytest.mark.parametrize("command", ["list", "build", "check", "run", "validate"])
 def test_help_shows_an_example(command, capsys):
-    assert cosimo(command, "--help") == 0
+    assert exit_code(command, "--help") == 0
     assert f"Example: cosimo {command}" in " ".join(capsys.readouterr().out.split())
 
 
 def test_list_for_programs(capsys):
-    assert cosimo("list", "--json") == 0
+    assert exit_code("list", "--json") == 0
     found = json.loads(capsys.readouterr().out)
     assert set(found) == {"components", "fmus", "scenes", "cases"}
     assert {c["name"] for c in found["components"]} == set(CATALOGUE)
@@ -62,37 +56,37 @@ def test_list_for_programs(capsys):
 
 
 def test_list_of_one_kind(capsys):
-    assert cosimo("list", "components") == 0
+    assert exit_code("list", "components") == 0
     assert "Pantograph" in capsys.readouterr().out
-    assert cosimo("list", "component") == 2
+    assert exit_code("list", "component") == 2
     assert "did you mean 'components'" in capsys.readouterr().err
 
 
 def test_list_of_a_system_and_of_a_word(capsys):
-    assert cosimo("list", "rotor", "--json") == 0
+    assert exit_code("list", "rotor", "--json") == 0
     rotor = json.loads(capsys.readouterr().out)
     assert {c["name"] for c in rotor["components"]} == {"JeffcottRotor", "BeamRotor"}
     assert {e["system"] for entries in rotor.values() for e in entries} == {"rotor"}
-    assert cosimo("list", "Stiction", "--json") == 0
+    assert exit_code("list", "Stiction", "--json") == 0
     assert [e["name"] for e in json.loads(capsys.readouterr().out)["scenes"]] == ["joint-stiction"]
-    assert cosimo("list", "stictoin") == 2
+    assert exit_code("list", "stictoin") == 2
     assert "did you mean 'joint-stiction'" in capsys.readouterr().err
 
 
 def test_list_without_a_word_fits_a_screen_and_has_every_name(capsys):
-    assert cosimo("list") == 0
+    assert exit_code("list") == 0
     out = capsys.readouterr().out
     assert len(out.splitlines()) <= 50
     assert set(CATALOGUE) <= set(out.split())
 
 
 def test_version(capsys):
-    assert cosimo("--version") == 0
+    assert exit_code("--version") == 0
     assert capsys.readouterr().out == f"cosimo {version('cosimo')}\n"
 
 
 def test_arrays_and_presets_of_a_run(tmp_path, capsys):
-    assert cosimo("run", "en50318-2002", "--dry-run", "--preset", "pantograph=DSA381") == 2
+    assert exit_code("run", "en50318-2002", "--dry-run", "--preset", "pantograph=DSA381") == 2
     assert "did you mean 'DSA380'" in capsys.readouterr().err
     scene = load_scene("en50318-2002")
     changed = scene.with_changes(
@@ -111,7 +105,7 @@ def test_arrays_and_presets_of_a_run(tmp_path, capsys):
 
 def test_run_writes_its_results(scene, tmp_path, capsys):
     assert (
-        cosimo(
+        exit_code(
             "run",
             str(scene),
             "--in-process",
@@ -149,7 +143,7 @@ def test_run_writes_its_results(scene, tmp_path, capsys):
     ],
 )
 def test_bad_options_of_run(scene, option, value, named, capsys):
-    assert cosimo("run", str(scene), "--in-process", option, value) == 2
+    assert exit_code("run", str(scene), "--in-process", option, value) == 2
     out, err = capsys.readouterr()
     assert named in err
     assert out == ""
@@ -157,34 +151,34 @@ def test_bad_options_of_run(scene, option, value, named, capsys):
 
 
 def test_an_output_place_that_is_a_file(scene, capsys):
-    assert cosimo("run", str(scene), "--in-process", "-o", str(scene)) == 2
+    assert exit_code("run", str(scene), "--in-process", "-o", str(scene)) == 2
     assert "output directory" in capsys.readouterr().err
 
 
 def test_a_failed_run_keeps_its_partial_result(tmp_path, capsys):
     (tmp_path / "failing.toml").write_text(FAILING)
-    assert cosimo("run", str(tmp_path / "failing.toml"), "-o", str(tmp_path / "out")) == 3
+    assert exit_code("run", str(tmp_path / "failing.toml"), "-o", str(tmp_path / "out")) == 3
     assert "p failed at t = 0.4 s" in capsys.readouterr().err
     assert len((tmp_path / "out" / "result.csv").read_text().splitlines()) == 1 + 5
     assert json.loads((tmp_path / "out" / "run.json").read_text())["outcome"] == "failed"
 
 
 def test_build_then_check(tmp_path, capsys):
-    assert cosimo("build", "Pantograph", "-o", str(tmp_path)) == 0
+    assert exit_code("build", "Pantograph", "-o", str(tmp_path)) == 0
     fmu = tmp_path / "Pantograph.fmu"
     assert capsys.readouterr().out.split() == [str(fmu)]
-    assert cosimo("check", str(fmu), "--execute", "--json") == 0
+    assert exit_code("check", str(fmu), "--execute", "--json") == 0
     findings = json.loads(capsys.readouterr().out)["findings"]
     assert findings
     assert all(f["ok"] for f in findings)
     fmu.write_bytes(b"no zip file")
-    assert cosimo("check", str(fmu)) == 1
-    assert cosimo("check", str(tmp_path / "none.fmu")) == 2
-    assert cosimo("build", "Pantograf", "-o", str(tmp_path)) == 2
+    assert exit_code("check", str(fmu)) == 1
+    assert exit_code("check", str(tmp_path / "none.fmu")) == 2
+    assert exit_code("build", "Pantograf", "-o", str(tmp_path)) == 2
 
 
 def test_unknown_case(capsys):
-    assert cosimo("validate", "en50318-2003") == 2
+    assert exit_code("validate", "en50318-2003") == 2
     assert "en50318-2002" in capsys.readouterr().err
 
 
@@ -199,7 +193,7 @@ def test_places_that_cannot_be_written_are_one_message(scene, tmp_path, capsys):
         [*sweep, "-o", taken],
         ["run", str(scene), "--in-process", "--stop", "0.05", "-o", str(tmp_path / "out")],
     ):
-        assert cosimo(*command) == 2
+        assert exit_code(*command) == 2
         message = capsys.readouterr().err
         assert message.startswith("cosimo: ")
         assert message.count("\n") == 1
@@ -237,5 +231,5 @@ def test_every_command_of_scenes_and_components_takes_presets(arguments, tmp_pat
     monkeypatch.chdir(tmp_path)
     given = [a.replace("SCENE", "en50318-2002") for a in arguments]
     preset = "pantograph=DSA381" if "en50318-2002" in given else "DSA381"
-    assert cosimo(*given, "--preset", preset) == 2
+    assert exit_code(*given, "--preset", preset) == 2
     assert "did you mean 'DSA380'" in capsys.readouterr().err

@@ -4,9 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.judgement import advise, dry_run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from pythonfmu.builder import FmuBuilder
 
 FMUS = Path(__file__).parents[1] / "benchmarks" / "fmus"
@@ -37,12 +37,6 @@ step = 1e-3
 """
 
 
-def cosimo(*arguments) -> int:
-    with pytest.raises(SystemExit) as end:
-        main([str(a) for a in arguments])
-    return end.value.code or 0
-
-
 @pytest.fixture
 def scene(tmp_path):
     path = tmp_path / "spring.toml"
@@ -58,7 +52,7 @@ def pantograph(tmp_path):
 
 
 def test_help_shows_examples(capsys):
-    assert cosimo("run", "--help") == 0
+    assert exit_code("run", "--help") == 0
     shown = " ".join(capsys.readouterr().out.split())
     options = "--set --effects --algorithm --step --stop --record --resume --checkpoint-every --dry-run"
     assert [option for option in options.split() if option not in shown] == []
@@ -68,7 +62,7 @@ def test_help_shows_examples(capsys):
 def test_record_and_algorithm_and_step(scene, tmp_path):
     out = tmp_path / "out"
     assert (
-        cosimo(
+        exit_code(
             "run",
             scene,
             "--in-process",
@@ -93,7 +87,7 @@ def test_record_and_algorithm_and_step(scene, tmp_path):
 
 
 def test_effects_are_switched_on_beside_those_of_the_scene(pantograph, tmp_path):
-    assert cosimo("run", pantograph, "--in-process", "-o", tmp_path / "out", "--effects", "p.bump_stops,p.lower_frame") == 0
+    assert exit_code("run", pantograph, "--in-process", "-o", tmp_path / "out", "--effects", "p.bump_stops,p.lower_frame") == 0
     on = json.loads((tmp_path / "out" / "run.json").read_text())["effects"]["p"]["on"]
     assert set(on) == {"contact_loss", "bump_stops", "lower_frame"}
 
@@ -114,7 +108,7 @@ def test_effects_are_switched_on_beside_those_of_the_scene(pantograph, tmp_path)
     ],
 )
 def test_bad_options(pantograph, option, value, named, capsys):
-    assert cosimo("run", pantograph, "--in-process", option, value) == 2
+    assert exit_code("run", pantograph, "--in-process", option, value) == 2
     out, err = capsys.readouterr()
     assert named in err
     assert (out, err.count("\n")) == ("", 1)
@@ -124,12 +118,12 @@ def test_in_process_is_refused_where_it_would_have_no_effect(tmp_path, capsys):
     fmu = FmuBuilder.build_FMU(FMUS / "msd.py", dest=tmp_path)
     scene = tmp_path / "fmus.toml"
     scene.write_text(f'stop_time = 1.0\nunits.m.fmu = "{Path(fmu).name}"\nmaster.step = 0.1\n')
-    assert cosimo("run", scene, "--in-process") == 2
+    assert exit_code("run", scene, "--in-process") == 2
     assert "--in-process: a scene of FMUs only" in capsys.readouterr().err
 
 
 def test_dry_run_shows_the_settled_scene_and_its_limit(scene, capsys):
-    assert cosimo("run", scene, "--in-process", "--dry-run") == 0
+    assert exit_code("run", scene, "--in-process", "--dry-run") == 0
     out, err = capsys.readouterr()
     # m to mm: 1000; ω = 10 rad/s: 1.59 Hz; held: 4 D/ω = 0.04 s
     for shown in ("spring.force", "freeze", "1000", "mass, spring", "mass against spring", "1.59", "0.1 ", "0.04", "200 macro"):
@@ -139,7 +133,7 @@ def test_dry_run_shows_the_settled_scene_and_its_limit(scene, capsys):
 
 def test_dry_run_warns_of_a_step_that_is_too_long_and_the_run_shows_it(scene, capsys):
     arguments = ("run", scene, "--in-process", "--step", "0.12", "--set", "spring.d=2.0")
-    assert cosimo(*arguments, "--dry-run") == 0
+    assert exit_code(*arguments, "--dry-run") == 0
     assert "is stable up to 0.0903 s" in capsys.readouterr().err  # 0.902731/ω for linear inputs and a tenth of critical damping
 
 
@@ -169,19 +163,19 @@ def test_dry_run_says_for_what_it_knows_no_limit(tmp_path, capsys):
         f'stop_time = 0.1\nconnections = ["m.x -> c.x", "c.force -> m.f"]\nunits.m.fmu = "{mass}"\n'
         f'units.c.fmu = "{control}"\nmaster.step = 1e-2\n'
     )
-    assert cosimo("run", tmp_path / "circle.toml", "--dry-run") == 0
+    assert exit_code("run", tmp_path / "circle.toml", "--dry-run") == 0
     assert "that do not declare their direct feedthrough: " in capsys.readouterr().out
 
 
 def test_dry_run_draws_the_scene_where_it_has_a_directory(scene, tmp_path, capsys):
-    assert cosimo("run", scene, "--dry-run", "-o", tmp_path / "new") == 0
+    assert exit_code("run", scene, "--dry-run", "-o", tmp_path / "new") == 0
     assert [p.name for p in (tmp_path / "new").iterdir()] == ["scene.svg"]
     assert (tmp_path / "new" / "scene.svg").read_text().startswith("<svg ")
 
 
 @pytest.mark.parametrize("option", [("--native",), ("--checkpoint-every", "1"), ("--resume", "file")])
 def test_options_without_effect_on_a_dry_run_are_refused(scene, option, capsys):
-    assert cosimo("run", scene, "--dry-run", *option) == 2
+    assert exit_code("run", scene, "--dry-run", *option) == 2
     assert "no effect" in capsys.readouterr().err
 
 
@@ -191,7 +185,7 @@ def test_dry_run_of_a_scene_that_cannot_start(tmp_path, capsys):
         'stop_time = 1.0\nmaster = { step = 0.1 }\n[units.p]\ncomponent = "cosimo.tests.support:Probe"\n'
         "parameters = { fail_at = 0.15 }\n"
     )
-    assert cosimo("run", path, "--dry-run") == 3
+    assert exit_code("run", path, "--dry-run") == 3
     assert "p failed at t = 0.1 s" in capsys.readouterr().err
 
 
@@ -201,36 +195,34 @@ def test_units_with_dots_in_their_names_are_changed(tmp_path):
         'stop_time = 1.0\nmaster = { step = 0.1 }\n[units."sub.p"]\ncomponent = "cosimo.tests.support:Probe"\n'
         "parameters = { length = 1.0 }\n"
     )
-    assert cosimo("run", path, "-o", tmp_path / "out", "--set", "sub.p.length=3", "--record", "sub.p.profile[1]") == 0
+    assert exit_code("run", path, "-o", tmp_path / "out", "--set", "sub.p.length=3", "--record", "sub.p.profile[1]") == 0
     assert (tmp_path / "out" / "result.csv").read_text().splitlines()[-1] == "1.0,3.0"
 
 
 def test_a_run_goes_on_from_its_checkpoint_to_the_same_bits(scene, tmp_path, capsys):
     whole, part = tmp_path / "whole", tmp_path / "part"
-    assert cosimo("run", scene, "--in-process", "-o", whole) == 0
-    assert cosimo("run", scene, "--in-process", "-o", part, "--checkpoint-every", "0.7") == 0
+    assert exit_code("run", scene, "--in-process", "-o", whole) == 0
+    assert exit_code("run", scene, "--in-process", "-o", part, "--checkpoint-every", "0.7") == 0
     again = tmp_path / "again"
-    assert cosimo("run", scene, "--in-process", "-o", again, "--resume", part / "checkpoint") == 0
+    assert exit_code("run", scene, "--in-process", "-o", again, "--resume", part / "checkpoint") == 0
     first = (whole / "result.csv").read_text()
     assert first == (part / "result.csv").read_text() == (again / "result.csv").read_text()
     capsys.readouterr()
-    assert cosimo("run", scene, "--in-process", "--step", "2e-2", "--resume", part / "checkpoint") == 2
+    assert exit_code("run", scene, "--in-process", "--step", "2e-2", "--resume", part / "checkpoint") == 2
     assert capsys.readouterr().err.count("\n") == 1
-    assert cosimo("run", scene, "--in-process", "--resume", tmp_path / "none") == 2
-    assert cosimo("run", scene, "--in-process", "--resume", scene) == 2
+    assert exit_code("run", scene, "--in-process", "--resume", tmp_path / "none") == 2
+    assert exit_code("run", scene, "--in-process", "--resume", scene) == 2
 
 
 def test_a_module_that_is_not_found_says_where_its_folder_belongs(tmp_path, capsys):
     (tmp_path / "scene.toml").write_text('stop_time = 1.0\n[units.a]\ncomponent = "no_such_parts:Body"\n[master]\nstep = 0.1\n')
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(tmp_path / "scene.toml")])
-    assert end.value.code == 2
+    assert exit_code("run", str(tmp_path / "scene.toml")) == 2
     assert "PYTHONPATH" in capsys.readouterr().err
 
 
 def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
     """The energy of an undamped double pendulum: the row on the terminal is the one of the file."""
-    assert cosimo("run", "double-pendulum", "--in-process", "--stop", "0.2", "-o", tmp_path / "out") == 0
+    assert exit_code("run", "double-pendulum", "--in-process", "--stop", "0.2", "-o", tmp_path / "out") == 0
     numbers = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     drift = numbers["chain.energy_change"]
     assert 0.0 <= drift["value"] < 1e-6
@@ -245,5 +237,5 @@ def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
 def test_a_dry_run_of_a_long_run_answers_at_once(capsys, monkeypatch):
     """Internal steps of 1 ns: the first part alone would take minutes."""
     monkeypatch.setattr(dry_run, "run", lambda *_, **__: pytest.fail("it ran"))
-    assert cosimo("run", "mass-on-spring", "--in-process", "--set", "mass.substep=1e-9", "--dry-run") == 0
+    assert exit_code("run", "mass-on-spring", "--in-process", "--set", "mass.substep=1e-9", "--dry-run") == 0
     assert "no trial run of the first" in capsys.readouterr().out

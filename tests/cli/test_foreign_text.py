@@ -9,18 +9,12 @@ import sys
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import cli
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import fail, print_table, shown_output, warn
+from cosimo.tests.commands import exit_code
 
 ESCAPE = "\x1b]0;owned\x07\u202e[red]title[/red]"
 SHOWN = r"\x1b]0;owned\x07\u202e[red]title[/red]"
 FOREIGN = "a warning\ncosimo: done\n  log: x"
-
-
-def cosimo(*arguments) -> int:
-    with pytest.raises(SystemExit) as end:
-        main([*map(str, arguments)])
-    return end.value.code or 0
 
 
 WAYS = {
@@ -55,7 +49,7 @@ def test_a_title_of_a_scene_is_text(tmp_path, capsys):
     title = '"\\u001b]0;owned\\u0007[red]title[/red]"'
     path.write_text(f'title = {title}\nstop_time = 0.1\nmaster.step = 0.01\nunits.m.component = "cosimo.tests.support:Mass"\n')
     for command in (("show", path), ("run", path, "--in-process")):
-        assert cosimo(*command) == 0
+        assert exit_code(*command) == 0
         out = capsys.readouterr().out
         assert r"\x1b]0;owned\x07[red]title[/red]" in out
         assert "\x1b" not in out
@@ -69,7 +63,7 @@ def test_a_pipe_a_device_or_a_socket_is_refused_at_once(command, tmp_path, capsy
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind("socket.fmu")
         for place in ("pipe.toml", "socket.fmu", "/dev/zero"):
-            assert cosimo(*command, place) == 2
+            assert exit_code(*command, place) == 2
             assert capsys.readouterr().err == f"cosimo: {place!r}: a pipe, a device or a socket; expected a file or a folder\n"
 
 
@@ -82,7 +76,7 @@ def test_a_full_disk_is_no_bad_input_whatever_the_message_says(number, monkeypat
             raise BadInput("units.u", f"it cannot be unpacked: {error}", "a sound FMU file") from None
 
     monkeypatch.setattr(cli, "app", unpack)
-    assert cosimo() == (2 if number == errno.EACCES else 3)
+    assert exit_code() == (2 if number == errno.EACCES else 3)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="names that are no UTF-8")

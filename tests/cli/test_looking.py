@@ -7,8 +7,8 @@ import zipfile
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import units
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.units.sandbox import sandboxed
+from cosimo.tests.commands import exit_code
 from cosimo.tests.units.test_sandbox import needs_bubblewrap
 
 DESCRIPTIONS = {
@@ -26,12 +26,6 @@ SSD = """<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1
 <ssd:System name="s"><ssd:Elements><ssd:Component name="u" type="application/x-fmu-sharedlibrary" source="m.fmu"><ssd:Connectors>
 <ssd:Connector name="y" kind="output"/></ssd:Connectors></ssd:Component></ssd:Elements></ssd:System>
 <ssd:DefaultExperiment stopTime="0.01"/></ssd:SystemStructureDescription>"""
-
-
-def cosimo(*arguments) -> int:
-    with pytest.raises(SystemExit) as end:
-        main([*map(str, arguments)])
-    return end.value.code or 0
 
 
 @pytest.fixture(params=DESCRIPTIONS)
@@ -53,9 +47,9 @@ def folder(request, tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["m.fmu", "s.toml", "s.ssd", "s.ssp"])
 def test_looking_executes_nothing(name, folder, capsys, monkeypatch):
     monkeypatch.setattr(units, "open_unit", None)
-    assert cosimo("show", name) == 0
+    assert exit_code("show", name) == 0
     assert "looking executes none" in capsys.readouterr().out
-    assert cosimo("run", name, "--dry-run", "--step", "1e-3") == 0
+    assert exit_code("run", name, "--dry-run", "--step", "1e-3") == 0
     shown = capsys.readouterr()
     assert "left out: the longest stable step" in shown.out
     assert "--isolate executes FMUs in a sandbox" in shown.out
@@ -63,15 +57,15 @@ def test_looking_executes_nothing(name, folder, capsys, monkeypatch):
 
 @pytest.mark.parametrize("folder", [2], indirect=True)  # each check is a process of a second
 def test_a_check_executes_an_fmu_where_it_is_asked_to(folder, capsys):
-    cosimo("check", "m.fmu", "--json")
+    exit_code("check", "m.fmu", "--json")
     looked = json.loads(capsys.readouterr().out)
     assert [f["name"] for f in looked["findings"]] == ["model_description"]
     assert "default_experiment" in looked["left_out"]
-    assert cosimo("check", "m.fmu", "--execute", "--json") == 1
+    assert exit_code("check", "m.fmu", "--execute", "--json") == 1
     executed = json.loads(capsys.readouterr().out)
     assert executed["left_out"] == []
     assert not next(f for f in executed["findings"] if f["name"] == "default_experiment")["ok"]
-    assert cosimo("check", "m.fmu", "--execute", "--isolate") == 2
+    assert exit_code("check", "m.fmu", "--execute", "--isolate") == 2
 
 
 PRETENDED = {
@@ -102,5 +96,5 @@ def test_the_sandbox_holds():
 @pytest.mark.full
 @needs_bubblewrap
 def test_checks_in_the_sandbox(folder, capsys):
-    assert cosimo("check", "m.fmu", "--isolate", "--json") == 1
+    assert exit_code("check", "m.fmu", "--isolate", "--json") == 1
     assert len(json.loads(capsys.readouterr().out)["findings"]) == 8

@@ -10,16 +10,15 @@ from pathlib import Path
 import cosimo
 import pytest
 from cosimo.components.catalogue import component_class
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 ROOT = Path(cosimo.__file__).parents[1]
 
 
 def new(*arguments: object) -> int:
-    with pytest.raises(SystemExit) as done:
-        main(["new", "component", *map(str, arguments)])
-    return int(done.value.code or 0)
+    done = exit_code("new", "component", *map(str, arguments))
+    return done
 
 
 def test_the_files_are_a_component_and_its_scene(tmp_path, monkeypatch):

@@ -7,19 +7,12 @@ import json
 import numpy as np
 import pytest
 from cosimo import load_scene
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.systems.railway.frequency_response import receptance
+from cosimo.tests.commands import exit_code
 
 HEADS = "position [m];section;contact height [m];system height [m];held;contact stiffness [N/m]"
 FITTED = {"head_mass": 7.2, "head_stiffness": 4200.0, "head_damping": 10.0,
           "frame_mass": 15.0, "frame_stiffness": 50.0, "frame_damping": 90.0}  # fmt: skip
-
-
-def command(*arguments):
-    """Its exit code."""
-    with pytest.raises(SystemExit) as end:
-        main([str(a) for a in arguments])
-    return end.value.code
 
 
 @pytest.fixture
@@ -39,12 +32,12 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.full
 def test_five_commands_from_a_crews_files_to_a_judged_report(folder):
-    assert command("new", "line", "line.toml", "supports.csv", "--contact-tension", "22 kN") == 0
-    assert command("railway", "fit-pantograph", "head.csv", "--masses", 2, "-o", "fitted") == 0
+    assert exit_code("new", "line", "line.toml", "supports.csv", "--contact-tension", "22 kN") == 0
+    assert exit_code("railway", "fit-pantograph", "head.csv", "--masses", 2, "-o", "fitted") == 0
     two = ["--pantograph", "fitted/pantograph.toml", "--pantographs", 2, "--distance", 100, "--speed", "160 km/h"]
-    assert command("new", "scene", "mine.toml", "--line", "line.toml", *two) == 0
-    assert command("new", "case", "case.toml", "mine.toml", "--speeds", "160 km/h, 220 km/h", "--limits", "en50367") == 0
-    assert command("validate", "case.toml", "-o", "out", "--in-process", "--no-verify") == 0
+    assert exit_code("new", "scene", "mine.toml", "--line", "line.toml", *two) == 0
+    assert exit_code("new", "case", "case.toml", "mine.toml", "--speeds", "160 km/h, 220 km/h", "--limits", "en50367") == 0
+    assert exit_code("validate", "case.toml", "-o", "out", "--in-process", "--no-verify") == 0
     (case,) = json.loads((folder / "out" / "validation.json").read_text())["cases"]
     assert case["outcome"] == "recalled"
     lines = (folder / "mine.toml").read_text(encoding="utf-8")
@@ -57,14 +50,14 @@ def test_five_commands_from_a_crews_files_to_a_judged_report(folder):
 
 
 def test_units_are_joined_by_their_ports(tmp_path):
-    assert command("new", "scene", tmp_path / "plain.toml", "Pantograph", "wire=LumpedCatenary") == 0
+    assert exit_code("new", "scene", tmp_path / "plain.toml", "Pantograph", "wire=LumpedCatenary") == 0
     assert load_scene(tmp_path / "plain.toml").connections == ("pantograph.contact <-> wire.contact",)
-    assert command("new", "scene", tmp_path / "rotor.toml", "BeamRotor", "DeepGrooveBearing") == 0
+    assert exit_code("new", "scene", tmp_path / "rotor.toml", "BeamRotor", "DeepGrooveBearing") == 0
 
 
 @pytest.mark.parametrize("name", ["en50318-2018-ac-stitched", "overlap", "mass-on-spring"])
 def test_a_copy_of_a_shipped_scene_is_the_scene(tmp_path, name):
-    assert command("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 0
+    assert exit_code("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 0
     mine, shipped = load_scene(tmp_path / "mine" / "my.toml"), load_scene(name)
     assert (mine.connections, mine.master, mine.stop_time) == (shipped.connections, shipped.master, shipped.stop_time)
     assert {n: u.component for n, u in mine.units.items()} == {n: u.component for n, u in shipped.units.items()}
@@ -75,14 +68,14 @@ def test_a_copy_of_a_shipped_scene_is_the_scene(tmp_path, name):
                 assert (tmp_path / "mine" / value).read_bytes() == (tmp_path / other).read_bytes()
             else:
                 assert value == shipped.units[unit].parameters[key]
-    assert command("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 2  # overwrites nothing
+    assert exit_code("new", "scene", tmp_path / "mine" / "my.toml", "--from", name) == 2  # overwrites nothing
 
 
 def test_nothing_passes_by_a_table_of_a_scenes_own_figures_until_a_row_has_a_source(tmp_path, capsys):
     limits = tmp_path / "limits.toml"
-    assert command("new", "table", limits, "lumped-catenary") == 0
+    assert exit_code("new", "table", limits, "lumped-catenary") == 0
     run = ("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits)
-    assert command(*run) == 0
+    assert exit_code(*run) == 0
     rows = limits.read_text(encoding="utf-8").count("[[rows]]")
     assert f"No pass: {rows} of {rows} rows not judged" in capsys.readouterr().out
     text = limits.read_text(encoding="utf-8")
@@ -97,26 +90,26 @@ def test_nothing_passes_by_a_table_of_a_scenes_own_figures_until_a_row_has_a_sou
         assert first in text
         filled = text.replace(first, f'{ends}standing = "{standing}"\n{source}').replace("# sheet =", "sheet =")
         limits.write_text(filled, encoding="utf-8")
-        code = command(*run)
+        code = exit_code(*run)
         shown = capsys.readouterr()
         assert told in shown.out + shown.err
         assert code == (0 if "inside the range" in told else 2)
         assert "Passed" not in shown.out
-    assert command("sweep", "lumped-catenary", "--over", "pantograph.speed=60,70", "--limits", limits) == 2
+    assert exit_code("sweep", "lumped-catenary", "--over", "pantograph.speed=60,70", "--limits", limits) == 2
     # a table as 0.7 wrote it: its only source are the numbers that it judges
     old = '[sources]\nrun = "one run of lumped-catenary by cosimo, and 10% on either side: to be replaced by the source of each range"\n'
     row = (
         '[[rows]]\nquantity = "mean"\nmeasure = "pantograph.mean"\nunit = "N"\nlow = 1.0\nstanding = "computed"\nsource = "run"\n'
     )
     limits.write_text(old + row, encoding="utf-8")
-    assert command(*run) == 2
+    assert exit_code(*run) == 2
     assert "where the range was read" in capsys.readouterr().err
 
 
 def test_two_supports_are_a_line_and_one_is_none(folder, capsys):
     for supports, code in (("0\n50\n", 0), ("0\n", 2)):
         (folder / "few.csv").write_text("position [m]\n" + supports)
-        assert command("new", "line", f"{code}.toml", "few.csv") == code
+        assert exit_code("new", "line", f"{code}.toml", "few.csv") == code
     assert "supports at 0 m; expected at least two" in capsys.readouterr().err
 
 
@@ -151,14 +144,14 @@ def test_bad_input_leaves_no_file(folder, capsys):
         (("case", "new.toml", "lumped-catenary", "--limits", "en5036"), "'en50367'"),
         (("case", "new.toml", "mass-on-spring", "--limits", "en50367", "--speeds", "200 km/h"), "parameter speed"),
     ):
-        assert command("new", *arguments) == 2, arguments
+        assert exit_code("new", *arguments) == 2, arguments
         assert named in capsys.readouterr().err, arguments
     assert set(folder.iterdir()) == before
 
 
 def test_a_line_that_is_too_short_says_how_long_it_must_be(folder, capsys):
     (folder / "short.csv").write_text("position [m]\n0\n50\n100\n150\n")
-    assert command("new", "line", "short.toml", "short.csv") == 0
-    assert command("new", "scene", "mine.toml", "--line", "short.toml") == 2
+    assert exit_code("new", "line", "short.toml", "short.csv") == 0
+    assert exit_code("new", "scene", "mine.toml", "--line", "short.toml") == 2
     assert "Make the line longer" in capsys.readouterr().err
     assert not (folder / "mine.toml").exists()

@@ -2,8 +2,8 @@
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.options import share
+from cosimo.tests.commands import exit_code
 
 
 @pytest.mark.parametrize(
@@ -38,8 +38,6 @@ def test_what_is_no_share_is_refused(text):
 )
 def test_every_option_that_takes_a_share_reads_it_the_same_way(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as exit_:
-        main(arguments)
-    assert exit_.value.code == 2
+    assert exit_code(*arguments) == 2
     assert "1% or 0.01" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

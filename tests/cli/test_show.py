@@ -6,9 +6,9 @@ import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import COMPILED, DONE, hold_inputs
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.judgement.dry_run import stepping_path
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.commands import exit_code
 
 compiled = pytest.mark.skipif(not COMPILED, reason="without Numba every step is Python")
 
@@ -35,9 +35,7 @@ class Half(Component):
 
 def shown(capsys, *arguments):
     """What `cosimo show ... --json` prints."""
-    with pytest.raises(SystemExit) as done:
-        main(["show", *arguments, "--json"])
-    assert not done.value.code
+    assert exit_code("show", *arguments, "--json") == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -91,9 +89,7 @@ def test_time_that_effects_add(capsys):
 )
 def test_options_without_effect_are_refused(arguments, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as done:
-        main(["show", *arguments])
-    assert done.value.code == 2
+    assert exit_code("show", *arguments) == 2
 
 
 def test_a_component_in_plain_python_says_so(capsys):
@@ -144,7 +140,5 @@ def test_python_in_the_steps_of_a_unit():
 
 @pytest.mark.parametrize(("name", "words"), [("PlanarLynk", "did you mean 'PlanarLink'"), ("mass-on-sprin", "mass-on-spring")])
 def test_an_unknown_name_is_one_message(name, words, capsys):
-    with pytest.raises(SystemExit) as done:
-        main(["show", name])
-    assert done.value.code == 2
+    assert exit_code("show", name) == 2
     assert words in capsys.readouterr().err

@@ -12,6 +12,7 @@ import time
 import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import GROUPS, app, first_sentence, print_table
+from cosimo.tests.commands import exit_code
 from typer.main import get_command
 
 MODULE = """
@@ -85,9 +86,7 @@ def test_a_fault_in_a_kernel_is_one_message_and_leaves_nothing(tmp_path, capsys,
     monkeypatch.setattr(sys, "path", [*sys.path])
     (tmp_path / "misspelt_spring.py").write_text(MODULE)
     (tmp_path / "scene.toml").write_text(SCENE)
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(tmp_path / "scene.toml"), "--in-process", "-o", str(tmp_path / "out")])
-    assert end.value.code == 2
+    assert exit_code("run", str(tmp_path / "scene.toml"), "--in-process", "-o", str(tmp_path / "out")) == 2
     message = capsys.readouterr().err
     assert len(message.splitlines()) == 1
     assert "misspelt_spring.py:19: Unknown attribute 'stifness'" in message
@@ -112,9 +111,7 @@ def test_open_wants_a_report(tmp_path, capsys, monkeypatch):
     with pytest.raises(SystemExit):
         main(["open", str(tmp_path)])
     assert opened == [(tmp_path / "report.html").as_uri()]
-    with pytest.raises(SystemExit) as end:
-        main(["open", str(tmp_path / "nothing")])
-    assert end.value.code == 2
+    assert exit_code("open", str(tmp_path / "nothing")) == 2
     assert "report.html" in capsys.readouterr().err
 
 
@@ -128,15 +125,12 @@ def test_a_full_disk_is_no_bad_input(number, tmp_path, monkeypatch, capsys):
     for place in ("Path.mkdir", "Path.write_text"):
         with monkeypatch.context() as patch:
             patch.setattr(f"pathlib.{place}", full)
-            with pytest.raises(SystemExit) as end:
-                main(["new", "component", "Foo", "-o", str(tmp_path / "out")])
-        assert end.value.code == 3
+            end = exit_code("new", "component", "Foo", "-o", str(tmp_path / "out"))
+        assert end == 3
         assert os.strerror(number) in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
 def test_an_output_whose_name_is_no_text_is_one_message(tmp_path, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["run", "mass-on-spring", "--in-process", "-o", os.fsdecode(bytes(tmp_path) + b"/b\xffad")])
-    assert end.value.code == 2
+    assert exit_code("run", "mass-on-spring", "--in-process", "-o", os.fsdecode(bytes(tmp_path) + b"/b\xffad")) == 2
     assert "expected a name in UTF-8" in capsys.readouterr().err

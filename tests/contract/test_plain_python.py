@@ -17,6 +17,7 @@ SHORT = (
     "tests/contract/test_hard_cases.py",
     "tests/contract/test_effects_absent.py",
     "tests/contract/test_ranges.py",
+    "tests/contract/test_refusals.py",
     "tests/harness/studies/test_effects.py",
     "tests/harness/studies/test_selection.py",
     SCENES,

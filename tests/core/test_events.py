@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.events import ROWS, rk4_events
 from cosimo.components.core.kernels import DONE, NOT_CONVERGED, bind, kernel
+from cosimo.tests.slopes import slope
 
 pytestmark = pytest.mark.interpreted
 STICK = 0.0
@@ -197,8 +198,7 @@ def test_events_do_not_lower_the_order():
     assert 0.0 < since < slip
     steps = np.unique(np.geomspace(320, 2560, 12).astype(int))  # below, two terms of the error cancel
     errors = [abs(run(puller, (0.0, 0.0, STICK), end, n, p)[0][0] - exact) for n in steps]
-    slope = np.polyfit(np.log(1.0 / steps), np.log(errors), 1)[0]
-    assert slope == pytest.approx(4.0, abs=0.1)
+    assert slope(1.0 / steps, errors) == pytest.approx(4.0, abs=0.1)
 
 
 def test_modes_that_chase_each_other_are_an_error():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import types
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from cosimo.components.core.kernels import DONE
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
+from cosimo.tests.slopes import orders
 from scipy.linalg import expm
 from scipy.special import ellipj, ellipk
 
@@ -45,11 +45,6 @@ def test_the_limit_is_that_of_the_stages_in_every_direction_of_the_left_half_pla
     assert max(amplification(1.02 * STABILITY_RADIUS * np.exp(1j * a)) for a in angles) > 1.0
 
 
-def slopes(errors):
-    """Orders between settings whose internal step halves."""
-    return [math.log2(a / b) for a, b in pairwise(errors)]
-
-
 def test_a_pendulum_of_any_amplitude_converges_with_order_eight():
     """The chain with a second link whose mass is a billionth is a rod that swings: sin(q/2) = k sn(w t + K), exactly."""
     given = {
@@ -72,7 +67,7 @@ def test_a_pendulum_of_any_amplitude_converges_with_order_eight():
         chain.initialize(0.0)
         chain.step(0.0, end)
         errors.append(abs(chain["first_angle"] - exact))
-    assert min(slopes(errors)) > 7.4
+    assert min(orders(errors)) > 7.4
     assert errors[-1] < 1e-8
 
 
@@ -91,7 +86,7 @@ def test_a_rotor_in_free_motion_is_the_matrix_exponential():
             [[np.zeros((2, 2)), np.eye(2)], [-np.array([[k, ci * spin], [-ci * spin, k]]) / m, -(c + ci) / m * np.eye(2)]]
         )
         errors.append(float(np.abs(rotor.x[:2] - (expm(A) @ start)[:2]).max()))
-    assert min(slopes(errors)) > 7.3
+    assert min(orders(errors)) > 7.3
     assert errors[-1] < 1e-9
 
 

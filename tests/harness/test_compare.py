@@ -6,8 +6,8 @@ import cosimo
 import numpy as np
 import pytest
 from cosimo import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.compare import Comparison, FigureDifference
+from cosimo.tests.commands import exit_code
 
 SHORT = {"stop_time": 2.0}
 
@@ -32,9 +32,8 @@ def figure(values, errors=(np.nan, np.nan)):
 
 
 def command(arguments, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["compare", *map(str, arguments)])
-    return end.value.code or 0, capsys.readouterr()
+    end = exit_code("compare", *map(str, arguments))
+    return end, capsys.readouterr()
 
 
 def test_settings_and_signals_that_differ(two):

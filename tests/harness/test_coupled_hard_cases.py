@@ -6,10 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.judgement.verification import run as verified_run
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 pytestmark = pytest.mark.full
 
@@ -80,9 +80,7 @@ def test_past_the_limit_a_unilateral_contact_stays_finite_and_is_plainly_wrong(s
 
 def test_exit_code_and_partial_files_of_a_failed_run(tmp_path, capsys):
     """Off the end of the wire: 10 spans are 600 m, reached after 8.2 s from 30 m at 69.4 m/s."""
-    with pytest.raises(SystemExit) as stopped:
-        main(["run", "en50318-2002", "--in-process", "--stop", "9", "-o", str(tmp_path)])
-    assert stopped.value.code == 3
+    assert exit_code("run", "en50318-2002", "--in-process", "--stop", "9", "-o", str(tmp_path)) == 3
     message = capsys.readouterr().err
     assert "catenary failed at t = 8.2" in message
     assert "Traceback" not in message
@@ -96,9 +94,7 @@ def test_exit_code_and_partial_files_of_a_failed_run(tmp_path, capsys):
 
 @pytest.mark.parametrize("way", [["--in-process"], []], ids=["in process", "FMU"])
 def test_a_substep_beyond_the_limit_is_bad_input_on_either_way(way, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main(["run", "en50318-2002", *way, "--stop", "0.1", "--set", "pantograph.head_mass=1e-6"])
-    assert stopped.value.code == 2
+    assert exit_code("run", "en50318-2002", *way, "--stop", "0.1", "--set", "pantograph.head_mass=1e-6") == 2
     assert "at most 2.61141e-07 s" in capsys.readouterr().err
 
 

@@ -17,12 +17,12 @@ from cosimo.components.core import store
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.measures import Row
 from cosimo.orchestrator.harness.many.store import Store
 from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
 from cosimo.orchestrator.verified_file import read_verified, write_verified
+from cosimo.tests.commands import exit_code
 
 posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
 
@@ -231,15 +231,12 @@ def test_show_clear_and_prune(own_cache, capsys):
     main_json(["cache", "clear", "fmus"])
     assert [p for p in own_cache.rglob("*") if p.is_file() and p.name != cache.TIDIED] == [mine]
     for wrong in ("shw", "clear --days 3", "prune fmus", "prune --days -1"):
-        with pytest.raises(SystemExit) as end:
-            main(["cache", *wrong.split()])
-        assert end.value.code == 2
+        end = exit_code("cache", *wrong.split())
+        assert end == 2
 
 
 def main_json(arguments):
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    assert not end.value.code
+    assert exit_code(*arguments) == 0
 
 
 @posix

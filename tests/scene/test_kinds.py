@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import systems
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.limits import table_of
 from cosimo.orchestrator.harness.many.plan import plan_settings
 from cosimo.orchestrator.scene.kinds import KINDS, kind_of
 from cosimo.orchestrator.systems.railway import line
+from cosimo.tests.commands import exit_code
 
 FILES = {
     "scene.toml": ("scene", "stop_time = 1.0\n[units.a]\n"),
@@ -63,7 +63,5 @@ def test_each_kind_is_recognised_and_named_by_every_reader_of_another(folder):
     ("command", "name"), [("run", "line.toml"), ("show", "results"), ("check", "plan.toml"), ("open", "case.toml")]
 )
 def test_commands_say_which_one_reads_it(folder, capsys, command, name):
-    with pytest.raises(SystemExit) as ended:
-        main([command, name])
-    assert ended.value.code == 2
+    assert exit_code(command, name) == 2
     assert KINDS[FILES[name][0]][1] in capsys.readouterr().err

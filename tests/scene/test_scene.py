@@ -10,10 +10,10 @@ from cosimo.components import catalogue
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.scene.scene import Scene, read_toml, scene_files
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.support import Linear, two_masses
 from pydantic import ValidationError
 
@@ -286,9 +286,7 @@ def test_schema_fits_what_scenes_may_say():
 def test_command_line_maps_bad_scenes_to_exit_code_2(tmp_path, capsys):
     path = tmp_path / "bad.toml"
     path.write_text('stop_time = 1\n[units.p]\ncomponent = "Pantograf"\n[master]\nstep = 0.1\n')
-    with pytest.raises(SystemExit) as caught:
-        main(["run", str(path)])
-    assert caught.value.code == 2
+    assert exit_code("run", str(path)) == 2
     message = capsys.readouterr().err
     assert message.startswith("cosimo: bad: ")
     assert message.count("\n") == 1

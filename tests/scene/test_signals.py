@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from cosimo import BadInput
 from cosimo.fmus.native.build import own_target
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.stepping.discontinuities import jump_times
 from cosimo.orchestrator.run.checkpoint import digest
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
+from cosimo.tests.commands import exit_code
 
 NATIVE = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
 JUMPING = "time,force [kN]\n0,1e-3\n0.515,1e-3\n0.515,-1e-3\n1.5,-1e-3\n1.5,3e-3\n1.5005,3e-3\n1.5005,0\n2,0\n"
@@ -37,13 +37,6 @@ def mass(folder, text, *, step=0.01, stop_time=2.0, master=None, **unit):
         folder=folder,
         master=master,
     )
-
-
-def command(arguments):
-    """The exit code of a command."""
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    return end.value.code
 
 
 def run(scene, **more):
@@ -274,20 +267,20 @@ def test_native_fmus_of_components_leave_the_table_where_it_is(tmp_path):
 @pytest.mark.parametrize("native", [False, pytest.param(True, marks=NATIVE)])
 def test_a_table_is_an_fmu_of_its_own(tmp_path, native, capsys):
     (tmp_path / "road.csv").write_text("time [ms];height [mm];counts [counts]\n0;0;5\n1000;1,5;5\n1000;7;6\n2000;8;6\n")
-    assert command(["build", str(tmp_path / "road.csv"), "-o", str(tmp_path), *(["--native"] if native else [])]) == 0
+    assert exit_code(*["build", str(tmp_path / "road.csv"), "-o", str(tmp_path), *(["--native"] if native else [])]) == 0
     description = fmpy.read_model_description(str(tmp_path / "road.fmu"))
     assert {v.name: v.unit for v in description.modelVariables if v.causality == "output"} == {"height": "mm", "counts": "counts"}
     recorded = fmpy.simulate_fmu(str(tmp_path / "road.fmu"), output_interval=0.25)
     assert recorded["time"][-1] == 2.0
     assert recorded["height"][[0, 3, 4, 5, 8]].tolist() == [0.0, 1.125, 7.0, 7.25, 8.0]  # at a jump the value behind it
     one = (tmp_path / "road.fmu").read_bytes()
-    assert command(["build", str(tmp_path / "road.csv"), "-o", str(tmp_path), *(["--native"] if native else [])]) == 0
+    assert exit_code(*["build", str(tmp_path / "road.csv"), "-o", str(tmp_path), *(["--native"] if native else [])]) == 0
     assert (tmp_path / "road.fmu").read_bytes() == one
 
 
 def test_a_package_has_the_table_as_an_fmu(tmp_path):
     cosimo.write_scene(mass(tmp_path, ON_GRID), tmp_path / "scene.toml")
-    assert command(["ssp", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "scene.ssp"), "--force"]) == 0
+    assert exit_code(*["ssp", str(tmp_path / "scene.toml"), "-o", str(tmp_path / "scene.ssp"), "--force"]) == 0
     assert "resources/force.fmu" in zipfile.ZipFile(tmp_path / "scene.ssp").namelist()
     result = cosimo.run(tmp_path / "scene.ssp", verify="no")
     assert result["road.force"][result.time == 0.5].tolist() == pytest.approx([1.0 + 0.5 * 0.5 / 0.51])
@@ -300,7 +293,7 @@ INPUT = "time,base_force_x [kN],base_torqe,remark\n0.5,1e-3,0,1\n1.5,1e-3,0,2\n"
 def test_an_fmu_alone_runs_with_a_table_over_its_time(tmp_path, capsys):
     (tmp_path / "data.csv").write_text(INPUT)
     fmu = str(cosimo.build("PlanarLink", tmp_path))
-    assert command(["run", fmu, "--input", str(tmp_path / "data.csv"), "--no-verify", "-o", str(tmp_path / "out")]) == 0
+    assert exit_code(*["run", fmu, "--input", str(tmp_path / "data.csv"), "--no-verify", "-o", str(tmp_path / "out")]) == 0
     told = capsys.readouterr().err
     assert "data.csv: no input for column 'base_torqe' (did you mean 'base_torque'" in told
     assert "'remark'; no column for fmu.base_force_y, fmu.base_torque, fmu.tip_force_x" in told
@@ -312,7 +305,7 @@ def test_an_fmu_alone_runs_with_a_table_over_its_time(tmp_path, capsys):
 
 def test_a_table_without_any_input_names_the_nearest(tmp_path, capsys):
     (tmp_path / "data.csv").write_text("time,bas_torque\n0,1\n1,1\n")
-    assert command(["run", "PlanarLink", "--input", str(tmp_path / "data.csv")]) == 2
+    assert exit_code(*["run", "PlanarLink", "--input", str(tmp_path / "data.csv")]) == 2
     assert "columns bas_torque; expected a column with the name of an open input: base_force_x" in (
         told := capsys.readouterr().err
     )
@@ -334,9 +327,9 @@ def test_open_inputs_of_a_scene_are_joined_by_short_and_by_whole_names(tmp_path)
 def test_a_new_scene_with_a_table_runs_as_it_is(tmp_path, capsys):
     (tmp_path / "data.csv").write_text(INPUT)
     file = tmp_path / "scene.toml"
-    assert command(["new", "scene", str(file), "PlanarLink", "--input", str(tmp_path / "data.csv")]) == 0
+    assert exit_code(*["new", "scene", str(file), "PlanarLink", "--input", str(tmp_path / "data.csv")]) == 0
     assert 'signals = "data.csv"' in file.read_text()
     scene = cosimo.load_scene(file)
     assert (scene.start_time, scene.stop_time, len(scene.connections)) == (0.5, 1.5, 1)
     assert run(scene).outcome == "done"
-    assert command(["new", "scene", str(tmp_path / "b.toml"), "--from", "mass-on-spring", "--input", str(file)]) == 2
+    assert exit_code(*["new", "scene", str(tmp_path / "b.toml"), "--from", "mass-on-spring", "--input", str(file)]) == 2

@@ -7,8 +7,8 @@ import re
 import pytest
 from cosimo import BadInput, build, load_scene, read_scene
 from cosimo.components.core.measure import is_quantity, number_in
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.systems.scene_schema import scene_schema
+from cosimo.tests.commands import exit_code
 
 
 @pytest.mark.parametrize(
@@ -97,9 +97,7 @@ def test_an_fmu_gets_its_own_unit(tmp_path):
 
 def test_the_command_line_takes_units(capsys):
     main_ = ["run", "lumped-catenary", "--dry-run", "--in-process"]
-    with pytest.raises(SystemExit) as end:
-        main([*main_, "--set", "pantograph.speed=180 kN"])
-    assert end.value.code == 2
+    assert exit_code(*main_, "--set", "pantograph.speed=180 kN") == 2
     assert "dimension of m/s" in capsys.readouterr().err
 
 

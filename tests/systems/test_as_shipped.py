@@ -6,12 +6,12 @@ The short run has a case of each system, in process.
 import json
 
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.case import outcome
 from cosimo.orchestrator.harness.validation.questions import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import cases
+from cosimo.tests.commands import exit_code
 
 UNDECIDED = ("passed", "recalled", "undecided")
 SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
@@ -32,9 +32,7 @@ OUTSIDE = {  # papers whose rows are looked at one by one -> the measures of tho
 
 def done(command, name, folder, *options):
     """Whether a command ends with exit code 0, which a row outside of its range is not."""
-    with pytest.raises(SystemExit) as end:
-        main([command, name, "-o", str(folder), *options])
-    assert end.value.code == 0
+    assert exit_code(command, name, "-o", str(folder), *options) == 0
 
 
 @pytest.mark.full

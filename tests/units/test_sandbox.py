@@ -17,9 +17,9 @@ from pathlib import Path
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.rest import at_rest
 from cosimo.tests.units import escapes
 from cosimo.tests.units.exchange_fmu import exchange_fmu
@@ -155,17 +155,15 @@ def test_without_bubblewrap_a_run_says_how_to_install_it(tmp_path, capsys, monke
     path = tmp_path / "foreign.toml"
     path.write_text('units.m.component = "cosimo.tests.support:Mass"\nmaster.step = 0.01\nstop_time = 0.1\n')
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(path), "--isolate", "-o", str(tmp_path / "out")])
-    assert end.value.code == 2
+    end = exit_code("run", str(path), "--isolate", "-o", str(tmp_path / "out"))
+    assert end == 2
     assert "apt install bubblewrap" in capsys.readouterr().err
 
 
 @needs_bubblewrap
 def test_the_option_is_for_foreign_code(tmp_path, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["run", "mass-on-spring", "--isolate", "--dry-run"])
-    assert end.value.code == 2
+    end = exit_code("run", "mass-on-spring", "--isolate", "--dry-run")
+    assert end == 2
     assert "all of whose units are components of the catalogue" in capsys.readouterr().err
     with pytest.raises(BadInput, match="an FMU or module:Class"):
         read_scene(
@@ -175,9 +173,7 @@ def test_the_option_is_for_foreign_code(tmp_path, capsys):
     path.write_text(
         'units.m.component = "cosimo.tests.support:Mass"\nunits.m.time_limit = 30.0\nmaster.step = 0.01\nstop_time = 0.1\n'
     )
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(path), "--isolate", "-o", str(tmp_path / "out")])
-    assert not end.value.code
+    assert exit_code("run", str(path), "--isolate", "-o", str(tmp_path / "out")) == 0
     info = json.loads((tmp_path / "out" / "run.json").read_text())
     assert info["scene"]["units"]["m"]["isolation"] == "restricted"
     assert info["scene"]["title"] == ""

@@ -11,6 +11,7 @@ from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.session.open_scene import Course, OpenScene
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
+from cosimo.tests.slopes import orders
 from cosimo.tests.support import Linear
 from scipy.linalg import expm
 
@@ -40,10 +41,6 @@ def misses(algorithm: str, degree: int, **master) -> np.ndarray:
     return np.abs(rows).T
 
 
-def slope(values: np.ndarray) -> float:
-    return float(np.log2(values[-2] / values[-1]))
-
-
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_the_account_of_held_inputs_is_the_energy_that_the_whole_has_gained(algorithm):
     """The units are exact, so what the whole gains comes from the coupling alone, and each unit's own work is a rectangle."""
@@ -57,8 +54,8 @@ def test_the_account_of_held_inputs_is_the_energy_that_the_whole_has_gained(algo
 def test_the_account_is_right_in_its_leading_term(algorithm, degree):
     """Outputs are interpolated one degree above the inputs: what the account misses falls faster by one order and more."""
     gained, beyond, _ = misses(algorithm, degree)
-    assert abs(slope(gained) - 2.0) < 0.2  # of degree 2 too: its first step is held
-    assert slope(beyond) > degree + 1.85
+    assert abs(orders(gained)[-1] - 2.0) < 0.2  # of degree 2 too: its first step is held
+    assert orders(beyond)[-1] > degree + 1.85
     assert beyond[-1] < 0.02 * gained[-1]
 
 
@@ -67,8 +64,8 @@ def test_the_account_is_right_in_its_leading_term(algorithm, degree):
 )
 def test_correction_raises_the_order_by_one(algorithm, degree, order):
     gained, _, error = misses(algorithm, degree, energy_correction=True)
-    assert abs(slope(error) - order) < 0.15
-    assert abs(slope(gained) - order) < 0.15
+    assert abs(orders(error)[-1] - order) < 0.15
+    assert abs(orders(gained)[-1] - order) < 0.15
     assert error[-1] < 0.25 * misses(algorithm, degree)[2][-1]
 
 

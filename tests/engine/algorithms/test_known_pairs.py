@@ -5,14 +5,11 @@ import pytest
 from cosimo.orchestrator.settings import IterationSettings
 from cosimo.tests.engine.algorithms.oscillators import HERE, STATES, TwoMasses, give_past, open_master, radius
 from cosimo.tests.short_run import full_but
+from cosimo.tests.slopes import slope
 from scipy.linalg import expm
 
 ALGORITHMS = ["jacobi", "gauss-seidel", "iterative"]
 BAND = (0.15, 0.15, 0.5)  # of the slope, by degree
-
-
-def slope(steps, errors) -> float:
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
 
 # -- preCICE -----------------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import Interface, Signal
 from cosimo.tests.engine.algorithms.oscillators import Feedthrough
 from cosimo.tests.short_run import full_but
+from cosimo.tests.slopes import slope
 from cosimo.tests.support import Linear
 from cosimo.tests.units.native import native_fmu
 from scipy.linalg import expm
@@ -95,8 +96,7 @@ def test_a_loop_of_any_gain_keeps_the_order_of_accuracy(d2, stop, algorithm, deg
         result = run(read_scene(pair(d2, stop / steps, stop, algorithm=algorithm, extrapolation=degree)))
         assert result.outcome == "done", result.message
         errors.append(np.abs(states(result) / exact - 1.0).max())
-    slope = -np.polyfit(np.log([1.0, 2.0, 4.0]), np.log(errors), 1)[0]
-    assert abs(slope - (degree + 1)) < 0.15
+    assert abs(-slope([1.0, 2.0, 4.0], errors) - (degree + 1)) < 0.15
     assert errors[-1] < (2e-2, 1e-4)[degree]
 
 

@@ -7,6 +7,7 @@ from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.blocks import BLOCKS, System, system
 from cosimo.tests.engine.algorithms.oscillators import give_past, open_master
+from cosimo.tests.slopes import orders
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
@@ -50,7 +51,7 @@ STEPS = (1 / 64, 1 / 128)  # s; eigenvalues are of size 1 to 5
 def test_error_falls_with_the_expected_order(algorithm, found, degree):
     errors = [largest_error(found, algorithm, degree, step) for step in STEPS]
     if errors[-1] > ROUNDING:
-        order = np.log2(errors[0] / errors[1])
+        order = orders(errors)[0]
         assert order > degree + 1 - (0.15 if degree < 2 else 0.5), errors
 
 

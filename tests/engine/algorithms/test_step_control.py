@@ -18,6 +18,7 @@ from cosimo.orchestrator.units import Interface
 from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.engine.algorithms.bonded import bonded
 from cosimo.tests.short_run import full_but
+from cosimo.tests.slopes import slope
 from cosimo.tests.support import Linear, exact_two_masses, two_masses
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -90,7 +91,7 @@ def test_order_of_the_error_over_the_number_of_steps(method, algorithm, degree):
         reached = np.array([result[name][-1] for name in STATES])
         steps.append(result.info["counters"]["master"]["steps"])
         errors.append(np.abs(reached - exact_two_masses(1.0)).max())
-    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(degree + 1, abs=0.15 if degree < 2 else 0.5)
+    assert -slope(steps, errors) == pytest.approx(degree + 1, abs=0.15 if degree < 2 else 0.5)
 
 
 @pytest.mark.full

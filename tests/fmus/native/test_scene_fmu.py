@@ -12,7 +12,6 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.native.build import compiler, own_target
 from cosimo.fmus.native.machine_code import TARGETS, object_code
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.reference import compare, load_table
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
@@ -20,6 +19,7 @@ from cosimo.orchestrator.scene_fmu.variables import open_ports
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.railway.cases.en50318_2002 import SPEEDS, condition
 from cosimo.orchestrator.systems.railway.runs import at_speed, numbers
+from cosimo.tests.commands import exit_code
 from fmpy.fmi2 import FMU2Slave
 
 pytestmark = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
@@ -267,9 +267,7 @@ def test_sixteen_rows_of_en50318_from_the_outputs_of_its_fmu(built):
 
 def test_options_that_a_scene_ignores_are_refused(capsys):
     for option in (["--effects", "gravity"], ["--derivatives"]):
-        with pytest.raises(SystemExit) as end:
-            main(["build", "mass-on-spring", "--native", *option])
-        assert end.value.code == 2
+        assert exit_code("build", "mass-on-spring", "--native", *option) == 2
         assert option[0] in capsys.readouterr().err
 
 

@@ -12,12 +12,12 @@ from math import isfinite
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, quantities_of
 from cosimo.orchestrator.harness.summary import with_error
 from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import explore_page, load_scene, read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.fmus.native.web_assembly import needs_node
 from cosimo.tests.harness.report.test_in_browser import browser  # noqa: F401
 
@@ -43,9 +43,8 @@ def railway(tmp_path_factory):
 
 
 def main_done(arguments):
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    assert end.value.code in (0, None)
+    end = exit_code(*arguments)
+    assert end in (0, None)
 
 
 @pytest.fixture
@@ -193,9 +192,7 @@ def test_a_refused_state_shows_the_sentence_of_the_command_and_the_next_one_is_c
         before = page.inner_text("#numbers")
         page.evaluate(f"location.hash = 'catenary.damping.beta={damping}'")
         page.wait_for_function(f"state.values['catenary.damping.beta'] === {damping} && {JUDGED}", timeout=WAIT)
-        with pytest.raises(SystemExit) as end:
-            main(["run", "en50318-2002", "--in-process", "--no-verify", "--set", f"catenary.damping.beta={damping}"])
-        assert end.value.code == 2
+        assert exit_code("run", "en50318-2002", "--in-process", "--no-verify", "--set", f"catenary.damping.beta={damping}") == 2
         sentence = " ".join(capsys.readouterr().err.split()).removeprefix("cosimo: ")
         assert "the explicit method's limit" in sentence
         assert page.inner_text("#sentence") == f"This state does not start: {sentence}"

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 from cosimo import Result, load_scene, read_scene, run, write_scene
 from cosimo.components.core.errors import UNSEEN
-from cosimo.orchestrator.cli import main
+from cosimo.tests.commands import exit_code
 from cosimo.tests.units.native import STATE, native_fmu
 
 NASTY = "a&#10;b&#13;c&#9;&#x202e;&lt;script&gt;alert(1)&lt;/script&gt;,&quot;'/../&#x85;&#x2028;"
@@ -33,14 +33,8 @@ def scene(tmp_path, monkeypatch):
     return folder / "s.toml"
 
 
-def cosimo(*arguments) -> int:
-    with pytest.raises(SystemExit) as end:
-        main([*map(str, arguments)])
-    return end.value.code or 0
-
-
 def test_files_of_a_run(scene):
-    assert cosimo("run", scene, "-o", "out", "--no-verify") == 0
+    assert exit_code("run", scene, "-o", "out", "--no-verify") == 0
     page, info = (Path("out", name).read_text() for name in ("report.html", "run.json"))
     assert not UNSEEN.search(page)
     assert "<script>alert" not in page
@@ -66,7 +60,7 @@ def test_files_of_a_run(scene):
 
 
 def test_a_drawing_is_xml_whatever_a_title_holds(scene):
-    assert cosimo("show", scene, "-o", "drawn") == 0
+    assert exit_code("show", scene, "-o", "drawn") == 0
     text = Path("drawn/s.svg").read_text()
     ElementTree.fromstring(text)
     assert not UNSEEN.search(text)
@@ -75,7 +69,7 @@ def test_a_drawing_is_xml_whatever_a_title_holds(scene):
 def test_a_data_set_has_a_folder_for_each_name(scene):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("zarr")
-    assert cosimo("sweep", scene, "--over", "A.mu=1,2", "--over", "a.mu=1,2", "-o", "out") == 0
+    assert exit_code("sweep", scene, "--over", "A.mu=1,2", "--over", "a.mu=1,2", "-o", "out") == 0
     data = xarray.open_zarr("out/sweep.zarr", consolidated=False)
     names = [str(name) for name in data.variables]
     assert len({name.casefold() for name in names}) == len(names)
@@ -89,12 +83,12 @@ def test_a_data_set_has_a_folder_for_each_name(scene):
 def test_fmus_whose_files_would_be_one(scene, capsys):
     """Packed with numbers, and refused where each name is that of a file."""
     scene.write_text(scene.read_text().partition("\n")[2])  # XML holds no such title
-    assert cosimo("ssp", scene, "-o", "s.ssp", "--force") == 0
+    assert exit_code("ssp", scene, "-o", "s.ssp", "--force") == 0
     assert {u.fmu.rpartition("/")[2] for u in load_scene("s.ssp").units.values()} == {"Nasty.fmu", "cased.fmu", "nasty_2.fmu"}
     units = {name: {"component": "PlanarLink"} for name in ("Mass", "mass")}
     write_scene(read_scene({"stop_time": 1.0, "units": units, "master": {"step": 0.1}}), "two.toml")
     capsys.readouterr()
-    assert cosimo("build", "--native", "--scene", "two.toml", "-o", "built") == 2
+    assert exit_code("build", "--native", "--scene", "two.toml", "-o", "built") == 2
     assert "'Mass' and 'mass', whose FMUs would be one file" in capsys.readouterr().err
-    assert cosimo("build", "a.b:Engine", "c.d:engine", "-o", "built") == 2
+    assert exit_code("build", "a.b:Engine", "c.d:engine", "-o", "built") == 2
     assert "'a.b:Engine' and 'c.d:engine'" in capsys.readouterr().err

@@ -13,6 +13,7 @@ from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun,
 from cosimo.orchestrator.harness.studies.settings_axes import couplings, macro_steps, pinned, settings, without_effects
 from cosimo.orchestrator.scene.shorter_steps import meshes
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.slopes import slope
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})
 
@@ -160,8 +161,7 @@ def test_a_component_alone_has_the_order_of_its_integrator():
     found = component_accuracy("BallBearing", stop=0.1, budget=10.0, repeats=1)
     own = [p for p in found.points if p.axis == "substep" and 1e-6 < p.error < 5e-3]
     assert len(own) >= 3
-    slope = np.polyfit(np.log([p.size for p in own]), np.log([p.error for p in own]), 1)[0]
-    assert slope == pytest.approx(4.0, abs=0.3)
+    assert slope([p.size for p in own], [p.error for p in own]) == pytest.approx(4.0, abs=0.3)
     assert found.smallest_known < 1e-7
     assert {p.series for p in found.points} > {"SciPy DOP853", "SciPy Radau", OWN}
     assert min(p.error for p in found.points if p.series == "SciPy DOP853") < 1e-3

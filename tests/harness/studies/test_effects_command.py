@@ -4,9 +4,9 @@ import json
 
 import pytest
 from cosimo.components.core import store
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import effects_on
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 SCENE = """
 stop_time = 1.0
@@ -31,15 +31,9 @@ def scene(tmp_path):
     return path
 
 
-def code_of(*arguments):
-    with pytest.raises(SystemExit) as exit_:
-        main([*map(str, arguments)])
-    return exit_.value.code
-
-
 def test_a_scene_and_what_is_written(scene, tmp_path, capsys):
     small = tmp_path / "small.toml"
-    assert code_of("effects", scene, "--tolerance", "1%", "-o", tmp_path / "out", "--write", small) == 0
+    assert exit_code("effects", scene, "--tolerance", "1%", "-o", tmp_path / "out", "--write", small) == 0
     out = capsys.readouterr().out
     assert "part.big" in out
     assert "smallest set: error 0.977 %" in out  # 0.015 of 1.535
@@ -49,11 +43,11 @@ def test_a_scene_and_what_is_written(scene, tmp_path, capsys):
     text = small.read_text(encoding="utf-8")
     assert text.startswith("# Of the scene parts: the effects whose absence shows by more than 1 %;")
     assert "# without part.small: error without it 0.521 %" in text
-    assert code_of("run", small, "--in-process", "-o", tmp_path / "run") == 0
+    assert exit_code("run", small, "--in-process", "-o", tmp_path / "run") == 0
 
 
 def test_as_json(scene, tmp_path, capsys):
-    assert code_of("effects", scene, "--tolerance", "0.3", "--with", "part.load", "-o", tmp_path / "out", "--json") == 0
+    assert exit_code("effects", scene, "--tolerance", "0.3", "--with", "part.load", "-o", tmp_path / "out", "--json") == 0
     told = json.loads(capsys.readouterr().out)
     # 0.5 of 1.735 alone would be within 30 %, but not beside all that is smaller
     assert {e["effect"] for e in told["effects"] if e["chosen"]} == {"big"}
@@ -62,7 +56,7 @@ def test_as_json(scene, tmp_path, capsys):
 
 
 def test_a_run_with_what_the_scene_calls_for(scene, tmp_path, capsys):
-    assert code_of("run", scene, "--in-process", "--effects", "auto", "--tolerance", "1%", "-o", tmp_path / "run") == 0
+    assert exit_code("run", scene, "--in-process", "--effects", "auto", "--tolerance", "1%", "-o", tmp_path / "run") == 0
     captured = capsys.readouterr()
     assert "effects within 1 %: part.big, part.medium; error 0.977 %" in captured.out
     assert "measured now" in captured.err
@@ -77,23 +71,23 @@ def test_a_run_with_what_the_scene_calls_for(scene, tmp_path, capsys):
     assert why["actual"] == pytest.approx(0.02 / 1.535)
     assert info["scene"]["units"]["part"]["effects"] == ["big", "medium"]
 
-    assert code_of("run", scene, "--in-process", "--effects", "auto", "--tolerance", "1%") == 0  # known by now
+    assert exit_code("run", scene, "--in-process", "--effects", "auto", "--tolerance", "1%") == 0  # known by now
     assert "as kept in" in capsys.readouterr().err
 
 
 def test_another_scene_or_tolerance_is_measured_anew(scene, capsys):
     for more in (["--tolerance", "1%"], ["--tolerance", "2%"], ["--tolerance", "1%", "--set", "part.small.size=0.001"]):
-        assert code_of("run", scene, "--in-process", "--effects", "auto", *more) == 0
+        assert exit_code("run", scene, "--in-process", "--effects", "auto", *more) == 0
         assert "measured now" in capsys.readouterr().err
 
 
 def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
-    assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
+    assert exit_code("run", scene, "--in-process", "--effects", "auto") == 0
     (kept,) = (tmp_path / "cache" / "effects").iterdir()
     whole = store.read_kept(kept)
     kept.write_text("[]", encoding="utf-8")
     capsys.readouterr()
-    assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
+    assert exit_code("run", scene, "--in-process", "--effects", "auto") == 0
     assert "measured now" in capsys.readouterr().err
     assert json.loads(store.read_kept(kept))["on"] == json.loads(whole)["on"]
 
@@ -112,5 +106,5 @@ def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
 )
 def test_bad_input(arguments, word, scene, tmp_path, capsys):
     output = ["-o", tmp_path / "out"] if arguments[0] == "effects" else []
-    assert code_of(*(scene if a == "SCENE" else a for a in arguments), *output) == 2
+    assert exit_code(*(scene if a == "SCENE" else a for a in arguments), *output) == 2
     assert word in capsys.readouterr().err

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import code_digests
-from cosimo.orchestrator.cli import choices, main
+from cosimo.orchestrator.cli import choices
 from cosimo.orchestrator.cli.choices import is_verified
 from cosimo.orchestrator.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
@@ -18,6 +18,7 @@ from cosimo.orchestrator.harness.studies.quantities import distances, recording
 from cosimo.orchestrator.judgement.verification import run as run_verified
 from cosimo.orchestrator.scene.files import scene_files
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 0.5})
 FAST = {"master.algorithm": "gauss-seidel", "master.extrapolation": 1, "master.step": 1e-2}
@@ -151,9 +152,8 @@ def test_only_what_was_verified_is_called_so(verification, word, capsys):
 def test_options_are_refused_before_anything_is_measured(cache, capsys, monkeypatch):
     monkeypatch.setattr(fronts, "kept", lambda scene: pytest.fail("measured"))
     for options in (["--verify", "often"], ["--limits", "no-such-table"], ["--native"], ["--checkpoint-every", "1"]):
-        with pytest.raises(SystemExit) as exit_:
-            main(["run", "mass-on-spring", "--in-process", "--accuracy", "1%", *options])
-        assert exit_.value.code == 2
+        exit_ = exit_code("run", "mass-on-spring", "--in-process", "--accuracy", "1%", *options)
+        assert exit_ == 2
 
 
 def test_the_command_runs_the_setting_and_says_so(cache, tmp_path, capsys):
@@ -161,10 +161,9 @@ def test_the_command_runs_the_setting_and_says_so(cache, tmp_path, capsys):
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
     keep(load_scene(scene), front(("gauss-seidel, linear", 1e-2, FAST, 0.02, 0.1)))
-    with pytest.raises(SystemExit) as exit_:
-        main(["run", str(scene), "--accuracy", "5%", "--verify", "full", "--in-process", "-o", str(tmp_path / "out")])
+    exit_ = exit_code("run", str(scene), "--accuracy", "5%", "--verify", "full", "--in-process", "-o", str(tmp_path / "out"))
     out = capsys.readouterr().out
-    assert exit_.value.code == 0
+    assert exit_ == 0
     assert "gauss-seidel, linear, 0.01" in out
     assert "verified" in out
     assert "NOT" not in out
@@ -180,9 +179,8 @@ def test_a_setting_that_does_not_hold_fails_the_check(cache, tmp_path, capsys):
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
     keep(load_scene(scene), front(("too good", 4e-2, {**FAST, "master.step": 4e-2}, 1e-4, 0.1)))
-    with pytest.raises(SystemExit) as exit_:
-        main(["run", str(scene), "--accuracy", "0.1%", "--verify", "full", "--in-process"])
-    assert exit_.value.code == 1
+    exit_ = exit_code("run", str(scene), "--accuracy", "0.1%", "--verify", "full", "--in-process")
+    assert exit_ == 1
     assert "NOT verified" in capsys.readouterr().out
 
 
@@ -192,9 +190,7 @@ def test_nothing_known_is_measured_first(cache, tmp_path, capsys, monkeypatch):
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
     for _ in range(2):
-        with pytest.raises(SystemExit) as exit_:
-            main(["run", str(scene), "--accuracy", "1%", "--in-process"])
-        assert exit_.value.code == 0
+        assert exit_code("run", str(scene), "--accuracy", "1%", "--in-process") == 0
     captured = capsys.readouterr()
     assert captured.err.count("measuring first") == 1
     assert "measured on this machine" in captured.out
@@ -213,7 +209,5 @@ def test_nothing_known_is_measured_first(cache, tmp_path, capsys, monkeypatch):
     ],
 )
 def test_options_that_do_not_go_together(options, word, capsys):
-    with pytest.raises(SystemExit) as exit_:
-        main(["run", "mass-on-spring", "--in-process", *options])
-    assert exit_.value.code == 2
+    assert exit_code("run", "mass-on-spring", "--in-process", *options) == 2
     assert word in capsys.readouterr().err

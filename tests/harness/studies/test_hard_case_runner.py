@@ -25,8 +25,8 @@ from cosimo.components.core.hard_cases import (
     ramp,
     sine,
 )
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.hard_cases import HardCases, hard_cases, verdicts
+from cosimo.tests.commands import exit_code
 
 TOW = "TowCoupling"  # 500 N/m, 5 N.s/m, 0.5 m; without a state
 
@@ -149,6 +149,5 @@ def test_command_refuses(arguments, message, tmp_path, capsys):
 
 def main_ends(arguments, code):
     """The command line ends with this exit code."""
-    with pytest.raises(SystemExit) as ended:
-        main(arguments)
-    assert (ended.value.code or 0) == code
+    ended = exit_code(*arguments)
+    assert ended == code

@@ -12,6 +12,7 @@ from cosimo.components.core.variables import Causality
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import with_required
 from cosimo.orchestrator.harness.studies.internal_steps import internal_steps
+from cosimo.tests.commands import exit_code
 from cosimo.tests.short_run import ONE_A_SYSTEM, full_but
 
 IMAGINARY, REAL = 2.0 * math.sqrt(2.0), 2.785293563405282  # where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 on the two axes
@@ -121,7 +122,7 @@ def test_the_command_writes_table_and_page(tmp_path, capsys):
                 str(tmp_path),
             ]
         )
-    assert stopped.value.code == 0
+    assert stopped == 0
     rows = list(csv.reader((tmp_path / "stability.csv").open(encoding="utf-8")))
     assert rows[0][:4] == ["effects", "longest stable internal step, s", "own limit, s", "margin, 1"]
     inertia = 1.0 / 12.0 + 1.0
@@ -141,7 +142,5 @@ def test_the_command_writes_table_and_page(tmp_path, capsys):
     ],
 )
 def test_options_that_would_have_no_effect_are_refused(arguments, said, tmp_path, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main(["stability", *arguments, "-o", str(tmp_path)])
-    assert stopped.value.code == 2
+    assert exit_code("stability", *arguments, "-o", str(tmp_path)) == 2
     assert said in capsys.readouterr().err

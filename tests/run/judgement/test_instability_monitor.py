@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.judgement.instability import InstabilityMonitor
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.commands import exit_code
 from cosimo.tests.support import two_masses
 
 
@@ -106,9 +106,7 @@ def test_the_watch_cuts_batches_of_steps_where_it_looks_only(monkeypatch):
 
 
 def test_exit_code_and_results_of_a_run_that_became_unstable(tmp_path, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        main(["run", "mass-on-spring", "--in-process", "--step", "0.13", "--stop", "200", "-o", str(tmp_path)])
-    assert stopped.value.code == 3
+    assert exit_code("run", "mass-on-spring", "--in-process", "--step", "0.13", "--stop", "200", "-o", str(tmp_path)) == 3
     error = capsys.readouterr().err
     assert "unstable" in error
     assert "mass against spring is stable up to 0.121 s" in error

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.other_masters import OtherMasters, as_other_masters
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import read_scene, write_scene
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.commands import exit_code
 
 H, STOP = 0.05, 5.0
 
@@ -58,10 +58,9 @@ def test_the_command_needs_force_beyond_its_tolerance(ring, tmp_path, capsys):
     write_scene(read_scene(ring), source)
 
     def ssp(*options: str) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as end:
-            main(["ssp", str(source), "-o", str(path), "--tolerance", "2%", *options])
+        end = exit_code("ssp", str(source), "-o", str(path), "--tolerance", "2%", *options)
         captured = capsys.readouterr()
-        return int(end.value.code or 0), captured.out, captured.err
+        return end, captured.out, captured.err
 
     code, out, err = ssp()
     assert (code, path.exists()) == (1, False)

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
-from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report import for_run
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
@@ -17,6 +16,7 @@ from cosimo.orchestrator.settings import SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages
 from cosimo.orchestrator.units.component import make
+from cosimo.tests.commands import exit_code
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.short_run import full_but, shipped_scenes
 from cosimo.tests.units.native import native_fmu
@@ -228,13 +228,10 @@ def test_what_cannot_be_packed_is_refused(tmp_path):
 def test_the_command_writes_and_runs_systems(tmp_path, capsys):
     source, path = tmp_path / "rigid.toml", tmp_path / "rigid.ssp"
     source.write_text('stop_time = 0.01\n[units.p]\ncomponent = "Pantograph"\n[master]\nstep = 1e-3\n')
-    with pytest.raises(SystemExit) as end:
-        main(["ssp", str(source), "--set", "p.speed=50", "-o", str(path)])
-    assert not end.value.code
+    end = exit_code("ssp", str(source), "--set", "p.speed=50", "-o", str(path))
+    assert end == 0
     assert str(path) in capsys.readouterr().out
-    with pytest.raises(SystemExit) as end:
-        main(["run", str(path), "-o", str(tmp_path)])
-    assert not end.value.code
+    assert exit_code("run", str(path), "-o", str(tmp_path)) == 0
     info = json.loads((tmp_path / "run.json").read_text())
     assert info["units"]["p"]["parameters"]["speed"] == 50.0
     assert info["scene"]["units"]["p"]["fmu"].endswith("Pantograph.fmu")

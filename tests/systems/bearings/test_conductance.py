@@ -212,13 +212,6 @@ def test_nothing_passes_an_unloaded_bearing_whose_gaps_conduct_nothing():
     assert started(effects=["gas_path", "lubricant_path"], parameters=nothing)["conductance"] == 0.0
 
 
-def test_rings_without_room_for_the_balls_are_refused():
-    with pytest.raises(BadInput, match="walls around"):
-        started(effects=["ring_walls"], parameters={"ring_walls.bore": 47e-3})
-    with pytest.raises(BadInput, match="part of the ring"):
-        started(effects=["ring_walls"], parameters={"width": 1e-3})
-
-
 @pytest.mark.parametrize("name", ["gas_path.widest_gap", "lubricant_path.meniscus_height"])
 def test_gaps_that_reach_beyond_the_ball_are_refused(name):
     """The unloaded gap opens as x²/(2 Ry) across the groove, Ry = 0.52 d / 0.04; x is at most the ball's radius."""
@@ -227,11 +220,6 @@ def test_gaps_that_reach_beyond_the_ball_are_refused(name):
     assert started(effects=["ball_bulk", effect], parameters={name: 0.999 * limit}, axial_force=5e3)["conductance"] > 0.0
     with pytest.raises(BadInput, match=f"{name}.*at most"):
         started(effects=["ball_bulk", effect], parameters={name: 1.001 * limit})
-
-
-def test_grooves_wider_than_the_ball_are_refused():
-    with pytest.raises(BadInput, match="outer_conformity"):
-        started(parameters={"outer_conformity": 10.0})
 
 
 def test_contacts_as_large_as_the_ball_are_out_of_range():

@@ -360,16 +360,6 @@ def test_a_defect_is_met_at_its_frequency(race, key):
     assert dips == pytest.approx(frequency * steps * h, abs=1.0)
 
 
-def test_too_much_clearance_is_refused():
-    with pytest.raises(BadInput, match="play of the balls"):
-        moved(diametral_clearance=1e-3)
-
-
-def test_a_defect_on_a_ball_that_is_not_there_is_refused():
-    with pytest.raises(BadInput, match="ball"):
-        moved(["ball_defect"], ball_defect__ball=10)
-
-
 ALL = ("film", "damping", "inner_waviness", "outer_waviness", "linearisation", "friction", "thermal_growth")
 
 

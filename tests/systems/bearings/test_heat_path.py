@@ -12,6 +12,7 @@ from cosimo.components.bearings.constriction import ball_spreading, constriction
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
 from cosimo.orchestrator.systems.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
+from cosimo.tests.slopes import slope
 
 pytestmark = pytest.mark.interpreted
 
@@ -79,7 +80,7 @@ def test_a_fin_with_second_order():
     np.testing.assert_allclose(heat.sum(axis=1), 0.0, rtol=0.0, atol=ROUND * exact)
     errors = np.abs(heat[:, 0] - exact)
     assert errors[-1] < 3e-4 * exact
-    assert -np.polyfit(np.log(cells), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.1)
+    assert -slope(cells, errors) == pytest.approx(2.0, abs=0.1)
 
 
 def test_radiation_of_a_plate_between_two_temperatures():
@@ -133,7 +134,7 @@ def test_a_circle_on_a_half_space_by_refinement():
     found = np.array([spot(i) for i in n])
     errors = found - exact
     assert (errors > 0.0).all()
-    assert -np.polyfit(np.log(n), np.log(errors), 1)[0] == pytest.approx(1.1, abs=0.15)
+    assert -slope(n, errors) == pytest.approx(1.1, abs=0.15)
     extrapolated = 2.0 * found[-1] - found[-2]
     assert extrapolated == pytest.approx(exact, rel=3e-3)  # what order 1 leaves after extrapolation, a tenth of the last error
 
@@ -173,7 +174,7 @@ def test_a_ball_against_its_closed_form(ratio):
     closed = 2.0 * (constriction(a, a, 46.0) * 1.001 + ball_spreading(a, a, RADIUS, 46.0))
     cells = np.array([2.0, 3.0, 4.0, 6.0]) ** -1.5
     found = np.array([bare_ball(ratio, n) for n in (2, 3, 4, 6)])
-    assert np.polyfit(np.log(cells), np.log(found / closed - 1.0), 1)[0] == pytest.approx(1.0, abs=0.15)
+    assert slope(cells, found / closed - 1.0) == pytest.approx(1.0, abs=0.15)
     extrapolated = found[3] - (found[2] - found[3]) * cells[3] / (cells[2] - cells[3])
     assert extrapolated == pytest.approx(closed, rel=0.004)
     # what the ball adds behind the spots is 6 to 9 %: more than the error that is left

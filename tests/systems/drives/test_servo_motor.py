@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.servo_motor import ServoMotor, servo_derivatives, shaft_inertia
+from cosimo.tests.slopes import orders
 from cosimo.tests.systems.drives.closed_forms import poles, steady, step_response, wheel_constants
 from scipy.linalg import expm
 
@@ -75,7 +76,7 @@ def test_the_response_converges_with_the_fourth_order():
         made = motor(("inductance",), substep=5e-5 / n)
         error = response(made, np.array([1e-3]), 12.0) - step_response(made, np.array([1e-3]), 12.0)
         errors.append(abs(error[0, 1]))
-    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    slopes = orders(errors)
     assert slopes == pytest.approx([4.0, 4.0], abs=0.3)
 
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.torque_motor import TorqueMotor
 
 pytestmark = pytest.mark.interpreted
@@ -119,8 +118,3 @@ def test_nothing_is_integrated_without_a_winding():
     assert made.stable_step() == math.inf
     made.step(0.0, 10.0)
     assert made.work["steps"] == 1
-
-
-def test_a_substep_that_the_winding_does_not_allow_is_refused():
-    with pytest.raises(BadInput, match="limit of RK4"):
-        motor(("inductance",), **{"inductance.inductance": 1e-6})

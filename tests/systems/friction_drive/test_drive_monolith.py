@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.monolith import FrictionDrive, drive_derivatives, motor_place
 from cosimo.components.friction_drive.wheels import FrictionWheels
+from cosimo.tests.slopes import orders
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.full
@@ -128,7 +129,7 @@ def test_the_parts_tend_to_the_whole_with_the_step():
     whole = np.array([drive["feed"], drive["rotation"], drive["first_rate"], drive["second_rate"]])
     steps = [4e-4, 2e-4, 1e-4]
     errors = np.array([np.abs(coupled(h, 0.1) - whole) for h in steps])
-    slopes = np.log2(errors[:-1] / errors[1:])
+    slopes = orders(errors)
     assert (np.abs(slopes - 1.0) < 0.1).all(), slopes
 
 

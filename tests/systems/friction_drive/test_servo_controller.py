@@ -6,11 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.controller import ServoController
-from cosimo.components.friction_drive.monolith import FrictionDrive
-from cosimo.components.friction_drive.wheels import FrictionWheels
 from cosimo.tests.systems.drives.closed_forms import wheel_constants
 from scipy.linalg import expm
 
@@ -75,20 +72,6 @@ def test_a_limit_of_the_rates_keeps_the_direction_of_motion():
     assert np.abs(far).max() == pytest.approx(0.8446 * 20.0, rel=1e-12)
 
 
-@pytest.mark.parametrize(("layout", "angle", "lost"), [("skewed", 0.0, "rotation"), ("skewed_free_rollers", 1e-4, "rotation"),
-                                                        ("skewed", 0.5 * math.pi, "feed")])  # fmt: skip
-def test_wheels_that_give_one_degree_of_freedom_are_refused(layout, angle, lost):
-    with pytest.raises(BadInput, match=f"The {lost} is lost"):
-        controller(layout=layout, angle=angle)
-    controller(layout="orthogonal")
-
-
-@pytest.mark.parametrize("component", [ServoController, FrictionWheels, FrictionDrive])
-def test_an_angle_is_no_parameter_of_orthogonal_wheels(component):
-    with pytest.raises(BadInput, match=r"angle = 0\.4 rad in the layout 'orthogonal'"):
-        component((), {"layout": "orthogonal", "angle": 0.4}).initialize(0.0)
-
-
 # -- samples -----------------------------------------------------------------------------------------------------------------
 def test_voltages_are_held_between_samples_and_samples_see_their_instant():
     made = controller(layout="orthogonal", rate_integral_gain=0.0)
@@ -126,11 +109,6 @@ def test_the_set_point_follows_its_table():
     made.initialize(1.5)  # no error: what is asked is the slope of the table alone, 0.02 m/s and -1 rad/s, by skewed wheels
     expected = [0.02 / math.cos(A) / RADIUS + k * SLEEVE * -1.0 / math.sin(A) / RADIUS for k in (1.0, -1.0)]
     assert voltages(made) == pytest.approx(0.8446 * np.array(expected), rel=1e-9)
-
-
-def test_times_that_go_back_are_refused():
-    with pytest.raises(BadInput, match="times that do not decrease"):
-        controller(("reference",), **{"reference.time[3]": 0.2})
 
 
 # -- counts ------------------------------------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.route import PipeRoute
 from scipy.interpolate import PchipInterpolator
 
@@ -75,9 +74,3 @@ def test_a_cone_is_one():
     for x in np.linspace(0.5, 6.0, 23):
         assert at(unit, x, "diameter") == pytest.approx(0.2 - 0.01 * x, rel=1e-14)
         assert at(unit, x, "taper") == pytest.approx(-0.01, rel=1e-12)
-
-
-@pytest.mark.parametrize("places", [(0, 1, 1, 2, 3, 4, 5, 6), (0, 2, 1, 3, 4, 5, 6, 7)])
-def test_places_that_do_not_ascend_are_refused(places):
-    with pytest.raises(BadInput, match="ascending"):
-        route(**table("place", places))

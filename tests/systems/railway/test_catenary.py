@@ -169,11 +169,6 @@ def test_a_contact_point_does_not_go_back_to_where_the_window_has_left():
         catenary.step(0.0, 1e-3)
 
 
-def test_window_needs_the_explicit_method():
-    with pytest.raises(BadInput, match="explicit"):
-        Catenary(["moving_window"], {"method": "implicit"}).initialize(0.0)
-
-
 def test_profile_is_the_height_at_its_positions():
     catenary, _ = passage((*REFERENCE, "wire_profile"), spans=6)
     middle = catenary[f"wire_profile.height[{PROFILE // 2 + 1}]"]
@@ -285,11 +280,6 @@ def test_stable_step_is_the_limit(element, beta):
 
     assert growth(1.0) < 1.1
     assert growth(1.18) > 2.0
-
-
-def test_a_substep_beyond_the_limit_is_refused():
-    with pytest.raises(BadInput, match="explicit method's limit"):
-        Catenary(parameters={"element": 0.1, "substep": 1e-3}).initialize(0.0)
 
 
 @pytest.mark.full

@@ -7,6 +7,7 @@ from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
+from cosimo.tests.slopes import slope
 from numpy.polynomial import Polynomial
 
 T, M = 20e3, 1.35  # N, kg/m, of the contact wire
@@ -87,7 +88,7 @@ def test_answer_converges_at_second_order_or_better(speed, beta, EI):
     substeps = 1e-3 / np.ceil(2.0 / elements**2)  # whole parts of the macro step
     answers = [answer(long_wire(beta, EI, e, h), speed, omega) for e, h in zip(elements, substeps, strict=True)]
     errors = np.abs(np.array(answers) - moving_compliance(speed, omega, beta, EI))
-    assert np.polyfit(np.log(elements), np.log(errors), 1)[0] > 2.5
+    assert slope(elements, errors) > 2.5
 
     for method, longest in (("explicit", 5e-4), ("implicit", 2e-3)):
         steps = longest * 0.5 ** np.arange(3.0 if method == "explicit" else 5.0)

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.gusts import von_karman
 from scipy.integrate import quad
@@ -222,17 +221,3 @@ def test_a_step_repeats_to_the_bit_and_seeds_tell_winds_apart():
         other.step(1e-3 * i, 1e-3)
     assert same.save() == first
     assert abs(other["gusts.load"] - one["gusts.load"]) > 1e-3
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ({"lowest": 6.0}, "frequencies from 6 to 5 Hz"),
-        ({"length": 50.0}, "only vertical gusts act"),
-        ({"speed": 60.0, "lift_coefficient": 2.0}, "slack at rest"),
-    ],
-)
-def test_winds_that_make_no_sense_are_refused(values, words):
-    with pytest.raises(BadInput, match=words):
-        blown(("dropper_slackening",), spans=1, element=5.0, **values)

@@ -100,8 +100,3 @@ def test_mass_makes_a_forced_oscillation_that_the_inerter_does_not():
     x = 0.5e-3 * np.arange(1, 3001)
     k_slow = p.mean_stiffness * (1.0 + np.cos(2.0 * np.pi * x[:, None] * np.arange(1, HARMONICS + 1) / 60.0) @ p.harmonic)
     assert np.abs(slow - 120.0 / k_slow).max() < 1e-4
-
-
-def test_stiffness_that_is_not_positive_is_refused():
-    with pytest.raises(BadInput, match="positive"):
-        LumpedCatenary(parameters={**FLAT, "harmonic[1]": 1.2}).initialize(0.0)

@@ -8,6 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.lumped import SpanFit
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.lumped_domain import ERRORS, LumpedDomain, domain_text, lumped_domain
+from cosimo.tests.commands import exit_code
 
 
 def test_the_domain_ends_at_the_first_speed_outside():
@@ -45,7 +46,6 @@ def test_lumped_and_distributed_agree_where_nothing_moves_quickly(tmp_path):
 
 
 def test_commands_refuse_what_they_cannot_use(capsys, tmp_path):
-    from cosimo.orchestrator.cli import main
 
     for arguments, message in (
         (("lumped", "en50318-2002", "--speeds", "5 km/h,x"), "--speeds: 'x'"),
@@ -54,7 +54,5 @@ def test_commands_refuse_what_they_cannot_use(capsys, tmp_path):
         (("fit-pantograph", "x.csv", "--fix", "head_mass=heavy"), "head_mass"),
         (("fit-pantograph", "x.csv", "--fix", "head_mass=7 N"), "dimension of kg"),
     ):
-        with pytest.raises(SystemExit) as end:
-            main(["railway", *arguments, "-o", str(tmp_path / "out")])
-        assert end.value.code == 2
+        assert exit_code("railway", *arguments, "-o", str(tmp_path / "out")) == 2
         assert message in capsys.readouterr().err

@@ -164,11 +164,6 @@ def test_messenger_carries_everything_to_its_supports():
     assert sag == pytest.approx(moment / 16e3, rel=1e-9)
 
 
-def test_pre_sag_needs_two_droppers():
-    with pytest.raises(BadInput, match="one dropper"):
-        Catenary(["pre_sag"], {"droppers": 1}).initialize(0.0)
-
-
 def test_span_and_droppers_change_together():
     """Parameters of another line, given one by one: supports, droppers and preloads follow."""
     values = {"span_length": 50.0, "dropper_position[8]": 46.0, "droppers": 8, "spans": 3}
@@ -180,11 +175,6 @@ def test_span_and_droppers_change_together():
     assert mesh.preload[8:16].sum() == pytest.approx(GRAVITY * 1.35 * 50.0, rel=ROUNDING)
     with pytest.raises(BadInput, match="inside the span"):
         Catenary(parameters={"span_length": 50.0}).initialize(0.0)
-
-
-def test_dropper_that_would_push_is_refused():
-    with pytest.raises(BadInput, match="would carry"):
-        Catenary(["dropper_slackening", "pre_sag"], {"pre_sag.depth": 0.3}).initialize(0.0)
 
 
 def test_series_gives_back_its_own_stiffness():

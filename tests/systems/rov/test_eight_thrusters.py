@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo import BadInput
 from cosimo.components.rov.arrangement import EIGHT, eight_arrangement, wrench_matrix
 from cosimo.components.rov.controller import RovController
 from cosimo.components.rov.hull import RovHull
@@ -63,12 +62,6 @@ def test_the_commands_of_eight_thrusters_give_the_wanted_wrench(lost):
     np.testing.assert_allclose(MATRIX @ thrust, wanted(), atol=1e-10)
     if lost is not None:
         assert command[lost] == 0.0
-
-
-def test_a_further_thruster_without_direction_is_refused():
-    hull = RovHull(("further_thrusters",), {f"further_thrusters.thruster_direction_{a}[2]": 0.0 for a in "xyz"})
-    with pytest.raises(BadInput, match=r"thruster 8 .*further_thrusters.thruster_direction_x\[2\]"):
-        hull.initialize(0.0)
 
 
 def test_a_hull_sees_the_water_at_its_further_thrusters():

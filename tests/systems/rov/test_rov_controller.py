@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
 from cosimo.components.rov.controller import RovController
 from scipy.spatial.transform import Rotation
@@ -166,12 +165,6 @@ def test_a_vehicle_that_follows_perfectly_gets_no_command():
     np.testing.assert_allclose(wrench(controller), 0.0, atol=1e-12)
     controller = at(4.0, position_north=13.0, yaw_rate=0.75, **attitude(Rotation.from_euler("Z", 0.5)))
     np.testing.assert_allclose(wrench(controller), 0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize(("times", "found"), [([5.0, 3.0, 8.0], "time"), ([1.0, 2.0, 0.0, 3.0], "time")])
-def test_times_that_decrease_are_refused(times, found):
-    with pytest.raises(BadInput, match=found):
-        started("manoeuvre", **{f"manoeuvre.time[{k}]": t for k, t in enumerate(times, 1)})
 
 
 def test_what_limits_keep_back_does_not_wind_up():

@@ -194,16 +194,3 @@ def test_above_still_water_and_below_the_bottom_the_value_at_the_end_holds():
     for outside, end in ((-3.0, 0.0), (20.0, 7.0)):
         beyond, there = (at(current, np.array([1.3, -2.1, z])) for z in (outside, end))
         np.testing.assert_array_equal(beyond, there)
-
-
-@pytest.mark.parametrize(
-    ("height", "period", "depth", "breaks"),
-    [(4.0, 4.0, 1e3, True), (3.4, 4.0, 1e3, False), (1.0, 8.0, 1.0, True), (0.8, 8.0, 1.0, False)],
-)
-def test_waves_that_would_have_broken_are_refused(height, period, depth, breaks):
-    current = WaterCurrent(("waves",), {"waves.height": height, "waves.period": period, "waves.water_depth": depth})
-    if breaks:
-        with pytest.raises(BadInput, match="break at this period"):
-            current.initialize(0.0)
-    else:
-        current.initialize(0.0)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cosimo.components.two_axis_joint.closed_forms import friction_turning_points, governor, governor_speed
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
+from cosimo.tests.slopes import slope
 from cosimo.tests.systems.two_axis_joint.exact_motions import (
     inertial_period,
     nutation_frequency,
@@ -278,5 +279,4 @@ def test_the_method_is_of_fourth_order():
         body.step(0.0, 1.0)
         ends.append(body.x.copy())
     errors = [np.abs(e - ends[-1]).max() for e in ends[:-1]]
-    slope = np.polyfit(np.log(substeps), np.log(errors), 1)[0]
-    assert slope == pytest.approx(4.0, abs=0.2)
+    assert slope(substeps, errors) == pytest.approx(4.0, abs=0.2)

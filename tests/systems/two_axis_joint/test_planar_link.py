@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.compliant_joint import CompliantJoint
 from cosimo.components.two_axis_joint.link import LOADS, PlanarLink, link_derivatives, link_energy
@@ -92,18 +91,6 @@ def test_the_pin_s_reaction_moves_a_free_link_as_the_pin_does():
             dx[1] * np.array([math.cos(angle), math.sin(angle)]) + rate**2 * np.array([-math.sin(angle), math.cos(angle)])
         )
         np.testing.assert_allclose(free_dx[4:], centre, atol=1e-11)
-
-
-def test_what_cannot_turn_or_contradicts_itself_is_refused():
-    with pytest.raises(BadInput, match="its centre of mass"):
-        started((), inertia=0.0)
-    with pytest.raises(BadInput, match="its joint"):
-        started(("pinned",), inertia=0.0, centre=0.0)
-    started(("pinned",), inertia=0.0)  # a point mass on a rod
-    with pytest.raises(BadInput, match="pinned base"):
-        started(("pinned",), start_velocity_x=1.0)
-    with pytest.raises(BadInput, match="limit of RK4"):
-        started(("pinned", "gravity"), inertia=0.0, centre=1e-7)
 
 
 def joint_at(random, effects=()) -> CompliantJoint:

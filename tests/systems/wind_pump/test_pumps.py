@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
 from cosimo.components.wind_pump.piston_pump import PistonPump
 
@@ -91,13 +90,6 @@ def test_volume_of_a_stroke_passes_in_a_revolution():
     assert volume == pytest.approx(VOLUME, rel=1e-9)
 
 
-def test_a_rod_that_changes_nothing_is_refused():
-    with pytest.raises(BadInput, match="changes nothing"):
-        piston({"rod_diameter": 0.02})
-    with pytest.raises(BadInput, match="less than the piston"):
-        piston({"action": "double", "rod_diameter": 0.06})
-
-
 # -- centrifugal -----------------------------------------------------------------------------------------------------------
 def centrifugal(speed, head, parameters=None, effects=()):
     """A centrifugal pump at a speed against a head."""
@@ -140,8 +132,3 @@ def test_behind_a_closed_valve_and_at_standstill_the_torque_is_an_ordinary_numbe
 
 def test_seals_are_felt_at_standstill():
     assert centrifugal(0.0, 10.0, None, ["seal_friction"])["torque"] == 0.2
-
-
-def test_a_curve_beyond_the_parabola_is_refused():
-    with pytest.raises(BadInput, match="efficiency vanishes"):
-        centrifugal(150.0, 10.0, {"curve_drop": 1e6})

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.turbine import WindTurbine, turbine_derivatives
+from cosimo.tests.slopes import slope
 
 pytestmark = pytest.mark.interpreted
 
@@ -50,7 +50,7 @@ def test_order_of_the_integrator_is_four():
     n = np.array([20, 40, 80])
     exact = speed(2000)
     errors = [abs(speed(k) - exact) for k in n]
-    assert abs(np.polyfit(np.log(1.0 / n), np.log(errors), 1)[0] - 4.0) < 0.2
+    assert abs(slope(1.0 / n, errors) - 4.0) < 0.2
 
 
 @pytest.mark.parametrize(("curve", "effects"), [("farm", ()), ("heier", ("pitch",)), ("variant", ("bearing_friction",))])
@@ -113,20 +113,6 @@ def test_a_furled_rotor_feels_the_wind_at_which_it_turns_away():
         turbine.step(0.0, 30.0)
     assert furled["speed"] == calm["speed"]
     assert furled["power_coefficient"] == pytest.approx(calm["power_coefficient"] * (8.0 / 20.0) ** 3, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("effects", "parameters", "message"),
-    [
-        (("pitch",), {}, "curve that knows pitch"),
-        ((), {"standstill_coefficient": 1.0, "runaway_ratio": 2.4}, "Betz"),
-        (("bearing_friction",), {"bearing_friction.static": 0.5}, "at least the kinetic"),
-        ((), {"substep": 1.0, "inertia": 1e-3}, "limit of RK4"),
-    ],
-)
-def test_what_cannot_be_is_refused(effects, parameters, message):
-    with pytest.raises(BadInput, match=message):
-        WindTurbine(effects, parameters).initialize(0.0)
 
 
 def test_the_limit_of_betz_is_no_matter_where_the_curve_is_another():

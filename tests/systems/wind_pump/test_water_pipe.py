@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.pipe import WaterPipe, pipe_derivatives
 
 pytestmark = pytest.mark.interpreted
@@ -112,8 +111,3 @@ def test_an_empty_tank_from_which_is_drawn_stays_empty():
     pipe = unit(["tank"], {"tank.start_level": 0.0}, tank_demand=1e-3)
     pipe.step(0.0, 10.0)
     assert (pipe["tank.level"], pipe["tank.supplied"]) == (0.0, pytest.approx(0.0, abs=1e-15))
-
-
-def test_a_level_above_the_overflow_is_refused():
-    with pytest.raises(BadInput, match="at most the height"):
-        unit(["tank"], {"tank.start_level": 3.0})

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.wind import Wind, normal_number
 
 pytestmark = pytest.mark.interpreted
@@ -103,16 +102,3 @@ def test_turbulence_is_the_same_whatever_the_steps(h):
 def test_seeds_make_other_winds_and_the_same_seed_the_same():
     assert np.array_equal(samples(50, seed=3), samples(50, seed=3))
     assert not np.array_equal(samples(50, seed=3), samples(50, seed=4))
-
-
-@pytest.mark.parametrize(
-    ("effects", "parameters", "message"),
-    [
-        (("gusts",), {"gusts.period": 5.0}, "duration of a gust"),
-        (("ramp",), {"ramp.start_time": 5.0, "ramp.return_time": 4.0}, "at least the ramp's start"),
-        (("turbulence",), {"mean_speed": 0.0}, "carries it along"),
-    ],
-)
-def test_what_cannot_be_is_refused(effects, parameters, message):
-    with pytest.raises(BadInput, match=message):
-        Wind(effects, parameters).initialize(0.0)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.core.errors import StepFailed
 from cosimo.components.wrist.tendons import COUNT, ForearmTendons
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
@@ -71,11 +71,6 @@ def test_what_is_no_number_fails_where_it_comes_in(name):
     made.set(name, math.nan)
     with pytest.raises(StepFailed, match="ForearmTendons"):
         made.step(0.0, 1e-3)
-
-
-def test_a_substep_beyond_the_rise_of_the_activation_is_refused():
-    with pytest.raises(BadInput, match="limit of RK4"):
-        ForearmTendons((), {"rise_time": 1e-3, "substep": 5e-3}).initialize(0.0)
 
 
 def test_a_run_into_the_toggle_keeps_what_it_computed():
