@@ -1,4 +1,4 @@
-"""Effects of known size and sign whose closed form stands nowhere else; the table of all of them is in known_answers.py."""
+"""Effects of known size and sign whose closed form stands nowhere else; the marker `known_answers` finds all."""
 
 from __future__ import annotations
 
@@ -30,6 +30,7 @@ def pushed_up(effects, wire: float, parameters=None) -> Pantograph:
     return pantograph
 
 
+@pytest.mark.known_answers(Pantograph="contact_loss")
 def test_a_wire_that_goes_away_pulls_only_without_contact_loss():
     """5 mm above the head: -250 N from 50 kN/m, or nothing; 1 mm below it 50 N in both cases."""
     head = pushed_up((), 0.0)["head_height"]
@@ -39,6 +40,7 @@ def test_a_wire_that_goes_away_pulls_only_without_contact_loss():
         assert pushed_up(effects, head - 0.001)["contact_force"] == pytest.approx(50.0, rel=1e-10)
 
 
+@pytest.mark.known_answers(Pantograph="bump_stops")
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_stop_pushes_the_head_back_from_the_end_of_its_travel(way):
     """2 mm behind the travel of 50 mm: 200 N from 100 kN/m, on the head and against it on the frame; at 49 mm nothing."""
@@ -54,6 +56,7 @@ def test_a_stop_pushes_the_head_back_from_the_end_of_its_travel(way):
         assert rates[1] - rates[0] == pytest.approx([-way * force / 7.2, way * force / 15.0], rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.known_answers(Catenary="steady_arm")
 def test_a_steady_arm_is_a_spring_beside_the_compliance_of_the_wire():
     """c / (1 + k c) at the only support between two spans, in the limit of short elements.
 
@@ -73,6 +76,7 @@ def test_a_steady_arm_is_a_spring_beside_the_compliance_of_the_wire():
     assert 2.0 * differences[1] - differences[0] == pytest.approx(0.0, abs=2e-4)
 
 
+@pytest.mark.known_answers(JeffcottRotor="gravity")
 def test_a_rotor_sags_by_its_weight_over_its_stiffness():
     rotor = JeffcottRotor(["gravity"], {"mass": 20.0, "stiffness": 4e5})
     rotor.initialize(0.0)
@@ -80,6 +84,7 @@ def test_a_rotor_sags_by_its_weight_over_its_stiffness():
     assert rotor["displacement_x"] == 0.0
 
 
+@pytest.mark.known_answers(PlanetaryTransmission="centrifugal_brake")
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_centrifugal_brake_takes_the_square_of_the_speed(way):
     plain, braked = (PlanetaryTransmission(e, {"start_speed": 1.0}) for e in ((), ("centrifugal_brake",)))
@@ -97,6 +102,7 @@ def test_a_centrifugal_brake_takes_the_square_of_the_speed(way):
     assert rates[1] - rates[0] == pytest.approx(-torque / braked["third_inertia"], rel=1e-10)
 
 
+@pytest.mark.known_answers(RovHull="external")
 def test_a_force_on_a_hull_gives_it_the_acceleration_of_hull_and_water():
     hull = RovHull(["added_mass", "external"], {"centre_of_gravity_z": 0.0})
     hull.set("external.force_x", 12.0)
@@ -105,6 +111,7 @@ def test_a_force_on_a_hull_gives_it_the_acceleration_of_hull_and_water():
     assert hull["external.acceleration_y"] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.known_answers(Thruster="status")
 def test_a_thruster_that_runs_is_there():
     thruster = Thruster(["status"])
     thruster.initialize(0.0)
@@ -112,6 +119,7 @@ def test_a_thruster_that_runs_is_there():
     assert thruster["status.available"] == 1.0
 
 
+@pytest.mark.known_answers(WindTurbine="pitch")
 @pytest.mark.parametrize("degrees", [0.0, 5.0, 12.0])
 def test_pitch_is_that_of_the_published_fit(degrees):
     """Heier's fit written out, at a tip speed ratio of 6."""
@@ -128,6 +136,7 @@ def test_pitch_is_that_of_the_published_fit(degrees):
     assert turbine["power"] == pytest.approx(power, rel=1e-9)
 
 
+@pytest.mark.known_answers(Wrist="interaction")
 @pytest.mark.parametrize(("torque", "limit"), [(1.5, 0.5), (-1.5, -0.4)])
 def test_a_hand_rests_where_its_limit_and_its_stiffness_bear_the_torque(torque, limit):
     """k a + 200 (a - limit) = torque: 5 mrad behind the limit of flexion with 1 N.m/rad of the wrist's own."""
@@ -150,6 +159,7 @@ def test_a_hand_rests_where_its_limit_and_its_stiffness_bear_the_torque(torque, 
     assert wrist["flexion"] == pytest.approx((torque + 200.0 * limit) / 201.0, rel=1e-9)
 
 
+@pytest.mark.known_answers(FrictionDrive=("smoothed_slip", "lugre_slip", "exact_slip"))
 @pytest.mark.parametrize(
     ("law", "given"),
     [("smoothed_slip", {}), ("lugre_slip", {"viscous": 0.0, "static_ratio": 1.0}), ("exact_slip", {"static_ratio": 1.0})],

@@ -45,6 +45,7 @@ def test_the_limit_is_that_of_the_stages_in_every_direction_of_the_left_half_pla
     assert max(amplification(1.02 * STABILITY_RADIUS * np.exp(1j * a)) for a in angles) > 1.0
 
 
+@pytest.mark.known_answers(GimbalBody="high_order", TwoLinkChain="high_order")
 def test_a_pendulum_of_any_amplitude_converges_with_order_eight():
     """The chain with a second link whose mass is a billionth is a rod that swings: sin(q/2) = k sn(w t + K), exactly."""
     given = {
@@ -71,6 +72,7 @@ def test_a_pendulum_of_any_amplitude_converges_with_order_eight():
     assert errors[-1] < 1e-8
 
 
+@pytest.mark.known_answers(JeffcottRotor="high_order")
 def test_a_rotor_in_free_motion_is_the_matrix_exponential():
     """Order eight by the error after a second against the exact linear motion; whirl with internal damping."""
     given = {"start_speed": 150.0, "internal_damping.coefficient": 30.0}

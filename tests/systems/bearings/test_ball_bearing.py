@@ -113,6 +113,19 @@ def slow_derivatives(bearing, t, x):
     return np.array([x[2], x[3], fx / p["mass"], fy / p["mass"], w, cage, spin][: x.size])
 
 
+@pytest.mark.known_answers(
+    BallBearing=(
+        "clearance",
+        "contact_damping",
+        "unbalance",
+        "inner_defect",
+        "outer_defect",
+        "ball_defect",
+        "cage_fault",
+        "load_variation",
+        "speed_ramp",
+    )
+)
 @pytest.mark.parametrize("effects", [(), ALL], ids=["none", "all"])
 def test_the_equations_are_those_of_the_docstring(effects):
     parameters = WAVES | DEFECTS | {"unbalance.phase": 0.4, "contact_damping.coefficient": 2.0}
@@ -127,6 +140,21 @@ def test_the_equations_are_those_of_the_docstring(effects):
         np.testing.assert_allclose(dx, slow_derivatives(bearing, 0.3, x), rtol=1e-6 if effects else 1e-10, atol=1e-6)
 
 
+@pytest.mark.known_answers(
+    DimensionlessBallBearing=(
+        "clearance",
+        "contact_damping",
+        "unbalance",
+        "inner_defect",
+        "outer_defect",
+        "ball_defect",
+        "cage_fault",
+        "load_variation",
+        "speed_ramp",
+        "inner_waviness",
+        "outer_waviness",
+    )
+)
 @pytest.mark.first
 @pytest.mark.parametrize("effects", [(), ("clearance",), ALL], ids=["none", "clearance", "all"])
 def test_dimensional_and_dimensionless_are_the_same_trajectory(effects):
@@ -164,6 +192,7 @@ def test_scales_of_the_published_set():
         scales(bearing)
 
 
+@pytest.mark.known_answers(DimensionlessBallBearing="given_start")
 def test_defaults_of_the_dimensionless_bearing_are_the_scaled_ones():
     effects = (*ALL, "given_start")
     scaled, _ = dimensionless(BallBearing(effects))
@@ -275,6 +304,7 @@ def test_order_of_convergence():
     assert slope(steps, errors) == pytest.approx(4.0, abs=0.15)
 
 
+@pytest.mark.known_answers(BallBearing="given_start")
 @pytest.mark.full
 def test_restitution_of_the_contact_damping():
     """Hunt and Crossley chose their law so that a slow impact at speed v returns with 1 - k v of it."""
@@ -413,6 +443,7 @@ def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     np.testing.assert_allclose(radius, expected, rtol=1e-3)
 
 
+@pytest.mark.known_answers(BallBearing=("inner_waviness", "outer_waviness"))
 @pytest.mark.full
 @pytest.mark.parametrize(
     ("ring", "order", "line"),

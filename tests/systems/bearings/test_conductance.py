@@ -49,6 +49,7 @@ def started(preset="7008C", effects=(), parameters=None, **inputs):
     return made
 
 
+@pytest.mark.known_answers(AngularContactConductance="ball_bulk")
 @pytest.mark.parametrize(("preset", "axial", "radial", "resistance"), [(p, *row) for p, rows in TABLE.items() for row in rows])
 def test_against_an_independent_computation(preset, axial, radial, resistance):
     made = started(preset, axial_force=axial, radial_force=radial)
@@ -143,6 +144,7 @@ def test_a_row_carries_one_direction_only():
 AREA = math.pi * 54e-3 * 15e-3  # of 7008C
 
 
+@pytest.mark.known_answers(AngularContactConductance=("gas_path", "convection", "radiation"))
 def test_side_paths_have_their_closed_forms():
     bare = started(axial_force=400.0)["conductance"]
     convection = started(effects=["convection"], axial_force=400.0)["conductance"] - bare
@@ -163,6 +165,7 @@ def test_side_paths_in_round_figures():
     assert 1.0 / air == pytest.approx(121.0, rel=0.01)
 
 
+@pytest.mark.known_answers(AngularContactConductance="ring_walls")
 def test_rings_are_cylinder_walls_with_less_constriction():
     one = started(effects=["ring_walls", "convection"], parameters={"convection.coefficient": 1e4})
     across = 7.938e-3 * math.cos(math.radians(15.0))
@@ -175,6 +178,7 @@ def test_rings_are_cylinder_walls_with_less_constriction():
     assert 1.0 / walled["conductance"] == pytest.approx(1.0 / bare["conductance"] + walls - relief, rel=1e-9)
 
 
+@pytest.mark.known_answers(AngularContactConductance="film")
 def test_a_film_is_in_series_over_the_area_of_the_ellipse():
     bare, wet = started(axial_force=1000.0), started(effects=["film"], parameters={"film.thickness": 4e-7}, axial_force=1000.0)
     g, load, modulus = bare.geometry(), bare["max_ball_load"], effective_modulus(2.07e11, 0.3, 2.07e11, 0.3)
@@ -185,6 +189,7 @@ def test_a_film_is_in_series_over_the_area_of_the_ellipse():
     assert 1.0 / wet["conductance"] == pytest.approx(1.0 / bare["conductance"] + films / 16, rel=1e-9)
 
 
+@pytest.mark.known_answers(AngularContactConductance="lubricant_path")
 def test_lubricant_beside_the_contact_conducts_more_than_gas():
     bare = started(axial_force=200.0)["conductance"]
     gas = started(effects=["gas_path"], axial_force=200.0)["ball_conductance"]

@@ -78,6 +78,7 @@ def test_force_and_moment_are_those_of_the_published_law(effects, lever, clearan
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8 * np.abs(expected).max())
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="film")
 def test_film_thickness_over_speed_and_what_it_does():
     """Both films together at 200 N and four speeds, um: independent numbers; the film fills the gap like larger balls."""
     q = (1e-5, 0.0, 2e-5, 0.0, 0.0)
@@ -101,6 +102,7 @@ def test_film_parameters_are_those_of_the_races():
         assert bearing[f"film.{race}_thickness"] == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="linearisation")
 @pytest.mark.parametrize("effects", [(), ("published_levers",)])
 def test_linearisation_is_the_tangent_and_its_intercept(effects):
     """Stiffness by differences of the outputs; force - K q - C v is the present load."""
@@ -132,6 +134,7 @@ def test_linearisation_is_the_tangent_and_its_intercept(effects):
     np.testing.assert_allclose(K / units, at_rest / units, rtol=0.0, atol=1e-2)
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="published_levers")
 def test_published_levers_break_the_symmetry_by_under_one_percent():
     """Lever of the moments Ri + d/2 = 26.75 mm against Ri + f d = 26.97 mm of the tilts: 0.8 % of the coupling terms."""
     q = (1e-5, -5e-6, 4e-5, 5e-4, -3e-4)
@@ -248,6 +251,7 @@ def test_equilibrium_balances_the_bearing_as_it_stands():
     assert bearing["loaded_balls"] == np.count_nonzero(found.ball_loads)
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="thermal_growth")
 def test_growth_is_a_change_of_the_diametral_clearance():
     q = (1e-5, 3e-6, 2e-5, 1e-4, 0.0)
     grown = moved(["thermal_growth"], q, diametral_clearance=1e-5)
@@ -258,6 +262,7 @@ def test_growth_is_a_change_of_the_diametral_clearance():
     np.testing.assert_allclose(load(grown), load(smaller), rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="friction")
 def test_friction_turns_power_into_heat():
     q = (1e-5, -2e-5, 4e-5, 0.0, 0.0)
     for speed in (100.0, -100.0, 0.0):
@@ -295,6 +300,7 @@ def spectrum(bearing, names, speed, steps=2**14, h=1e-3, window=True):
     return np.fft.rfftfreq(steps, h) * 2.0 * math.pi / speed, amplitude
 
 
+@pytest.mark.known_answers(DeepGrooveBearing=("inner_waviness", "outer_waviness"))
 @pytest.mark.first
 @pytest.mark.parametrize(
     ("race", "order", "output", "lines"),
@@ -340,6 +346,7 @@ def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
     assert orders[np.argmax(amplitude)] == pytest.approx(2.0, abs=0.01)
 
 
+@pytest.mark.known_answers(DeepGrooveBearing=("inner_defect", "outer_defect", "ball_defect"))
 @pytest.mark.first
 @pytest.mark.parametrize(("race", "key"), [("inner", "inner"), ("outer", "outer"), ("ball", "ball")])
 def test_a_defect_is_met_at_its_frequency(race, key):

@@ -261,6 +261,7 @@ def test_signs_of_tilts_and_moments():
     assert found.displacement[3] > 0.0
 
 
+@pytest.mark.known_answers(DeepGrooveBearing="damping")
 def test_dampers_take_power_and_let_go_before_they_pull():
     contacts = ball_contacts(BallGeometry(9, 0.0111, 0.0535), 1.1e10, -4e-6)
     rng = np.random.default_rng(3)

@@ -82,6 +82,7 @@ def test_everything_on_and_moving_inputs_against_scipy():
     np.testing.assert_allclose(made.x[:4], exact[:4], rtol=0.0, atol=2e-3)  # K: substep 5 s, shortest time constant 10 s
 
 
+@pytest.mark.known_answers(BearingTemperatures=("housing", "oil_flow"))
 def test_steady_state_is_that_of_the_resistances():
     """All friction in the inner ring, no way out but the outer ring: three resistances in series."""
     made = started(
@@ -96,6 +97,7 @@ def test_steady_state_is_that_of_the_resistances():
     assert made["ball_temperature"] == pytest.approx(0.5 * (made["inner_temperature"] + made["outer_temperature"]), rel=1e-12)
 
 
+@pytest.mark.known_answers(BearingTemperatures="shaft_heat")
 @pytest.mark.first(2)
 @pytest.mark.parametrize("effects", [(), ALL], ids=["none", "all"])
 @pytest.mark.parametrize("substep", [1000.0, 50.0, 0.5])
@@ -137,6 +139,7 @@ def test_the_jacobian_is_the_derivative():
         np.testing.assert_allclose(dense, differences, rtol=0.0, atol=1e-8)  # rounding of W over 1e-3 K, T⁴'s third derivative
 
 
+@pytest.mark.known_answers(BearingTemperatures="radiation")
 def test_radiation_alone_cools_by_the_fourth_power():
     """A single mass (huge conductance inside) in an ambient of 0 K: T^-3 grows linearly in time."""
     parameters = {"shaft_conductance": 0.0, "ambient_conductance": 0.0, "start_temperature": 600.0, "substep": 5.0}

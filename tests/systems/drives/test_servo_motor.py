@@ -61,6 +61,7 @@ def test_the_closed_form_is_the_matrix_exponential(change):
     np.testing.assert_allclose(step_response(made, t, 8.0, 0.2), exact, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.known_answers(ServoMotor="inductance")
 @pytest.mark.parametrize("load", [0.0, 0.4])
 def test_step_response_is_the_exact_one(load):
     made = motor(("inductance",), substep=1e-5)
@@ -173,6 +174,7 @@ def test_a_load_must_overcome_the_friction_to_drive_the_motor_back():
     assert driven["rate"] == pytest.approx(rate, rel=1e-9)
 
 
+@pytest.mark.known_answers(ServoMotor="shaft_friction")
 def test_a_shaft_runs_out_under_dry_friction_in_the_exact_time_and_stays():
     """No constant: nothing but friction brakes, w = w0 - T t / J, and the shaft stands after w0 J / T, at w0² J / 2 T."""
     made = motor(("shaft_friction",), constant=0.0, damping=0.0, start_rate=10.0)
@@ -186,6 +188,7 @@ def test_a_shaft_runs_out_under_dry_friction_in_the_exact_time_and_stays():
 
 
 # -- limits ------------------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(ServoMotor="saturation")
 def test_the_current_limit_gives_a_constant_acceleration():
     made = motor(("saturation",), {"voltage": 20.0}, damping=0.0)
     assert made["current"] == pytest.approx(4.0, rel=1e-12)  # 12 V, what the amplifier has, would drive 5.2 A

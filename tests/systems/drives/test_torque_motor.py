@@ -55,6 +55,7 @@ def test_a_motor_driven_with_open_amplifier_voltage_zero_brakes():
     assert made["electrical_power"] == 0.0
 
 
+@pytest.mark.known_answers(TorqueMotor="inductance")
 def test_current_rises_with_the_time_constant_of_the_winding():
     """From none: the motor is switched on at the start."""
     made = motor(("inductance",), {"voltage": 12.0})
@@ -77,6 +78,7 @@ def test_amplitude_and_phase_of_the_winding_at_a_sinusoidal_voltage():
     assert made["current"] == pytest.approx(expected.real, abs=1e-6)
 
 
+@pytest.mark.known_answers(TorqueMotor="saturation")
 def test_the_amplifier_limits_voltage_and_current():
     limits = {"saturation.voltage": 10.0, "saturation.current": 3.0}
     # at rest 10 V would drive 5 A: the current is the limit; at 60 rad/s there are 4 V left: the voltage is

@@ -61,6 +61,7 @@ def test_a_drive_that_creeps_is_linear(layout):
         assert found == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.known_answers(FrictionDrive="inductance")
 def test_even_wheels_with_free_rollers_are_one_motor_with_the_sleeve_on_its_shaft():
     """No slip: each motor accelerates half of the sleeve, m R² / 2 cos² a; the motor's own step response, poles and all."""
     drive = drive_at(
@@ -122,6 +123,7 @@ def coupled(h: float, duration: float) -> np.ndarray:
     return np.array([wheels["feed"], wheels["rotation"], motors[0]["rate"], motors[1]["rate"]])
 
 
+@pytest.mark.known_answers(FrictionDrive=("trocar_friction", "gravity", "preload_loss"))
 def test_the_parts_tend_to_the_whole_with_the_step():
     """Held inputs in parallel: first order in the macro step, of slip and stick, seal, gears and a lost preload."""
     drive = drive_at(FULL, 6.0, 4.0, -1.0, **{"preload_loss.start": 0.02, "substep": 2.5e-5})
@@ -214,6 +216,7 @@ def standing(layout: str) -> FrictionDrive:
     return drive
 
 
+@pytest.mark.known_answers(FrictionDrive="shaft_friction")
 @pytest.mark.parametrize(("layout", "part"), [("skewed", 1.0), ("skewed_free_rollers", 0.75)])
 def test_motors_that_stand_hold_the_sleeve_through_contacts_that_stick(layout, part):
     """Double stick on shafts that stick: the sleeve gives as far as the contacts do, along their directions, and no further."""

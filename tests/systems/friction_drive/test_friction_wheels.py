@@ -34,6 +34,7 @@ def wheels_at(effects=(), first=0.0, second=0.0, force=0.0, torque=0.0, **parame
 
 
 # -- speed under load ---------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(FrictionWheels=("smoothed_slip", "lugre_slip", "exact_slip"))
 @pytest.mark.parametrize("effects", [LAWS[0], *(pytest.param(law, marks=pytest.mark.full) for law in LAWS[1:])])
 @pytest.mark.parametrize(("share", "speed"), [(0.0, 0.173205081), (0.25, 0.147385192), (0.5, 0.115470054), (-0.5, 0.230940108)])
 def test_speed_under_load(effects, share, speed):
@@ -303,6 +304,7 @@ def test_energy_over_a_run_with_slip_and_stick(effects):
 
 
 # -- the other effects --------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(FrictionWheels="gravity")
 def test_the_weight_slides_down_what_friction_does_not_hold():
     wheels = wheels_at(FULL, **NEUTRAL | {"gravity.acceleration": 9.81, "gravity.inclination": 1.2, "friction": 0.01})
     wheels.step(0.0, 0.1)
@@ -312,6 +314,7 @@ def test_the_weight_slides_down_what_friction_does_not_hold():
     assert wheels["feed_rate"] - early == pytest.approx(-excess / 0.15 * 0.4, rel=1e-9)
 
 
+@pytest.mark.known_answers(FrictionWheels="trocar_friction")
 @pytest.mark.full
 def test_the_seal_holds_a_small_load_and_slides_under_a_large_one():
     """Wheels without friction; the force grows by 5.4 N/s to 2.5 or 2.7 N, the seal breaks loose at 2.6 N and then bears 2 N."""
@@ -331,6 +334,7 @@ def test_the_seal_holds_a_small_load_and_slides_under_a_large_one():
             assert wheels["feed"] == pytest.approx(5e-4 * 2.5 / 2.0, rel=1e-4)  # it still swings a little
 
 
+@pytest.mark.known_answers(FrictionWheels="preload_loss")
 def test_a_lost_wheel_bears_nothing_and_leaves_the_load_to_the_other():
     wheels = wheels_at(FULL, force=-3.0, **NEUTRAL | {"preload_loss.first": 1.0, "preload_loss.start": 0.1})
     wheels.step(0.0, 0.1)

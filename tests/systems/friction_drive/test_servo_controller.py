@@ -97,6 +97,7 @@ def test_a_run_that_begins_between_two_samples_takes_the_next_one():
     assert (made["feed_error"], made.work["samples"]) == (-1e-3, 1)
 
 
+@pytest.mark.known_answers(ServoController="reference")
 def test_the_set_point_follows_its_table():
     table = {"reference.time": (1.0, 1.0, 2.0), "reference.feed": (0.0, 0.01, 0.03), "reference.rotation": (0.5, 0.5, -0.5)}
     given = {f"{n}[{k + 1}]": v for n, values in table.items() for k, v in enumerate((*values, 0.0))}
@@ -148,6 +149,7 @@ def test_each_wheel_is_counted_from_the_start_as_if_it_had_turned_before():
     assert voltages(made) == pytest.approx([-5e3 * count, 1e3 * count], rel=1e-12)
 
 
+@pytest.mark.known_answers(ServoController="quantisation")
 def test_a_sleeve_between_two_counts_is_seen_at_the_lower_one():
     made = controller(("quantisation",), {"feed": 2.7e-5, "rotation": -1.2e-3})
     assert (made["feed_error"], made["rotation_error"]) == pytest.approx((-2e-5, 2e-3), rel=1e-12)

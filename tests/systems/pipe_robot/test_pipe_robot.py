@@ -87,6 +87,7 @@ def sliding(t: float) -> np.ndarray:
     return (expm(A * t) @ [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0])[:4]
 
 
+@pytest.mark.known_answers(PipeRobot="harmonic_force")
 def test_sliding_one_way_is_linear_and_of_fourth_order():
     errors = []
     for substep in (4e-3, 2e-3, 1e-3):
@@ -138,6 +139,7 @@ def periodic_speed(forward: float, backward: float, w: float, b: float = 1.0, we
     return unit["position"] / period
 
 
+@pytest.mark.known_answers(PipeRobot="prescribed_motion")
 @pytest.mark.parametrize(("forward", "backward"), [(0.1, 0.3), (0.2, 0.3), (0.05, 0.4)])
 def test_mean_speed_at_weak_friction_and_its_convergence(forward, backward):
     """V = b cos(pi F+ / (F+ + F-)) where friction changes the motion within a period little: its mean vanishes.
@@ -155,6 +157,7 @@ def test_mean_speed_at_weak_friction_and_its_convergence(forward, backward):
     assert orders(errors) == pytest.approx(2.0, abs=0.1)
 
 
+@pytest.mark.known_answers(PipeRobot="route")
 @pytest.mark.parametrize("slope", [0.02, 0.05, 0.0997, 0.2])
 def test_mean_speed_on_a_slope_and_where_it_turns_back(slope):
     """V = -b cos(pi (F- - W) / (F+ + F-)), so zero at W = (F- - F+) / 2: tan(slope) = (mu- - mu+) / 2 = 0.1."""
@@ -230,6 +233,7 @@ def test_mean_speed_of_the_default_robot(w, speed):
     assert (unit["position"] - before) / (20 * period) == pytest.approx(speed, abs=1e-5)
 
 
+@pytest.mark.known_answers(PipeRobot="tow")
 def test_mean_friction_is_the_weight_down_the_pipe():
     """Over a steady period the momentum comes back: mean R = (m1 + m2) g sin(slope) - tow, whatever the spring does."""
     unit = started("harmonic_force", route__slope=0.05, tow__force=-0.3)
@@ -253,6 +257,7 @@ def test_mean_friction_is_the_weight_down_the_pipe():
 
 
 # -- bristles, unbalance, static friction ------------------------------------------------------------------------------
+@pytest.mark.known_answers(PipeRobot="bristles")
 @pytest.mark.parametrize(("degrees", "mu"), [(60.0, 0.3), (30.0, 0.3), (45.0, 0.8), (0.0, 0.5)])
 def test_levels_of_bristles(degrees, mu):
     """F± = mu n N0 / (1 ± mu tan theta), read from the friction on a sliding robot."""
@@ -281,6 +286,7 @@ def test_friction_of_the_pipe_makes_bristles_lean_more():
     assert unit["friction_force"] == pytest.approx(wanted, rel=1e-12)
 
 
+@pytest.mark.known_answers(PipeRobot="unbalance")
 def test_an_unbalance_shakes_as_a_force_of_its_centrifugal_size():
     """A rotor so heavy that it keeps its rate: the inner mass moves as under q w² sin(psi), by linear response."""
     w, q = 40.0, 0.1 * 0.02
@@ -340,6 +346,7 @@ def test_bristles_of_lugre_let_go_at_the_static_level(pull, slides):
         assert unit["friction_force"] == pytest.approx(-pull, abs=1e-3)
 
 
+@pytest.mark.known_answers(PipeRobot=("smoothed_friction", "lugre_friction"))
 @pytest.mark.parametrize("friction", ["smoothed_friction", "lugre_friction"])
 @pytest.mark.parametrize("v", [0.3, -0.3])
 def test_other_frictions_have_the_same_levels_in_steady_sliding(friction, v):
@@ -348,6 +355,7 @@ def test_other_frictions_have_the_same_levels_in_steady_sliding(friction, v):
     assert unit["friction_force"] == pytest.approx(-2.0 if v > 0.0 else 8.0, rel=1e-6)
 
 
+@pytest.mark.known_answers(PipeRobot="cubic_spring")
 def test_a_robot_on_a_slope_starts_with_its_mass_hanging_still():
     for stiffness in (0.0, 1e6):
         unit = started(

@@ -46,6 +46,7 @@ def test_coasting_forwards_and_sliding_backwards(v0, mass, level):
     assert unit["position"] == pytest.approx(math.copysign(0.5 * mass * v0 * v0 / level, v0), rel=2e-5)
 
 
+@pytest.mark.known_answers(RollingPipeRobot="route")
 def test_it_holds_on_a_slope_up_to_the_friction_and_rolls_down_forwards():
     limit = math.asin(0.4 * PRESS / G)
     up = started(route__slope=limit - 1e-4, **ALONE)
@@ -61,6 +62,7 @@ def test_it_holds_on_a_slope_up_to_the_friction_and_rolls_down_forwards():
     assert down["grip"] == pytest.approx(acceleration * (ROLLING - MASS) / (0.4 * PRESS), rel=2e-5)
 
 
+@pytest.mark.known_answers(RollingPipeRobot="tow")
 @pytest.mark.parametrize("mode", [1.0, -1.0, 0.0])
 def test_energy_of_a_rolling_robot_grows_by_what_comes_in_less_what_is_lost(mode):
     """As of `PipeRobot`; where the pipe narrows, the rings take up what the body loses."""
@@ -141,6 +143,7 @@ def reference(duration: float) -> tuple[np.ndarray, int]:
     return x, count
 
 
+@pytest.mark.known_answers(RollingPipeRobot="harmonic_force")
 def test_rolling_and_sliding_are_those_of_another_solver():
     wanted, events = reference(2.0)
     unit = started(harmonic_force__amplitude=20.0)

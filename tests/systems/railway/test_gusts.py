@@ -124,6 +124,7 @@ def test_answer_of_a_wire_over_many_winds_is_that_of_the_spectrum():
         assert mean == pytest.approx(expected, abs=3.0 * deviation / np.sqrt(len(found)) + 0.02 * expected)
 
 
+@pytest.mark.known_answers(Catenary="gusts")
 @pytest.mark.full
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_a_single_wire_answers_as_its_modes_do(method):

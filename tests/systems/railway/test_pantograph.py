@@ -46,6 +46,7 @@ def test_initial_state_is_an_equilibrium(lower, wire):
     assert np.abs(pantograph.x - before).max() < ACCUMULATED_ROUNDING * max(abs(wire), 0.1)
 
 
+@pytest.mark.known_answers(Pantograph="lower_frame")
 @pytest.mark.parametrize("lower", [False, True])
 def test_eigenfrequencies_of_the_free_oscillation(lower):
     M, _, K = linear_system(lower, damped=False)
@@ -62,6 +63,7 @@ def test_eigenfrequencies_of_the_free_oscillation(lower):
         assert np.abs(pantograph.x[1::2]).max() == pytest.approx(omega * np.abs(shape).max(), rel=1e-6)
 
 
+@pytest.mark.known_answers(Pantograph="base_excitation")
 @pytest.mark.full
 def test_transmissibility_of_the_base():
     """Steady oscillation under a shaken base, contact spring bilateral: amplitude and phase of the head."""
@@ -144,6 +146,7 @@ def test_contact_springs_in_series():
     assert pantograph["contact_force"] == pytest.approx(approach / (1.0 / 50e3 + 1e-5), rel=ACCUMULATED_ROUNDING)
 
 
+@pytest.mark.known_answers(Pantograph="outer_contact")
 def test_outer_contact_gives_the_motion_of_the_inner_one():
     """Fed with the force of its own spring at the end of each short step, held: the difference falls with the step."""
 
@@ -165,6 +168,7 @@ def test_outer_contact_gives_the_motion_of_the_inner_one():
     assert abs(slope([4.0, 2.0, 1.0], distances) - 1.0) < 0.15
 
 
+@pytest.mark.known_answers(Pantograph="aerodynamic_uplift")
 def test_lift_grows_with_the_square_of_the_speed():
     def force(speed):
         pantograph = Pantograph(["aerodynamic_uplift"], {"speed": speed, "frame_stiffness": 0.0})
@@ -175,6 +179,7 @@ def test_lift_grows_with_the_square_of_the_speed():
     assert force(80.0) - 120.0 == pytest.approx(0.01301 * 80.0**2, rel=ACCUMULATED_ROUNDING)
 
 
+@pytest.mark.known_answers(Pantograph="frame_friction")
 def test_frame_friction_holds_against_a_small_change_of_force():
     """Coulomb friction of 5 N: after 4 N more from the wire the smoothed law only creeps, at v = width * atanh(F/level)."""
     dry = Pantograph(["frame_friction"], {"frame_stiffness": 0.0, "frame_damping": 0.0, "static_force": 124.0})

@@ -52,6 +52,7 @@ def test_friction_loads_the_front_strip():
         assert (front - rear) * 0.29 == pytest.approx(friction * 120.0 * 0.05, rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.known_answers(Pantograph="two_strips")
 def test_two_strips_average_the_wire_over_their_distance():
     """A rigid wire's wave meets the strips with a phase w d / v between them: their sum gets the cosine of half of it.
 
@@ -88,6 +89,7 @@ def test_a_strip_that_has_left_the_wire_hangs_on_the_head():
     assert rows[-1]["two_strips.rear_height"] > rows[-1]["two_strips.front_height"]
 
 
+@pytest.mark.known_answers(Pantograph="strip_lift")
 def test_lift_of_the_strips_adds_to_the_force():
     effects = ["two_strips", "strip_lift"]
     numbers = {"frame_stiffness": 0.0, "speed": 50.0, "two_strips.pitch_stiffness": 0.0}
@@ -98,6 +100,7 @@ def test_lift_of_the_strips_adds_to_the_force():
     assert front - rear == pytest.approx(0.002 * 50.0**2, rel=1e-7)  # the head does not pitch: either strip keeps its own lift
 
 
+@pytest.mark.known_answers(Pantograph="lift_fluctuation")
 def test_lift_fluctuates_with_its_standard_deviation():
     """Its energy is exact, its mean 0, and either lift has another history; the same seed gives the same one."""
     pantograph = Pantograph(["aerodynamic_uplift", "lift_fluctuation"], {"lift_fluctuation.intensity": 0.08})
@@ -114,6 +117,7 @@ def test_lift_fluctuates_with_its_standard_deviation():
     assert 0.2 <= number.min() / (2.0 * np.pi) < number.max() / (2.0 * np.pi) <= 20.0
 
 
+@pytest.mark.known_answers(Pantograph="wire_unevenness")
 def test_unevenness_is_a_height_of_the_wire():
     """The same heights as an input give the same force, at rest at any place; its energy is exact and lies within the band."""
     for place in (3.0, 47.3):
@@ -134,6 +138,7 @@ def test_unevenness_is_a_height_of_the_wire():
     assert energy[-1] / energy[0] == pytest.approx(2.0 / (1.0 + 150.0**2), rel=0.2)  # (1 + (n L)²) at both ends, bands 8 % wide
 
 
+@pytest.mark.known_answers(Pantograph="measured_unevenness")
 def test_measured_unevenness_is_a_height_of_the_wire():
     """Straight between the rows, level beyond them, at either strip's own place: as the same heights as inputs."""
     table = "position [m],height [m]\n10,0.001\n10.5,0.003\n\n12,-0.002\n"
@@ -170,6 +175,7 @@ def test_a_table_of_heights_that_cannot_be_used_is_one_message(table, expected):
         Pantograph(["measured_unevenness"], {"measured_unevenness.table": table}).initialize(0.0)
 
 
+@pytest.mark.known_answers(Pantograph="acceleration")
 def test_train_accelerates_and_then_keeps_its_speed():
     """x = v0 t + a t²/2 up to the final speed, then straight on; braking to a stop likewise, and it stays there."""
     for speed, rate, final in ((20.0, 4.0, 21.0), (20.0, -10.0, 19.0), (1.0, -5.0, 0.0), (20.0, 0.0, 50.0)):
@@ -187,6 +193,7 @@ def test_train_accelerates_and_then_keeps_its_speed():
             assert speed_at(t, *pantograph.arguments[1:]) == pytest.approx(reached, rel=1e-12)
 
 
+@pytest.mark.known_answers(Pantograph="actuator")
 def test_actuator_follows_its_command_with_a_lag():
     """f = F (1 - exp(-t / tau)), and a command beyond the limit gives the limit."""
     pantograph = Pantograph(["actuator"], {"actuator.limit": 25.0, "frame_stiffness": 0.0, "frame_damping": 500.0})

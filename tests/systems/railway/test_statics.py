@@ -63,6 +63,7 @@ def test_elasticity_at_a_dropper_converges_to_the_force_method(position):
     assert fine / coarse == pytest.approx(0.5, abs=0.1)
 
 
+@pytest.mark.known_answers(Catenary="bending_stiffness")
 def test_bending_stiffness_lowers_the_compliance_by_the_boundary_layer():
     """A long wire under tension deflects less by sqrt(EI/T) / (2 T) under a point load; converges with the element."""
     errors = []
@@ -80,6 +81,7 @@ def test_bending_stiffness_lowers_the_compliance_by_the_boundary_layer():
     assert errors[0] / errors[1] > 3.0  # second order or better
 
 
+@pytest.mark.known_answers(Catenary="dropper_slackening")
 def test_droppers_let_go_one_after_the_other():
     """Under a large force the equilibrium has slack droppers with no tension, taut ones with some, and no residual."""
     catenary = Catenary(["dropper_slackening"], {"spans": 3, "method": "implicit"})
@@ -115,6 +117,7 @@ def test_a_line_follows_its_parameters_and_no_other_catenary():
     assert np.array_equal(same.arguments[0].numbers, before)
 
 
+@pytest.mark.known_answers(Catenary="gravity_sag")
 def test_sag_between_droppers_is_a_parabola():
     catenary = Catenary(["gravity_sag"])
     catenary.initialize(0.0)
@@ -127,6 +130,7 @@ def test_sag_between_droppers_is_a_parabola():
             assert catenary["wire_height"] == pytest.approx(exact, rel=1e-9)
 
 
+@pytest.mark.known_answers(Catenary="level_support")
 def test_level_support_raises_the_wire_to_dropper_level():
     catenary = Catenary(["gravity_sag", "level_support"])
     catenary.set("contact_position", 300.0)
@@ -134,6 +138,7 @@ def test_level_support_raises_the_wire_to_dropper_level():
     assert abs(catenary["wire_height"]) < 1e-15
 
 
+@pytest.mark.known_answers(Catenary="pre_sag")
 def test_droppers_carry_the_weight_and_the_pre_sag():
     """A span's droppers carry its weight; pre-sag moves force from the inner droppers to the two at its ends.
 

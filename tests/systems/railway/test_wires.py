@@ -164,6 +164,7 @@ def test_order_in_the_step_is_two(method):
     assert abs(slope(steps, errors) - 2.0) < 0.1
 
 
+@pytest.mark.known_answers(Catenary="damping")
 def test_mass_proportional_damping_decays_every_mode_alike():
     catenary = bare_wire("implicit", 60.0, ["damping"], **{"damping.alpha": 0.8, "damping.beta": 0.0})
     x, N = catenary.mesh.position, catenary.mesh.mass.size

@@ -30,6 +30,7 @@ def steady_unbalance(rotor: BeamRotor, speed: float, moment: float, node: int) -
     return 0.5 * (q[0::4] + 1j * q[1::4]), 0.5 * np.conj(q[0::4] - 1j * q[1::4])
 
 
+@pytest.mark.known_answers(BeamRotor="unbalance")
 @pytest.mark.first
 @pytest.mark.parametrize("speed", [70.0, 150.0, -150.0, 400.0])
 def test_steady_unbalance_response_is_that_of_the_frequency_domain(speed):
@@ -123,6 +124,7 @@ def test_a_free_rotor_keeps_its_momenta():
     np.testing.assert_allclose(momenta(), before, atol=1e-7 * scale)
 
 
+@pytest.mark.known_answers(BeamRotor="gravity")
 def test_sag_is_that_of_beam_theory():
     """Simply supported under its own weight: 5 w L^4 / (384 EI) + w L² / (8 kappa G A) in the middle, exact at the nodes."""
     pinned = {f"linear_supports.stiffness_{axis}[{k}]": 1e15 for axis in "xy" for k in (1, 2)}
@@ -139,6 +141,7 @@ def test_sag_is_that_of_beam_theory():
     assert rotor["displacement_y"] == pytest.approx(-sag, rel=1e-6)  # it stays there
 
 
+@pytest.mark.known_answers(BeamRotor="internal_damping")
 @pytest.mark.full
 def test_internal_damping_drives_the_rotor_above_the_onset_speed():
     """Growth rates in time are those of the eigenvalues on both sides of the onset."""
@@ -158,6 +161,7 @@ def test_internal_damping_drives_the_rotor_above_the_onset_speed():
     assert rates[0] < 0.0 < rates[1]
 
 
+@pytest.mark.known_answers(BeamRotor="run_up")
 @pytest.mark.full
 def test_a_run_up_passes_the_critical_speed_between_supports_with_damping():
     """Largest amplitude a little above the critical speed at 86.9 rad/s; the unbalance force is that of the run-up's angle."""
@@ -196,6 +200,7 @@ def give(rotor: BeamRotor, port: str, tangent: np.ndarray, damping: np.ndarray, 
         rotor.set(f"{port}.{name}", value)
 
 
+@pytest.mark.known_answers(BeamRotor=("bearing_a", "bearing_b"))
 def test_a_tangent_through_the_port_is_a_spring_in_the_rotor():
     """To rounding: the port's matrices stand in the same places as those of linear supports."""
     springs = {

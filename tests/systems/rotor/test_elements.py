@@ -178,6 +178,7 @@ def test_free_slender_shaft_is_an_euler_bernoulli_beam():
     np.testing.assert_allclose(bending[:6:2], exact, rtol=1e-4)
 
 
+@pytest.mark.known_answers(BeamRotor="disks")
 def test_disk_in_the_middle_of_a_light_shaft_is_the_jeffcott_rotor():
     """k = 48 EI / L³ with the shear added in series, L / (4 kappa G A)."""
     section = circular_section(0.03, 0.0, 211e9, 81.2e9, 1e-3)

@@ -39,6 +39,7 @@ def rigid(rotor: BeamRotor) -> np.ndarray:
     return about
 
 
+@pytest.mark.known_answers(BeamRotor="frame_rotation")
 @pytest.mark.parametrize("speed", [300.0, -80.0, 0.0])
 @pytest.mark.parametrize("rate", [(0.3, 0.0), (0.0, 0.3), (-0.1, 0.25)])
 def test_the_steady_moment_is_polar_inertia_times_speed_times_rate(speed, rate):

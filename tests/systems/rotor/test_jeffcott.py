@@ -32,6 +32,7 @@ def settled_response(speed: float, effects=("unbalance",), **parameters) -> comp
     return complex(rotor["displacement_x"], rotor["displacement_y"]) * np.exp(-1j * rotor["angle"])
 
 
+@pytest.mark.known_answers(JeffcottRotor="unbalance")
 @pytest.mark.parametrize("ratio", [-1.5, -1.0, 0.0, 0.3, 0.9, 1.0, 1.1, 2.0, 5.0])
 def test_amplitude_and_phase_of_the_unbalance_response(ratio):
     """(x + i y) exp(-i phi) = e r² / (1 - r² + 2 i zeta r), also for a rotor that turns backwards."""
@@ -61,6 +62,7 @@ def test_amplitude_is_largest_above_the_critical_speed():
     assert top > high
 
 
+@pytest.mark.known_answers(JeffcottRotor="orthotropy")
 @pytest.mark.full
 def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_between():
     """x and y are two oscillators under e w² cos and sin; between their frequencies the orbit runs against the rotation."""
@@ -79,6 +81,7 @@ def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_be
     assert rotor["displacement_x"] * rotor["velocity_y"] - rotor["displacement_y"] * rotor["velocity_x"] < 0.0
 
 
+@pytest.mark.known_answers(JeffcottRotor="internal_damping")
 @pytest.mark.full
 @pytest.mark.parametrize("internal", [10.0, 40.0, 120.0])
 def test_onset_of_instability_by_internal_damping(internal):
@@ -200,6 +203,7 @@ def test_run_up_turns_by_the_integral_of_its_speed():
     assert (rows[:, 6] < 2.0 * math.pi).all()
 
 
+@pytest.mark.known_answers(JeffcottRotor="run_up")
 @pytest.mark.full
 @pytest.mark.parametrize("acceleration", [2.0, 20.0, 100.0])
 def test_run_up_through_the_critical_speed_is_its_convolution_integral(acceleration):

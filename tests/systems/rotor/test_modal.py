@@ -39,6 +39,7 @@ ROSS = {
 }
 
 
+@pytest.mark.known_answers(BeamRotor="linear_supports")
 @pytest.mark.parametrize("rpm", ROSS)
 def test_friswells_example_has_the_frequencies_of_an_independent_program(rpm):
     found = modes(friswell(), rpm * math.pi / 30.0, 6)
@@ -70,6 +71,7 @@ def overhung(speed: float, stiffness: np.ndarray, mass: float, polar: float, dia
     return np.sort(np.abs(np.roots(polynomial).real))
 
 
+@pytest.mark.known_answers(BeamRotor="gyroscopic")
 @pytest.mark.parametrize("speed", [0.0, 200.0, 2000.0])
 def test_gyroscopic_splitting_of_an_overhung_disk(speed):
     """A massless shaft, clamped at one end, with a disk at the other."""

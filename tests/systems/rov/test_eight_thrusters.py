@@ -23,6 +23,7 @@ def accelerated(**thrusts: float) -> np.ndarray:
     return np.array([hull[f"external.{what}acceleration_{a}"] for what in ("", "angular_") for a in "xyz"])
 
 
+@pytest.mark.known_answers(RovHull="further_thrusters")
 @pytest.mark.parametrize("i", range(8))
 def test_eight_thrusts_are_their_columns_of_the_matrix(i):
     hull = RovHull()
@@ -54,6 +55,7 @@ def wanted() -> np.ndarray:
     return np.array(gains) * [c[n] for n in ("error_north", "error_east", "error_down", "error_roll", "error_pitch", "error_yaw")]
 
 
+@pytest.mark.known_answers(RovController="further_thrusters")
 @pytest.mark.parametrize("lost", [None, *range(8)])
 def test_the_commands_of_eight_thrusters_give_the_wanted_wrench(lost):
     """With all of them and without any one: eight have two to spare."""

@@ -57,6 +57,7 @@ def position(hull: RovHull) -> np.ndarray:
 # -- speed through the water -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.known_answers(RovHull="quadratic_drag")
 @pytest.mark.first
 @pytest.mark.parametrize(("force", "printed"), [(10.0, 0.6390570), (40.0, 1.3766130)])
 def test_terminal_speed(force, printed):
@@ -68,6 +69,7 @@ def test_terminal_speed(force, printed):
     assert hull["surge"] == pytest.approx(closed, rel=1e-12)  # 60 s are 100 time constants and more
 
 
+@pytest.mark.known_answers(RovHull="added_mass")
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize(("X", "XX"), [(1, 0), (0, 1), (1, 1)])
 def test_start_from_rest_follows_riccati(axis, X, XX):
@@ -143,6 +145,7 @@ def test_small_roll_and_pitch(axis, printed):
     assert hull[f"{axis}_rate"] == pytest.approx(-w * 1e-5, rel=1e-9)
 
 
+@pytest.mark.known_answers(RovHull="linear_drag")
 def test_roll_is_damped_as_the_linear_drag_says():
     """Righting moment of Wu's vehicle from buoyancy, so that sway stays out of it: w = 2.838511 rad/s, zeta = 0.044037."""
     w, t = math.sqrt(0.02 * 112.8 / 0.28), 7.0
@@ -166,6 +169,7 @@ def test_roll_with_the_weight_below_the_origin_takes_sway_along():
     assert values(hull, "sway", "roll_rate", "roll") == pytest.approx([sway, rate, roll], abs=1e-13)
 
 
+@pytest.mark.known_answers(RovHull="restoring")
 @pytest.mark.full
 @pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
 def test_large_roll_has_the_period_of_a_pendulum(degrees):
@@ -231,6 +235,7 @@ def test_energy_and_impulse_of_a_tumbling_body_stay(centre):
     assert 3.5 < orders(drifts)[0] < 5.5  # RK4: 4 in the state, 5 in what a quadratic invariant loses
 
 
+@pytest.mark.known_answers(RovHull="coriolis")
 def test_munk_moment_grows_at_its_rate():
     """Ahead at u, not along the axis of the largest added mass: a small pitch grows at u sqrt(m1 (m3 - m1) / (m3 I2))."""
     m1, m3, inertia, u = 17.0, 26.07, 0.28, 1.0
@@ -247,6 +252,7 @@ def test_munk_moment_grows_at_its_rate():
 # -- water that moves --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.known_answers(RovHull="current")
 @pytest.mark.full
 @pytest.mark.parametrize("effects", [WATER, FREE])
 def test_in_a_uniform_current_all_is_as_in_still_water(effects):
@@ -287,6 +293,7 @@ def test_accelerating_water_takes_the_hull_along_by_its_added_mass(yaw):
 # -- energy ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.known_answers(RovHull="tether")
 def test_energy_changes_by_the_power_of_thrust_loads_and_drag():
     """At random states: d(energy)/dt = F . axial speed + force . velocity of the attachment + external power - drag's loss."""
     random = np.random.default_rng(7)

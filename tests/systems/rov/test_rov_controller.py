@@ -140,6 +140,7 @@ def at(t: float, **inputs) -> RovController:
     return controller
 
 
+@pytest.mark.known_answers(RovController="manoeuvre")
 @pytest.mark.parametrize(
     ("t", "north", "yaw"),
     [

@@ -104,6 +104,7 @@ def test_a_taut_tether_swings_along_itself_as_a_chain_does(mode):
     np.testing.assert_allclose(moved, shape * math.cos(frequency * t), atol=1e-7 * shape.max() * 10.0)
 
 
+@pytest.mark.known_answers(Tether=("drag", "current"))
 @pytest.mark.full
 def test_a_taut_tether_in_a_cross_flow_carries_its_drag():
     """rho d C L U² / 2 over its length, half at either end, and a bow of q L² / 8 H for a small sag."""
@@ -162,6 +163,7 @@ def test_energy_changes_by_the_work_of_the_vehicle_and_by_nothing_else(slack):
         assert (energies[1] - energies[0]) / (2.0 * h) == pytest.approx(power, rel=1e-5, abs=1e-4)
 
 
+@pytest.mark.known_answers(Tether="internal_damping")
 @pytest.mark.full
 def test_drag_and_damping_only_take_energy():
     rng = np.random.default_rng(6)

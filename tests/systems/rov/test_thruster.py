@@ -32,11 +32,13 @@ def test_an_ideal_thruster_gives_its_limits_in_proportion(command, thrust):
     assert started(command=command)["thrust"] == pytest.approx(thrust, rel=1e-14)
 
 
+@pytest.mark.known_answers(Thruster="static_curve")
 @pytest.mark.parametrize(("pulse", "force"), SHEET.items())
 def test_the_static_curve_has_the_rows_of_the_sheet(pulse, force):
     assert started("static_curve", command=(pulse - 1500) / 400)["thrust"] == pytest.approx(9.80665 * force, rel=1e-12)
 
 
+@pytest.mark.known_answers(RovController="inverse_curve")
 def test_the_inverse_curve_gives_every_thrust_within_the_limits():
     commands, thrusts = np.array(T200_COMMAND), np.array(T200_THRUST)
     for thrust in np.linspace(-39.9, 51.43, 2001):
@@ -47,11 +49,13 @@ def test_the_inverse_curve_gives_every_thrust_within_the_limits():
     assert curve_command(-60.0, commands, thrusts) == -1.0
 
 
+@pytest.mark.known_answers(Thruster="polynomial_curve")
 @pytest.mark.parametrize(("command", "thrust"), POLYNOMIAL.items())
 def test_the_published_polynomial(command, thrust):
     assert started("polynomial_curve", command=command)["thrust"] == pytest.approx(thrust, abs=5e-4)
 
 
+@pytest.mark.known_answers(Thruster="lag")
 def test_a_first_order_lag_is_an_exponential():
     thruster = started("lag", lag__time_constant=0.2)
     thruster["command"] = 1.0
@@ -67,6 +71,7 @@ def third_order(t: float) -> float:
     return 108700.0 * z[0] + 6136.0 * z[1]
 
 
+@pytest.mark.known_answers(Thruster="motor_lag")
 def test_the_third_order_lag_is_the_published_transfer_function_to_fourth_order():
     errors = []
     for n in (1, 2):
@@ -80,6 +85,7 @@ def test_the_third_order_lag_is_the_published_transfer_function_to_fourth_order(
     assert thruster["thrust"] == pytest.approx(16.5939453125, rel=1e-12)  # the static gain is 1
 
 
+@pytest.mark.known_answers(Thruster="propeller")
 def test_full_voltage_is_the_full_row_of_the_sheet():
     """3533 rpm, 51.44 N, 23.83 A: what the numbers of motor and propeller were fitted to, three digits each."""
     thruster = started("propeller", command=1.0)
@@ -140,6 +146,7 @@ def test_a_propeller_takes_more_power_than_it_gives():
             assert thruster["propeller.torque"] * speed - thruster["thrust"] * advance >= 0.0
 
 
+@pytest.mark.known_answers(Thruster="inductance")
 def test_a_small_inductance_changes_little():
     """A hundredth of the rotor's time constant in the current shows by about that much in the run-up."""
     runs = []

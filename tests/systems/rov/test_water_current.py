@@ -38,6 +38,7 @@ def test_the_mean_sets_in_its_direction():
     assert not acceleration.any()
 
 
+@pytest.mark.known_answers(WaterCurrent="ramp")
 @pytest.mark.parametrize("t", [0.5, 3.0, 3.01, 8.0, 12.9, 13.0, 11.3, 14.99, 15.0, 20.0])
 def test_acceleration_is_the_derivative_of_the_velocity(t):
     h = 1e-4
@@ -46,6 +47,7 @@ def test_acceleration_is_the_derivative_of_the_velocity(t):
     np.testing.assert_allclose(at(EVERYTHING, t)[1], slope, atol=0.3 * h)
 
 
+@pytest.mark.known_answers(WaterCurrent=("tide", "gust"))
 def test_a_gust_and_a_tide_peak_where_they_should():
     gust = WaterCurrent(("gust",), {"speed": 0.0, "gust.direction": math.pi / 2})
     np.testing.assert_allclose(at(gust, 12.5), [[0.0, 0.2, 0.0], [0.0, 0.0, 0.0]], atol=1e-16)

@@ -86,6 +86,7 @@ def test_a_free_neutral_hull_goes_where_a_particle_goes(mean, height, period, de
     assert path[-1, 0] - mean * 60.0 > 0.0  # and it drifts with the waves
 
 
+@pytest.mark.known_answers(RovHull="pressure_gradient")
 @pytest.mark.parametrize("displaced", [11.5, 11.7, 14.0])
 def test_a_neutral_hull_moves_with_the_water_of_a_wave(displaced):
     """|V/u| = |(rho V + m_a) i w + d| / |(m + m_a) i w + d|, 1 where the hull weighs what it displaces; linear drag."""

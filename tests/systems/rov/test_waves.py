@@ -53,6 +53,7 @@ def test_wave_numbers_in_ten_metres_of_water():
     np.testing.assert_allclose(numbers, [0.2546, 0.1298, 0.0886], rtol=5e-4)
 
 
+@pytest.mark.known_answers(WaterCurrent="waves")
 @pytest.mark.parametrize("parameters", [{}, {"water_depth": 500.0}, {"period": 12.0}])
 @pytest.mark.parametrize("mean", [0.0, 0.7, -0.3])
 def test_the_flow_has_a_potential_and_keeps_volume_bottom_and_surface(parameters, mean):
@@ -144,6 +145,7 @@ def test_in_deep_water_orbits_are_circles_that_shrink_with_depth():
         np.testing.assert_allclose(speeds, 0.4 * 2.0 * np.pi / 5.0 * math.exp(-k * depth), rtol=1e-12)
 
 
+@pytest.mark.known_answers(WaterCurrent="spectrum")
 @pytest.mark.parametrize(
     ("height", "period", "speeds", "accelerations"),
     [

@@ -138,6 +138,7 @@ def test_small_oscillations_about_both_axes_of_a_hanging_body(axis, frequency):
     assert crossing(body, f"{axis}_rate", 0.9 * period, 1.1 * period) == pytest.approx(period, rel=2e-8)
 
 
+@pytest.mark.known_answers(GimbalBody="gravity")
 @pytest.mark.parametrize(("amplitude", "ratio"), [(0.1, 1.00062536), (0.5 * math.pi, 1.18034060), (3.0, 2.57123395)])
 def test_pendulum_of_any_amplitude(amplitude, ratio):
     frequency = math.sqrt(MOMENT / 0.06)
@@ -152,6 +153,7 @@ def test_pendulum_of_any_amplitude(amplitude, ratio):
 
 
 # -- gyroscope -----------------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(GimbalBody="rotor")
 def test_nutation_of_a_gyroscope():
     """h = 2 across the axes, J = 0.02 and 0.015: 115.4701 rad/s, on a circle whose sides are as the roots of the inertias."""
     inertias = {"frame_inertia": 0.005, "cross_inertia": 0.015, "inner_inertia": 0.015, "axial_inertia": 0.015}
@@ -212,6 +214,7 @@ def test_a_rotor_does_no_work():
 
 
 # -- dry friction and stops ------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(GimbalBody="stick_friction")
 @pytest.mark.parametrize("substep", [1e-3, 1e-2])
 def test_a_pendulum_with_dry_friction_turns_where_the_work_says_and_stays(substep):
     level = 0.2
@@ -235,6 +238,7 @@ def test_a_pendulum_with_dry_friction_turns_where_the_work_says_and_stays(subste
     assert body.work["events"] == len(turning) - 1
 
 
+@pytest.mark.known_answers(GimbalBody=("smoothed_friction", "lugre_friction"))
 @pytest.mark.full
 def test_smoothed_friction_creeps_where_exact_friction_stands():
     """Under half the level: never at rest, but at the rate where tanh is 1/2 - that is the price of the smoothed law."""
@@ -248,6 +252,7 @@ def test_smoothed_friction_creeps_where_exact_friction_stands():
     assert body["inner_angle"] - 0.5 < 2.0 * 0.025 / 200.0  # that bends by more while they begin to slip, and stays
 
 
+@pytest.mark.known_answers(GimbalBody="stops")
 def test_an_impact_on_a_stop_loses_what_the_law_says():
     """Hunt and Crossley: v / d - ln(1 + d v) / d² has the same value before and after, for v into the stop and out of it."""
     speed, d = 2.0, 0.2

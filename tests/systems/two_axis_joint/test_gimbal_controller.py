@@ -61,6 +61,7 @@ def test_samples_lie_at_multiples_of_the_period_whatever_the_macro_step(h):
     assert unit["outer_voltage"] == pytest.approx(reference["outer_voltage"], rel=1e-9)
 
 
+@pytest.mark.known_answers(GimbalController="scan")
 def test_the_scan_moves_set_points_and_their_rates():
     numbers = {"scan.outer_amplitude": 0.2, "scan.outer_frequency": 3.0, "scan.outer_phase": 0.4, "scan.inner_amplitude": 0.0}
     unit = controller(("scan",), None, **numbers, set_outer_angle=-0.1, outer_integral_gain=0.0, voltage_limit=1e6)

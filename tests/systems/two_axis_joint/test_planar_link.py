@@ -24,6 +24,7 @@ def started(effects=(), **parameters) -> PlanarLink:
     return link
 
 
+@pytest.mark.known_answers(PlanarLink="gravity")
 def test_a_thrown_link_flies_along_a_parabola_and_turns_evenly():
     link = started(
         ("gravity",), **ROD, start_x=0.1, start_y=2.0, start_angle=0.4, start_velocity_x=1.0, start_velocity_y=3.0, start_rate=6.0
@@ -42,6 +43,7 @@ def test_a_thrown_link_flies_along_a_parabola_and_turns_evenly():
     assert [link["tip_x"], link["tip_y"]] == pytest.approx(centre + 0.7 * along, rel=1e-12)
 
 
+@pytest.mark.known_answers(PlanarLink="pinned")
 @pytest.mark.parametrize("amplitude", [0.3, 2.5])
 def test_a_pinned_link_is_a_pendulum(amplitude):
     link = started(("pinned", "gravity"), **ROD, start_angle=amplitude)
@@ -101,6 +103,7 @@ def joint_at(random, effects=()) -> CompliantJoint:
     return joint
 
 
+@pytest.mark.known_answers(CompliantJoint="rotation")
 @pytest.mark.parametrize("effects", [(), ("rotation",), ("clearance",)])
 def test_a_compliant_joint_gives_back_what_it_takes_less_its_losses(effects):
     """Forces of both ends cancel; power put into the ends = -d(spring energy)/dt - losses, and the losses are never negative."""
@@ -126,6 +129,7 @@ def test_a_compliant_joint_gives_back_what_it_takes_less_its_losses(effects):
         assert (energies[0] - energies[1]) / (2.0 * h) == pytest.approx(-power - losses, rel=1e-6, abs=1e-2)
 
 
+@pytest.mark.known_answers(CompliantJoint="clearance")
 def test_a_joint_with_play_is_free_inside_it():
     joint = CompliantJoint(("clearance",), {"clearance.radius": 1e-3})
     joint.initialize(0.0)

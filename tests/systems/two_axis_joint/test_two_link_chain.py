@@ -51,6 +51,7 @@ def absolute(chain: TwoLinkChain) -> np.ndarray:
     return chain.y[:4].copy()
 
 
+@pytest.mark.known_answers(TwoLinkChain="gravity")
 @pytest.mark.first
 @pytest.mark.parametrize(("preset", "square", "shape"), [
     ("equal point masses", 2.0 - math.sqrt(2.0), (1.0, math.sqrt(2.0))),
@@ -70,6 +71,7 @@ def test_small_motion_in_a_mode_keeps_its_shape_and_frequency(preset, square, sh
     np.testing.assert_allclose(absolute(chain)[:2], angles * math.cos(10.0 * w), atol=7e-8 * 1e-5)
 
 
+@pytest.mark.known_answers(TwoLinkChain="viscous")
 @pytest.mark.parametrize(("effects", "dampers"), [
     (("gravity", "viscous"), (0.1, 0.1)), (("gravity", "viscous"), (3.0, 3.0)),
     (("viscous",), (0.1, 0.05)), (("viscous",), (0.0, 0.5)),
@@ -136,6 +138,7 @@ def newton_euler(chain: TwoLinkChain, joint_torques) -> tuple[np.ndarray, np.nda
     return values[[2, 5]], values[6:]
 
 
+@pytest.mark.known_answers(TwoLinkChain=("smoothed_friction", "reactions"))
 def test_lagrange_is_newton_and_euler_at_random_states():
     """Accelerations, joint forces and joint torques, with damping, friction and stops as torques in the joints."""
     for state, torques in random_states():
@@ -232,6 +235,7 @@ def test_order_in_time():
     assert slope(steps, errors) == pytest.approx(4.0, abs=0.2)
 
 
+@pytest.mark.known_answers(TwoLinkChain="stick_friction")
 @pytest.mark.full
 def test_dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it():
     """Turning points of the arc-decay in closed form; at the last the pendulum rests, for good and to the last bit."""
@@ -252,6 +256,7 @@ def test_dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it():
     assert chain["first_angle"] == rested
 
 
+@pytest.mark.known_answers(TwoLinkChain="lugre_friction")
 @pytest.mark.full
 def test_bristles_decay_as_exact_standstill_does():
     """Stiff bristles without the static excess: at rest within twice the bristles' bending of the exact place."""
@@ -312,6 +317,7 @@ def inertia_by_hand(relative: float) -> float:
     return first + g["second_inertia"] + g["second_mass"] * (x * x + z * z)
 
 
+@pytest.mark.known_answers(TwoLinkChain="stops")
 @pytest.mark.parametrize("dissipation", [0.0, 0.05, 0.5])
 def test_restitution_of_the_stops(dissipation):
     """One inertia against spring and losses kd(1 + c d'): v / (1 + c v) dv = -k/J d dd, in closed form c v - ln(1 + c v)."""
@@ -382,6 +388,7 @@ def test_start_and_outputs_agree():
     assert first != place
 
 
+@pytest.mark.known_answers(TwoLinkChain="springs")
 def test_a_spring_throws_a_link_out_with_the_energy_of_its_preload():
     """One inertia on a spring, relaxed at pi: pi (1 - cos w t); and with dry friction the rate of the energies' difference."""
     fixed = {

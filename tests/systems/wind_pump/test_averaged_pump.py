@@ -10,6 +10,7 @@ SPEED, SAMPLES = 2.0 * np.pi, 4000
 OUTPUTS = ("torque", "flow", "hydraulic_power")
 
 
+@pytest.mark.known_answers(PistonPump="averaged")
 @pytest.mark.parametrize(
     "parameters", [{}, {"action": "double"}, {"action": "double", "rod_diameter": 0.03}, {"seal_friction.force": 300.0}]
 )

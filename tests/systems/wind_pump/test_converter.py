@@ -186,6 +186,7 @@ def test_engaged_parts_move_as_one():
     assert 200 < driving < 1800
 
 
+@pytest.mark.known_answers(InertialConverter="compliant_clutches")
 @pytest.mark.parametrize("damping", [10.0, 20.0, 40.0])
 def test_slipping_clutches_lose_torque_in_the_second_order_of_their_delay(damping):
     """T2 falls by k1 w1² (w1 tau)² / 2 with tau = rho² (m b² + m_y) / c: a clutch lets go late by the angle w1 tau.
@@ -199,6 +200,7 @@ def test_slipping_clutches_lose_torque_in_the_second_order_of_their_delay(dampin
     assert miss == pytest.approx(0.5 * K1 * 400.0 * (20.0 * delay) ** 2, rel=0.02)
 
 
+@pytest.mark.known_answers(InertialConverter="mesh_friction")
 @pytest.mark.full
 def test_gear_friction_takes_its_share_of_the_torque():
     """3 % of the torque that is passed on, and nothing else changes."""

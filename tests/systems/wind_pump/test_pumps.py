@@ -61,6 +61,7 @@ def test_torque_times_speed_is_weight_times_head_times_flow(parameters):
         assert pump["hydraulic_power"] == pytest.approx(power, rel=1e-13)
 
 
+@pytest.mark.known_answers(PistonPump=("leakage", "seal_friction"))
 def test_leakage_costs_flow_and_seals_cost_torque():
     plain, lossy = (piston({}, effects, angle=1.0) for effects in ((), ("leakage", "seal_friction")))
     assert lossy["flow"] == pytest.approx(0.95 * plain["flow"], rel=1e-14)
@@ -130,5 +131,6 @@ def test_behind_a_closed_valve_and_at_standstill_the_torque_is_an_ordinary_numbe
     assert centrifugal(150.0, -5.0)["flow"] == centrifugal(150.0, 0.0)["flow"]
 
 
+@pytest.mark.known_answers(CentrifugalPump="seal_friction")
 def test_seals_are_felt_at_standstill():
     assert centrifugal(0.0, 10.0, None, ["seal_friction"])["torque"] == 0.2

@@ -94,6 +94,7 @@ def test_bearings_hold_the_rotor_up_to_the_wind_that_overcomes_them(shortfall):
         assert turbine["angle"] == 0.0
 
 
+@pytest.mark.known_answers(WindTurbine="bearing_friction")
 def test_a_rotor_that_coasts_comes_to_rest_in_the_time_of_the_closed_form():
     """Without wind: w' = -(T_f + b w)/J, so that it stands after J/b ln(1 + b w0/T_f), and stays there."""
     turbine = running(("bearing_friction",), {"damping": 0.5, "start_speed": 3.0}, wind=0.0)
@@ -106,6 +107,7 @@ def test_a_rotor_that_coasts_comes_to_rest_in_the_time_of_the_closed_form():
     assert turbine["angle"] == pytest.approx(turned, rel=1e-10)
 
 
+@pytest.mark.known_answers(WindTurbine="furling")
 @pytest.mark.full
 def test_a_furled_rotor_feels_the_wind_at_which_it_turns_away():
     furled, calm = running(("furling",), wind=20.0), running(wind=8.0)

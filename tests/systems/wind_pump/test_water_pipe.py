@@ -21,6 +21,7 @@ def unit(effects=(), parameters=None, flow=0.0, **inputs):
     return pipe
 
 
+@pytest.mark.known_answers(WaterPipe="friction")
 @pytest.mark.parametrize("flow", [0.0, 1e-3, -1e-3])
 def test_head_is_height_and_friction(flow):
     assert unit(flow=flow)["head"] == 20.0
@@ -35,6 +36,7 @@ def test_delivered_is_the_integral_of_the_flow():
     assert pipe["delivered"] == pytest.approx(1e-2 + 1e-2 - 1e-2 / 3.0, rel=1e-12)
 
 
+@pytest.mark.known_answers(WaterPipe="air_vessel")
 def test_the_column_swings_on_the_air_at_its_frequency():
     """w² = n p A / (rho L V); a small push, without friction, is back after a period, and has turned after half of it."""
     pipe = unit(["air_vessel"], {"substep": 1e-3})
@@ -83,6 +85,7 @@ def test_an_air_vessel_evens_out_a_pulsating_flow():
     assert np.ptp(out[last]) < 0.2 * np.ptp(into[last])
 
 
+@pytest.mark.known_answers(WaterPipe="tank")
 @pytest.mark.full
 def test_a_tank_fills_runs_over_and_empties_at_the_instants_of_its_volumes():
     """2 m² from 0.5 m to 2 m at 1e-3 m³/s: full after 3000 s; then demand 5e-3 empties it in 1000 s; volumes add up."""

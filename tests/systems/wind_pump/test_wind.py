@@ -26,6 +26,7 @@ def at(effects, parameters, times):
     return np.array(speeds)
 
 
+@pytest.mark.known_answers(Wind="ramp")
 def test_a_ramp_rises_stays_and_returns():
     ramp = {"ramp.end_speed": 8.0, "ramp.rate": 0.5, "ramp.start_time": 10.0, "ramp.return_time": 20.0}
     speeds = at(["ramp"], ONLY | ramp, [0.0, 10.0, 13.0, 16.0, 19.0, 20.0, 22.0, 26.0, 40.0])
@@ -37,6 +38,7 @@ def test_a_ramp_that_turns_back_halfway_turns_back_from_where_it_is():
     assert at(["ramp"], ONLY | ramp, [3.0, 4.0, 6.0, 8.0, 9.0]) == pytest.approx([3.5, 3.0, 4.0, 5.0, 5.0], abs=1e-12)
 
 
+@pytest.mark.known_answers(Wind="gusts")
 def test_gusts_come_every_period():
     gusts = {"gusts.start_time": 10.0, "gusts.rise": 2.0, "gusts.stay": 3.0, "gusts.period": 20.0}
     times = np.array([9.0, 11.0, 12.0, 14.9, 16.0, 17.0, 29.0, 31.0, 34.0, 51.0])
@@ -49,6 +51,7 @@ def test_a_gust_without_rise_is_a_step():
     assert list(at(["gusts"], ONLY | gusts, [0.999, 1.0, 2.999, 3.0, 1e6])) == [5.0, 12.0, 12.0, 5.0, 5.0]
 
 
+@pytest.mark.known_answers(Wind="daily")
 def test_a_day_has_its_strongest_and_its_weakest_hour():
     speeds = at(["daily"], ONLY, [10800.0, 32400.0, 54000.0, 54000.0 + 86400.0])
     assert speeds == pytest.approx([3.5, 5.0, 6.5, 6.5], abs=1e-12)
@@ -65,6 +68,7 @@ def samples(n, **parameters):
     return (at(["turbulence"], given, 0.5 * np.arange(n)) / 5.0 - 1.0) / 0.15
 
 
+@pytest.mark.known_answers(Wind="turbulence")
 def test_turbulence_has_drydens_correlation():
     """exp(-U tau / L) with U / L = 1/6 per s. 40 000 samples hold n_eff = 1700 independent ones: 3 / sqrt(n_eff) = 0.07."""
     xi = samples(40_000, length=30.0)

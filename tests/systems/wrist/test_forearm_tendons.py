@@ -83,6 +83,7 @@ def test_power_is_torque_times_rate_and_force_times_shortening(effects):
         assert made["power"] == pytest.approx(at_the_hand, rel=1e-12, abs=1e-14)
 
 
+@pytest.mark.known_answers(ForearmTendons="fibres")
 def test_passive_fibres_have_a_potential():
     """Without activation: torque is the negative slope of the energy, and curl-free, by central differences."""
     made, h = tendons(("fibres", "varying_arms"), flexion=0.7, deviation=-0.4), 1e-5
@@ -121,6 +122,7 @@ def test_stretched_muscles_pull_back():
     assert tendons(("fibres",), flexion=-1.2)["flexion_torque"] > 0.0
 
 
+@pytest.mark.known_answers(ForearmTendons="force_velocity")
 def test_hills_hyperbola():
     """(1 - v) / (1 + 4 v), none at the greatest rate; more than isometric when lengthened, up to 1.4."""
 
@@ -138,11 +140,13 @@ def test_hills_hyperbola():
     assert slope[0] == pytest.approx(slope[1], rel=1e-4)  # no kink at standstill
 
 
+@pytest.mark.known_answers(ForearmTendons="varying_arms")
 def test_moment_arms_that_vary_are_the_slope_of_the_shortening():
     made = tendons(("varying_arms",), {ECRL: 1.0}, flexion=0.5)
     assert made["flexion_torque"] == pytest.approx(110.0 * (-0.0102 + 0.5 * 3.1e-3), rel=1e-12)
 
 
+@pytest.mark.known_answers(ForearmTendons="programme")
 def test_the_programme_goes_in_straight_lines():
     """Three rows: before, on, between and behind them; the rest of the arrays stays 0."""
     table = {"programme.time[1]": 0.1, "programme.time[2]": 0.2, "programme.time[3]": 0.3,

@@ -77,6 +77,7 @@ def lagrange_mass(q: np.ndarray, half: bool) -> np.ndarray:
 
 
 # -- the equations ----------------------------------------------------------------------------------------------------------
+@pytest.mark.known_answers(Wrist="morphology")
 @pytest.mark.parametrize("model", ["rules", "opensim_half"])
 @pytest.mark.parametrize("q", [(0.0, 0.0), (0.5, -0.4), (-0.8, 0.6)])
 def test_inertia_is_lagranges(model, q):
@@ -282,6 +283,7 @@ def test_rows_move_as_the_rule_says_under_torques():
     assert (half["proximal_flexion"], half["distal_flexion"]) == (0.2, 0.2)
 
 
+@pytest.mark.known_answers(Wrist="load")
 def test_a_force_of_a_tendon_is_a_torque_by_its_arms():
     pulled = wrist(ALL, {**NO_LIGAMENTS, "load.gravity_x": 0.0}, {"load.flexor_ulnar": 20.0})
     turned = wrist(("morphology",), {}, {"tau_flexion": 0.016 * 20.0, "tau_deviation": -0.016 * 20.0})
