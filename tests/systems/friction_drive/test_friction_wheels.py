@@ -375,9 +375,6 @@ def test_the_margin_is_that_of_the_wheel_that_has_less():
     assert wheels["margin"] == pytest.approx(1.0 - 2.0 / 3.0, rel=1e-6)
 
 
-STIFFNESS = 2.0 * 0.4 * 15.0 / 1e-4  # N/m, both contacts
-
-
 def wheels_under(effects=(), inputs=(0.0, 0.0, 0.0, 0.0), **parameters) -> FrictionWheels:
     """Initialized wheels; inputs: first and second rate, force, torque."""
     wheels = FrictionWheels(effects, parameters)

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 pytestmark = pytest.mark.interpreted
 
 MATRIX = wrench_matrix(*y_arrangement())
-NO_INTEGRALS = {f"{what}_integral_gain[{k}]": 0.0 for what in ("position", "attitude") for k in (1, 2, 3)}
 POSE = ("position_north", "position_east", "depth")
 QUATERNION = tuple(f"quaternion_{n}" for n in "wxyz")
 MOTION = ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")
