@@ -95,11 +95,11 @@ def test_it_is_written_where_the_editor_of_a_scene_looks_for_it(tmp_path, capsys
     shipped.write_bytes(scene_files()["mass-on-spring"].read_bytes())
     own.write_bytes(b"\xef\xbb\xbfstop_time = 1.0\r\n# \xc2\xb5\r\n")
     (tmp_path / "scene.schema.json").write_text("of an earlier version")
-    assert exit_code(shipped, own) == 0
+    assert exit_code("schema", shipped, own) == 0
     assert json.loads((tmp_path / "scene.schema.json").read_text()) == scene_schema()
     assert (folder / "scene.schema.json").read_text() == (tmp_path / "scene.schema.json").read_text()
     assert own.read_bytes() == b"#:schema scene.schema.json\nstop_time = 1.0\r\n# \xc2\xb5\r\n"
-    assert exit_code(own) == 0
+    assert exit_code("schema", own) == 0
     assert own.read_bytes().count(b"#:schema") == 1
     assert shipped.read_bytes() == scene_files()["mass-on-spring"].read_bytes()
 
@@ -109,7 +109,7 @@ def beside(tmp_path):
     """A scene with a schema beside it, and a function that changes what the schema says."""
     scene = tmp_path / "own scene.toml"
     scene.write_bytes(scene_files()["mass-on-spring"].read_bytes().replace(b"../", b""))
-    assert exit_code(scene) == 0
+    assert exit_code("schema", scene) == 0
 
     def change(edit):
         file = tmp_path / "scene.schema.json"
@@ -143,7 +143,7 @@ def test_a_person_is_told_of_a_stale_schema_and_how_to_mend_it(beside, edit, cap
     (line,) = warnings_of(capsys, "show", scene)
     assert f"Write it anew: cosimo schema '{scene}'" in line
     assert warnings_of(capsys, "run", scene, "--dry-run") == [line]
-    assert exit_code(scene) == 0
+    assert exit_code("schema", scene) == 0
     assert warnings_of(capsys, "show", scene) == []
 
 
@@ -166,6 +166,6 @@ def test_a_file_that_is_no_schema_of_scenes_is_left_alone(beside, content, capsy
 def test_what_has_no_place_for_it_is_refused(name, content, message, tmp_path, capsys):
     if content is not None:
         (tmp_path / name).write_bytes(content)
-    assert exit_code(tmp_path / name) == 2
+    assert exit_code("schema", tmp_path / name) == 2
     assert message in capsys.readouterr().err
     assert [p.name for p in tmp_path.iterdir()] == ([name] if content is not None else [])

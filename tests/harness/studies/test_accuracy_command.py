@@ -12,7 +12,7 @@ def cache(tmp_path, monkeypatch):
 
 
 def test_a_scene(tmp_path, capsys):
-    assert exit_code("mass-on-spring", "--stop", 0.2, "--budget", 1, "-o", tmp_path / "out") == 0
+    assert exit_code("accuracy", "mass-on-spring", "--stop", 0.2, "--budget", 1, "-o", tmp_path / "out") == 0
     out = capsys.readouterr().out
     assert "DOP853" in out
     assert (tmp_path / "out" / "accuracy.csv").is_file()
@@ -23,7 +23,7 @@ def test_a_scene(tmp_path, capsys):
 @pytest.mark.full
 def test_a_component_alone_as_json(tmp_path, capsys):
     given = ("--set", "stiffness=2e5", "--stop", 0.2, "--budget", 2, "-o", tmp_path, "--json")
-    assert exit_code("component:JeffcottRotor", *given) == 0
+    assert exit_code("accuracy", "component:JeffcottRotor", *given) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["name"] == "component:JeffcottRotor"
     assert told["fronts"]["calls"]
@@ -43,5 +43,5 @@ def test_a_component_alone_as_json(tmp_path, capsys):
     ],
 )
 def test_bad_input(arguments, word, tmp_path, capsys):
-    assert exit_code(*arguments, "-o", tmp_path) == 2
+    assert exit_code("accuracy", *arguments, "-o", tmp_path) == 2
     assert word in capsys.readouterr().err

@@ -122,7 +122,7 @@ def test_the_command_writes_table_and_page(tmp_path, capsys):
                 str(tmp_path),
             ]
         )
-    assert stopped == 0
+    assert not stopped.value.code
     rows = list(csv.reader((tmp_path / "stability.csv").open(encoding="utf-8")))
     assert rows[0][:4] == ["effects", "longest stable internal step, s", "own limit, s", "margin, 1"]
     inertia = 1.0 / 12.0 + 1.0
