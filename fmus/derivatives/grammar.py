@@ -132,12 +132,12 @@ def _instruction(line: str) -> Instruction:
         rest, _, to = rest.partition(" to ") if op == "bitcast" else (rest, "", "")
         parts = _parts(rest)
         count = next((k for k, p in enumerate(parts) if re.match(r"align |\d", p)), len(parts))
-        operands = [typed(part) for part in parts[:count]]
-        kind = to or operands[1 if op == "select" else 0].type
+        values = [typed(part) for part in parts[:count]]
+        kind = to or values[1 if op == "select" else 0].type
         kind = re.sub(r"<\d+ x (.*)>", r"\1", kind) if op == "extractelement" else kind
         if op == "shufflevector":
-            kind = re.sub(r"<\d+", f"<{lanes(operands[2].type)}", kind)
-        return Instruction(line, result, op, kind, tuple(operands), tail=tuple(parts[count:]))
+            kind = re.sub(r"<\d+", f"<{lanes(values[2].type)}", kind)
+        return Instruction(line, result, op, kind, tuple(values), tail=tuple(parts[count:]))
     if op in ("alloca", "inttoptr", "getelementptr"):
         parts = _parts(rest.partition(" to ")[0] if op == "inttoptr" else rest)
         pointers = [typed(part) for part in parts if re.match(r"(?:ptr|i64|<\d+ x ptr>) ", part)]

@@ -298,6 +298,8 @@ class _Derivative:
             self._copy(i, name)
         elif name.startswith("masked."):
             self._masked(i, name, result)
+        elif name in ("floor", "ceil", "trunc"):  # at a whole number they jump
+            self._note_tie(i.type, [i.operands[0].value, i.result], [self.tangent(i.operands[0])])
         elif i.result in self.moving:
             rule = SAME.get(name, name)
             if rule in PARTIALS:

@@ -300,3 +300,44 @@ def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
 
 def _number(value: float) -> Any:
     return "" if isnan(value) else value
+
+
+@app.command()
+@reports
+def gradient(
+    scene: SceneName,
+    of: Annotated[
+        list[str] | None, Option(metavar="FIGURE", help='Figure of the summary, or "UNIT.OUTPUT, KIND". May be repeated.')
+    ] = None,
+    by: Annotated[
+        list[str] | None, Option(metavar="UNIT.PARAMETER[,...]", help="Real parameters or free inputs. Default: all.")
+    ] = None,
+    differences: Annotated[
+        float, Option(metavar="SHARE", help="Use differences of runs with this relative change, for scenes without derivatives.")
+    ] = 0.0,
+    output: Output = Path("gradient"),
+    stop: Stop = None,
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find which parameters move a figure, and how far. Example: cosimo gradient en50318-2002 --of pantograph.std -o out
+
+    Derivatives are exact for scenes of kernels; their errors are those of the steps. Elasticity: percent of the figure for one
+    percent of the parameter.
+    """
+    from ..derivatives.gradient import gradient as find
+    from ..harness.report.studies.gradient import for_gradient, gradient_cells
+
+    loaded = scene_of(scene, values, presets, {"stop_time": stop})
+    with status_spinner("derivatives"):
+        measured = find(loaded, of or None, listed("--by", by) or None, differences=differences)
+    written = [measured.save(output), for_gradient(measured, output)]
+    if as_json:
+        print(json.dumps(measured.to_json(), indent=2))
+        return
+    for figure in dict.fromkeys(s.figure for s in measured.slopes):
+        print_cells(gradient_cells([s for s in measured.slopes if s.figure == figure]))
+    for name, reason in measured.refused.items():
+        print(f"{name}: no derivative: {reason}")
+    print_written(written)

@@ -10,7 +10,7 @@ from html import escape
 from math import isfinite
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from ..units.interface import Signal, SimulationEnded
 from ..verified_file import verified_bytes, verified_content
 from .open_scene import Course, OpenScene, remarks_of
 from .state import Inputs, State
+
+if TYPE_CHECKING:
+    from ..derivatives.gradient import Gradient
 
 Value = float | int | bool | str | np.ndarray | Sequence[float]
 SHOWN = 40  # outputs in a notebook
@@ -340,6 +343,15 @@ class Session:
     def _units(self) -> dict[str, Any]:
         assert self._open_scene is not None
         return self._open_scene.units
+
+    def gradient(self, of: str | Sequence[str] | None = None, by: str | Sequence[str] | None = None, **options: Any) -> Gradient:
+        """Derivatives of figures of a whole run by parameters, with those that were set; as of `cosimo.gradient`.
+
+        The session stays where it is.
+        """
+        from ..derivatives.gradient import gradient
+
+        return gradient(self._scene.with_changes(self._changes) if self._changes else self._scene, of, by, **options)
 
     # -- states ------------------------------------------------------------------------------------------------------
     def save(self) -> State:

@@ -15,6 +15,7 @@ from ..settings.plan import KeepSettings, PlanSettings
 from . import scene_of, summary
 
 if TYPE_CHECKING:
+    from ..derivatives.gradient import Figures, Gradient
     from ..harness.many.design import Design
     from ..harness.many.evaluations import SearchOptions
     from ..harness.many.fitting import SceneFit
@@ -103,6 +104,33 @@ def function(
     from ..harness.many.function import Function
 
     return Function(scene_of(scene), parameters, figures, summarize=summary, threads=threads)
+
+
+def gradient(
+    scene: Scene | str | Path,
+    of: str | Sequence[str] | Figures | None = None,
+    by: str | Sequence[str] | None = None,
+    output: str | Path | None = None,
+    *,
+    differences: float = 0.0,
+    halved: bool = True,
+) -> Gradient:
+    """Derivatives and elasticities of figures by real parameters, exact for scenes of kernels, with their errors.
+
+    of: figures of the summary, "unit.output, kind" (mean, maximum, minimum, standard deviation, last), or a function of a `Result`
+    that gives (value, unit) by name; default: the summary.  by: "unit.parameter", and inputs that nothing drives; default: all.
+    output: a directory for gradient.csv and the report.  differences: by runs with this relative change instead, for scenes that
+    have no derivatives.  halved: errors by derivatives with half of all steps. Raises `BadInput`, `StepFailed`.
+    """
+    from ..derivatives.gradient import gradient as find
+
+    measured = find(scene_of(scene), of, by, differences=differences, halved=halved)
+    if output is not None:
+        from ..harness.report.studies.gradient import for_gradient
+
+        measured.save(output)
+        for_gradient(measured, output)
+    return measured
 
 
 @RENAMED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.contract import KernelComponent
 from cosimo.components.core.kernels import COMPILED, DONE
 from cosimo.fmus.native.machine_code import compile_entries, source_of
+from cosimo.tests.derivatives.differences import Verdict, verdict
 
 if COMPILED:
     from cosimo.fmus.derivatives.compiled import Arena, Compiled
@@ -19,9 +20,7 @@ if COMPILED:
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 WIDTH, STEPS = 8, 20
 STEP = {"BallBearing": 1e-4, "JeffcottRotor": 1e-4, "DeepGrooveBearing": 1e-4, "DimensionlessBallBearing": 1e-2}  # s; else 1 ms
-LENGTHS = 1e-3, 1e-4, 1e-5, 1e-6  # of differences, relative to the value or absolute
 STATES = 24  # cells of a state that are tried, at most
-KINDS = "exact", "one-sided, told", "wrong, told", "wrong"
 # What differences cannot tell: the reason. All else is exact, or told to be at a tie
 KNOWN = {("WindTurbine", "s.u[0]"): "in a calm, a wind below a threshold, the ratios of a standing turbine are set to 0"}
 NUMERICAL = {"substep", "period", "tolerance"}  # a whole number of steps or samples follows from them
@@ -99,57 +98,17 @@ class Course:
         return arena.cells[self.seen].copy(), arena.tangents[self.seen][:, lanes].T.copy(), int(arena.ties[0])
 
 
-class Verdict(NamedTuple):
-    """What differences say of a derivative."""
-
-    kind: str
-    error: float
-
-
 def judged(course: Course, cell: int, exact: np.ndarray, told: bool, of_state: bool) -> Verdict:
-    """A derivative, (n,), against central differences, then against those of either side."""
+    """The derivative by a cell."""
     base, status = course.run(course.begin)
-    size = abs(course.begin[cell]) if abs(course.begin[cell]) > 1e-3 else 1.0
 
     def at(way: float) -> np.ndarray | None:
-        if of_state:
-            y, reached = course.run(course.begin, (cell, way))
-        else:
-            cells = course.begin.copy()
-            cells[cell] += way
-            y, reached = course.run(cells)
+        cells = course.begin.copy()
+        cells[cell] += 0.0 if of_state else way
+        y, reached = course.run(cells, (cell, way) if of_state else None)
         return y if reached == status else None
 
-    def fits(differences: list[tuple[float, np.ndarray]]) -> float:
-        """The largest disagreement behind what differences resolve; infinite where there are none."""
-        if len(differences) < 2:
-            return np.inf
-        values = np.array([d for _, d in differences])
-        between = np.abs(np.diff(values, axis=0))
-        best = np.argmin(np.where(np.isnan(between), np.inf, between), axis=0)
-        columns = np.arange(base.size)
-        value, unsure = values[best, columns], between[best, columns]
-        lengths = np.array([d for d, _ in differences])
-        rounding = 1e-14 * np.max(np.abs(base)) / lengths[best + 1]
-        error = np.abs(exact - value) - 20.0 * unsure - rounding
-        return float(np.max(error / np.maximum(np.maximum(np.abs(value), np.abs(exact)), 1e-12), initial=0.0))
-
-    central, sides = [], {1: [], -1: []}
-    for length in LENGTHS:
-        d = length * size
-        ahead, back, near, behind = (at(way * d) for way in (1.0, -1.0, 0.5, -0.5))
-        if ahead is not None and back is not None and near is not None and behind is not None:
-            central.append((d, (4.0 * (near - behind) / d - (ahead - back) / (2.0 * d)) / 3.0))
-        for way, far, half in ((1, ahead, near), (-1, back, behind)):
-            if far is not None and half is not None:
-                sides[way].append((d, way * (4.0 * half - far - 3.0 * base) / d))
-    errors = [fits(some) for some in (central, sides[1], sides[-1])]
-    limit = 1e-5
-    if errors[0] < limit or (errors[1] < limit and errors[2] < limit):
-        return Verdict("exact", errors[0])
-    if min(errors[1:]) < limit:
-        return Verdict("one-sided, told" if told else "wrong", min(errors[1:]))
-    return Verdict("wrong, told" if told else "wrong", min(errors))
+    return verdict(exact, base, at, abs(course.begin[cell]) if abs(course.begin[cell]) > 1e-3 else 1.0, told)
 
 
 def verdicts(course: Course) -> Iterator[tuple[int, Verdict]]:
@@ -175,10 +134,10 @@ def disagreeing(component: str, seed: int) -> tuple[Counter[str], list[str]]:
     course = Course(component, seed)
     counts: Counter[str] = Counter()
     wrong = []
-    for cell, verdict in verdicts(course):
-        counts[verdict.kind] += 1
-        if verdict.kind == "wrong" and (component, name_of(course.block, cell)) not in KNOWN:
-            wrong.append(f"{name_of(course.block, cell)} = {course.begin[cell]:g}: {verdict.error:.1e}")
+    for cell, one in verdicts(course):
+        counts[one.kind] += 1
+        if one.kind == "wrong" and (component, name_of(course.block, cell)) not in KNOWN:
+            wrong.append(f"{name_of(course.block, cell)} = {course.begin[cell]:g}: {one.error:.1e}")
     return counts, wrong
 
 

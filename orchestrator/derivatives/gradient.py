@@ -1,0 +1,304 @@
+"""How figures of a run move with its parameters: derivatives and elasticities, each with its error, or the reason why there is none.
+
+Signals have exact derivatives (`tangent_run`). A figure is a function of the signals: its derivative is that of the function along their
+tangents, by central differences in the space of signals, at two lengths that agree to many digits since nothing but the function is
+repeated. Where decisions stand at their very boundary, the runs on either side tell whether a derivative holds, for one side, or not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...components.core.errors import BadInput, StepFailed, nearest
+from ..output import write_table
+from ..run.results import Result
+from ..run.run import run
+from ..scene.names import place_of
+from ..scene.scene import Scene
+from ..scene.shorter_steps import refined
+from ..session.open_scene import OpenScene
+from .tangent_run import Rows, TangentScene
+
+STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
+    "minimum": np.min,
+    "maximum": np.max,
+    "mean": np.mean,
+    "standard deviation": np.std,
+    "last": lambda values: values[-1],
+}
+ALONG = 1e-5  # length of differences in the space of signals, relative to the largest value of the signal that moves most
+BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
+AGREE = 1e-3  # relative: differences of runs and derivatives are one number
+NUMERICAL = {
+    "substep": "it sets the numerical error alone",
+    "tolerance": "it sets the numerical error alone",
+    "period": "the instants of samples move, and with them the steps that they fall into",
+}
+EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
+COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
+Figure = tuple[float, str]  # value, unit of measure
+Figures = Callable[[Result], Mapping[str, Figure]]
+
+
+@dataclass(frozen=True)
+class Slope:
+    """The derivative of a figure by a parameter. at: the parameter's value. error: of the derivative; NaN where it is not known.
+
+    how: "exact", "one-sided, above" or "below", "differences", or the reason for which there is none; the derivative is NaN then.
+    """
+
+    figure: str
+    unit: str
+    value: float
+    parameter: str
+    at: float
+    derivative: float
+    error: float
+    how: str
+
+    @property
+    def elasticity(self) -> float:
+        """So many percent the figure moves for one percent of the parameter; NaN where either is 0."""
+        return self.derivative * self.at / self.value if self.value and self.at else nan
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """Derivatives of figures by parameters, those that matter most first within each figure; refused: parameter -> reason."""
+
+    scene: Scene
+    slopes: tuple[Slope, ...]
+    refused: Mapping[str, str]
+
+    def __getitem__(self, names: tuple[str, str]) -> Slope:
+        """That of a figure by a parameter; raises `BadInput` with the near names."""
+        known = {(s.figure, s.parameter): s for s in self.slopes}
+        if names not in known:
+            expected = nearest(", ".join(names), [", ".join(pair) for pair in known])
+            raise BadInput(f"gradient of {self.scene.name}", repr(names), "a figure and a parameter of it", expected)
+        return known[names]
+
+    def __repr__(self) -> str:
+        lines = [f"<Gradient of {self.scene.name}: {len(self.slopes)} derivatives>"]
+        lines += [
+            f"{s.figure} by {s.parameter}: {s.derivative:.6g}, elasticity {s.elasticity:.3g} ({s.how})" for s in self.slopes
+        ]
+        return "\n".join([*lines, *(f"{name}: {reason}" for name, reason in self.refused.items())])
+
+    def save(self, directory: str | Path) -> Path:
+        """Write gradient.csv; an empty cell is a number that is not known."""
+        rows = [[getattr(s, column) for column in COLUMNS] for s in self.slopes]
+        shown = [["" if isinstance(cell, float) and not isfinite(cell) else cell for cell in row] for row in rows]
+        return write_table(directory, "gradient.csv", COLUMNS, shown)
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as plain data; a number that is not finite is None."""
+        cells = [{c: getattr(s, c) for c in COLUMNS} for s in self.slopes]
+        plain = [{c: None if isinstance(v, float) and not isfinite(v) else v for c, v in row.items()} for row in cells]
+        return {"scene": self.scene.name, "derivatives": plain, "refused": dict(self.refused)}
+
+
+def gradient(
+    scene: Scene,
+    of: str | Sequence[str] | Figures | None = None,
+    by: str | Sequence[str] | None = None,
+    *,
+    differences: float = 0.0,
+    halved: bool = True,
+) -> Gradient:
+    """Derivatives of figures by parameters.
+
+    of: figures of the summary, "unit.output, kind" with a kind of `STATISTICS`, or a function of a `Result`; default: the summary.
+    by: real parameters, and inputs that nothing drives; default: all.  differences: by runs with so large a relative change instead,
+    for scenes that have no derivatives.  halved: errors by derivatives with half of all steps.  Raises `BadInput`, `StepFailed`.
+    """
+    figures = of if callable(of) else _figures([of] if isinstance(of, str) else of)
+    if differences:
+        return _by_differences(scene, figures, [by] if isinstance(by, str) else by, differences)
+    with ExitStack() as stack:
+        tangents = TangentScene(scene, stack)
+        names = [by] if isinstance(by, str) else tangents.parameters() if by is None else list(by)
+        refused = {n: reason for n in names if (reason := NUMERICAL.get(n.rpartition(".")[2]))}
+        names = [n for n in names if n not in refused]
+        at = {n: tangents.value(n) for n in names}
+        slopes = _slopes(scene, tangents, figures, names, at)
+    if halved and names:
+        finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
+        with ExitStack() as stack:
+            again = _slopes(finer, TangentScene(finer, stack), figures, names, at)
+        slopes = {key: replace(s, error=abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
+    return Gradient(scene, _sorted(slopes.values()), refused)
+
+
+def _sorted(slopes: Any) -> tuple[Slope, ...]:
+    order = {figure: k for k, figure in enumerate(dict.fromkeys(s.figure for s in slopes))}
+    size = {id(s): abs(s.elasticity) if isfinite(s.elasticity) else -1.0 for s in slopes}
+    return tuple(sorted(slopes, key=lambda s: (order[s.figure], -size[id(s)])))
+
+
+def _figures(of: Sequence[str] | None) -> Figures:
+    """The function that gives the wanted figures of a result."""
+
+    def figures(result: Result) -> dict[str, Figure]:
+        statistics = of is not None and all(name.rpartition(",")[2].strip() in STATISTICS for name in of)
+        summary = {} if statistics else {row.name: (row.value, row.unit) for row in result.summary}
+        if of is None:
+            return summary
+        chosen = {}
+        for name in of:
+            signal, _, kind = (part.strip() for part in name.partition(","))
+            if name in summary:
+                chosen[name] = summary[name]
+            elif kind in STATISTICS:
+                first = int(np.searchsorted(result.time, result.scene.counts_from))
+                chosen[name] = float(STATISTICS[kind](result[signal][first:])), result.measures[signal]
+            else:
+                known = [*summary, *(f"{s}, {k}" for s in result.columns for k in STATISTICS)]
+                raise BadInput(f"gradient of {result.scene.name}", repr(name), "a figure", nearest(name, known))
+        return chosen
+
+    return figures
+
+
+def _run(scene: Scene) -> Result:
+    """A run in this process; raises `StepFailed` where it does not come to its end."""
+    result = run(scene, in_process=True)
+    if result.outcome != "done":
+        raise StepFailed(scene.name, result.end if result.rows else scene.start_time, result.message)
+    return result
+
+
+def _changed(scene: Scene, parameter: str, value: float) -> Scene:
+    """The scene with another value, which it may refuse at a limit: then as it is."""
+    try:
+        return scene.with_changes({parameter: value})
+    except BadInput:
+        return scene
+
+
+def _slopes(
+    scene: Scene, tangents: TangentScene, figures: Figures, names: Sequence[str], at: Mapping[str, float]
+) -> dict[tuple[str, str], Slope]:
+    base, rows = _run(scene), tangents.run(names)
+    recorded = _recorded(base, tangents, rows)
+    values = figures(base)
+    slopes: dict[tuple[str, str], Slope] = {}
+    for k, name in enumerate(names):
+        along = _along(scene, base, {s: t[:, k] for s, t in recorded.items()}, figures, name, at[name])
+        sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
+        for figure, (value, unit) in values.items():
+            derivative, error, smooth = along[figure]
+            how = EXACT if smooth else "the figure itself jumps or bends there"
+            if sides is not None:
+                how = _verdict(derivative, *(side[figure] for side in sides))
+            if not isfinite(derivative):
+                how = "infinite, or not a number"
+            known = how in (EXACT, LEFT, RIGHT)
+            slopes[figure, name] = Slope(
+                figure, unit, float(value), name, at[name], float(derivative) if known else nan, float(error), how
+            )
+    return slopes
+
+
+def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.ndarray]:
+    """Tangents of the recorded columns at the recorded times, (n, d); raises `BadInput` where the runs are not one."""
+    at = np.clip(np.searchsorted(rows.time, base.time - 1e-9 * tangents.scene.master.step), 0, rows.time.size - 1)
+    places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(tangents.signals)}
+    where = f"gradient of {base.scene.name}"
+    if not np.allclose(rows.time[at], base.time, rtol=0.0, atol=1e-6 * tangents.scene.master.step):
+        raise BadInput(where, "rows between macro steps", "record.interval as a multiple of master.step")
+    for name, column in base.columns.items():
+        size = np.max(np.abs(column), initial=0.0)
+        if not np.allclose(rows.values[at, places[name]], column, rtol=1e-6, atol=1e-6 * size, equal_nan=True):
+            raise BadInput(where, f"{name} of the run with derivatives is another one", "the same run", "Report this scene.")
+    return {name: rows.tangents[at, places[name]] for name in base.columns}
+
+
+def _along(
+    scene: Scene, base: Result, tangents: Mapping[str, np.ndarray], figures: Figures, name: str, at: float
+) -> dict[str, tuple[float, float, bool]]:
+    """Of each figure its derivative along tangents of the signals, its error, and whether both sides agree."""
+    shares = [
+        np.max(np.abs(t)) / size for s, t in tangents.items() if (size := np.max(np.abs(base.columns[s]), initial=0.0)) > 0.0
+    ]
+    fastest = max(shares, default=0.0)
+    values = figures(base)
+    if not np.isfinite(fastest):
+        return dict.fromkeys(values, (nan, nan, False))
+    step = ALONG / max(fastest, 1.0 / max(abs(at), 1.0))
+
+    def moved(way: float) -> Mapping[str, Figure]:
+        columns = {s: base.columns[s] + way * t for s, t in tangents.items()}
+        return figures(replace(base, columns=columns, scene=_changed(scene, name, at + way)))
+
+    ahead, back, near, behind = (moved(way * step) for way in (1.0, -1.0, 0.5, -0.5))
+    results: dict[str, tuple[float, float, bool]] = {}
+    for figure, (value, _) in values.items():
+        central = (ahead[figure][0] - back[figure][0]) / (2.0 * step)
+        half = (near[figure][0] - behind[figure][0]) / step
+        bend = (near[figure][0] - 2.0 * value + behind[figure][0]) / (0.5 * step)
+        rounding = 1e-13 * abs(value) / step
+        results[figure] = half, abs(central - half) + rounding, abs(bend) <= AGREE * abs(half) + 10.0 * rounding
+    return results
+
+
+def _beside(
+    scene: Scene, figures: Figures, values: Mapping[str, Figure], name: str, at: float
+) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[float, float]]]:
+    """Differences of runs below and above, and what they do not resolve, of each figure; NaN where a side cannot run."""
+    step = BESIDE * (abs(at) or 1.0)
+    sides = []
+    for way in (-step, step):
+        side: dict[str, tuple[float, float]] = {}
+        try:
+            there, half = (figures(_run(scene.with_changes({name: at + share * way}))) for share in (1.0, 0.5))
+            for figure, (value, _) in values.items():
+                whole, near = (there[figure][0] - value) / way, (half[figure][0] - value) / (0.5 * way)
+                side[figure] = 2.0 * near - whole, abs(near - whole) + 1e-11 * abs(value) / step
+        except (BadInput, StepFailed):
+            side = dict.fromkeys(values, (nan, nan))
+        sides.append(side)
+    return sides[0], sides[1]
+
+
+def _verdict(derivative: float, below: tuple[float, float], above: tuple[float, float]) -> str:
+    """What runs on either side of a boundary say of a derivative."""
+    fits = [abs(derivative - d) <= AGREE * max(abs(derivative), abs(d)) + 2.0 * unsure for d, unsure in (below, above)]
+    if fits[0] and fits[1]:
+        return EXACT
+    if fits[0] or fits[1]:
+        return LEFT if fits[0] else RIGHT
+    return f"a decision stands at its boundary; runs give {below[0]:.4g} below and {above[0]:.4g} above"
+
+
+def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, share: float) -> Gradient:
+    """By runs on either side, whatever the units of the scene are; the error by half the distance."""
+    if not by:
+        raise BadInput(f"gradient of {scene.name}", "no parameters", "their names, where differences of runs are asked for")
+    values = figures(_run(scene))
+    slopes = []
+    for name in by:
+        at = _value(scene, name)
+        step = share * (abs(at) or 1.0)
+        runs = [figures(_run(scene.with_changes({name: at + way * step}))) for way in (1.0, -1.0, 0.5, -0.5)]
+        for figure, (value, unit) in values.items():
+            whole, half = ((runs[k][figure][0] - runs[k + 1][figure][0]) / (width * step) for k, width in ((0, 2.0), (2, 1.0)))
+            slopes.append(Slope(figure, unit, float(value), name, at, float(half), float(abs(half - whole)), DIFFERENCES))
+    return Gradient(scene, _sorted(slopes), {})
+
+
+def _value(scene: Scene, parameter: str) -> float:
+    """Of a parameter as it stands; raises `BadInput` for one that is no number."""
+    place = place_of(scene, parameter)
+    with ExitStack() as stack:
+        value = OpenScene(scene, stack, in_process=True).units[place.unit].parameters().get(place.parameter)
+    if isinstance(value, bool) or not isinstance(value, float | int):
+        raise BadInput(f"gradient of {scene.name}: {parameter}", repr(value), "a number")
+    return float(value)

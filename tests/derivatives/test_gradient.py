@@ -1,0 +1,101 @@
+"""Derivatives of figures: against differences of runs, with their errors, refusals and files."""
+
+from __future__ import annotations
+
+import csv
+
+import cosimo
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.cli import main
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+FIGURE = "mass.base_x, maximum"
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return cosimo.load_scene("mass-on-spring").with_changes({"stop_time": 0.5})
+
+
+@pytest.fixture(scope="module")
+def measured(scene):
+    return cosimo.gradient(scene, [FIGURE, "spring.second_force_x, last"], ["mass.mass", "spring.stiffness"])
+
+
+@pytest.mark.parametrize("parameter", ["mass.mass", "spring.stiffness"])
+@pytest.mark.parametrize("figure", [FIGURE, "spring.second_force_x, last"])
+def test_a_derivative_is_that_of_differences(scene, measured, figure, parameter):
+    exact, runs = measured[figure, parameter], cosimo.gradient(scene, figure, parameter, differences=1e-4)[figure, parameter]
+    assert exact.how == "exact"
+    assert exact.derivative != 0.0
+    assert exact.derivative == pytest.approx(runs.derivative, rel=1e-5)
+    assert exact.elasticity == pytest.approx(exact.derivative * exact.at / exact.value)
+
+
+def test_the_error_is_about_the_change_with_shorter_steps(scene, measured):
+    finest = scene.with_changes({"master.step": scene.master.step / 16.0})
+    figure = "spring.second_force_x, last"
+    true = cosimo.gradient(finest, figure, "mass.mass", halved=False)[figure, "mass.mass"].derivative
+    slope = measured[figure, "mass.mass"]
+    assert 0.0 < abs(slope.derivative - true) < 3.0 * slope.error
+
+
+def test_the_largest_elasticity_stands_first(measured):
+    elasticities = [abs(s.elasticity) for s in measured.slopes if s.figure == FIGURE]
+    assert elasticities == sorted(elasticities, reverse=True)
+
+
+def test_a_derivative_at_a_boundary_is_refused_or_one_sided():
+    """At standstill the law of dry friction jumps: which way the robot starts decides all."""
+    scene = cosimo.load_scene("pipe-robot-level").with_changes({"stop_time": 0.05, "analysis.transient": 0.0})
+    slope = cosimo.gradient(scene, "bristles.velocity, last", "bristles.start_velocity", halved=False).slopes[0]
+    assert slope.how != "exact"
+    assert np.isnan(slope.derivative) or slope.how.startswith("one-sided")
+
+
+@pytest.mark.parametrize(
+    ("changes", "by", "words"),
+    [
+        ({}, "mass.mas", "mass.mass"),
+        ({"master.algorithm": "iterative"}, "mass.mass", "iterative"),
+        ({"units.mass.isolation": "process"}, "mass.mass", "process of its own"),
+    ],
+)
+def test_what_has_no_derivative_is_refused_by_name(scene, changes, by, words):
+    with pytest.raises(BadInput, match=words):
+        cosimo.gradient(scene.with_changes(changes), FIGURE, by)
+
+
+def test_differences_serve_what_has_no_derivative(scene, measured):
+    iterative = scene.with_changes({"master.algorithm": "iterative"})
+    slope = cosimo.gradient(iterative, FIGURE, "mass.mass", differences=1e-4)[FIGURE, "mass.mass"]
+    assert slope.how == "differences"
+    assert slope.derivative == pytest.approx(measured[FIGURE, "mass.mass"].derivative, rel=0.1)
+
+
+def test_settings_of_the_numerics_are_refused(scene):
+    study = cosimo.gradient(scene.with_changes({"stop_time": 0.1}), FIGURE, ["mass.substep", "mass.mass"], halved=False)
+    assert set(study.refused) == {"mass.substep"}
+    assert {s.parameter for s in study.slopes} == {"mass.mass"}
+
+
+def test_a_session_takes_its_parameters_along(scene):
+    with cosimo.open(scene) as session:
+        session["mass.mass"] = 2.0
+        slope = session.gradient(FIGURE, "spring.stiffness", halved=False).slopes[0]
+    other = cosimo.gradient(scene.with_changes({"mass.mass": 2.0}), FIGURE, "spring.stiffness", halved=False).slopes[0]
+    assert slope == other
+
+
+def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
+    wanted = ("--of", FIGURE, "--by", "mass.mass", "--stop", "0.2", "-o", str(tmp_path / "out"))
+    with pytest.raises(SystemExit) as end:
+        main(("gradient", "mass-on-spring", *wanted))
+    assert not end.value.code
+    assert "mass.mass" in capsys.readouterr().out
+    rows = list(csv.DictReader((tmp_path / "out" / "gradient.csv").read_text().splitlines()))
+    assert [(row["figure"], row["parameter"], row["how"]) for row in rows] == [(FIGURE, "mass.mass", "exact")]
+    assert "elasticity" in (tmp_path / "out" / "report.html").read_text()
