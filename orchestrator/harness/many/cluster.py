@@ -80,7 +80,7 @@ class Workers:
         from distributed import KilledWorker
 
         ended: SimpleQueue[Any] = SimpleQueue()
-        flying: dict[str, tuple[Any, Point]] = {}  # futures by key
+        flying: dict[Any, tuple[Any, Point]] = {}  # futures by key
         lost: deque[Point] = deque()
         suspect: Point | None = None
 

@@ -54,8 +54,8 @@ class Sweep:
     """What the points of a sweep gave, in the order of its plan.
 
     plan: how the points were chosen.  varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind"
-    and the like -> (n,), NaN where a run failed.  kinds: (n,) of
-    `measures.OUTCOMES`, with their reasons; of points that are done, why they may be unstable.  section: per point the values of
+    and the like -> (n,), NaN where a run failed.  kinds: (n,) of `measures.OUTCOMES`, with their reasons; of points that are
+    done, why they may be unstable.  section: per point the values of
     the section's signal, (k,) each; none of more points than a piece has.  units: unit of measure of every column.
     longest: samples of the kept signals, at most.
     stopped: the signal that has ended it before its last point.  files: what was written.  computed: runs of this call.
