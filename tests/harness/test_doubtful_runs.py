@@ -63,7 +63,7 @@ def test_among_the_points_of_a_sweep(lost):
     points = cosimo.sweep(lost, plan, verify=False)
     assert points.done.tolist() == [True, True]
     (said,) = points.remarks
-    assert said.startswith("1 of 2 points are doubtful, all with spring.stiffness")
+    assert said.startswith("1 of 2 points are doubtful: ")
     assert MISSED in said
     assert NONE_REPEATED in repr(points)
     assert points.outcomes == ("done", "done")
