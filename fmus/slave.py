@@ -279,7 +279,7 @@ class ComponentSlave(Fmi2Slave):
     def _obstacle(self, step_size: float) -> str:
         """Why the next step cannot be made."""
         if not 0.0 < step_size < inf:
-            return f"step size {step_size}; expected more than 0"
+            return f"step size {step_size}, expected more than 0"
         if self._failure:
             return f"no step after a failure ({self._failure}); restore a state, or reset"
         if self._refused:

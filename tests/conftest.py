@@ -12,7 +12,7 @@ import cosimo
 
 ROOT = Path(__file__).resolve().parents[1]
 if (tested := Path(cosimo.__file__).resolve().parent) != ROOT:  # before anything of another tree is imported
-    sys.exit(f"{ROOT}: these tests would test {tested}; expected the package in their own folder. Run pip install -e . in {ROOT}")
+    sys.exit(f"{ROOT}: these tests would test {tested}, expected the package in their own folder. Run pip install -e . in {ROOT}")
 
 import pytest
 from cosimo.components.core.kernels import COMPILED

@@ -229,7 +229,7 @@ class AngularContactConductance(KernelComponent):
     def left_range(self) -> str:
         """The forces, and how large a contact may become."""
         given = ", ".join(f"{n} = {self.get(n):g} N" for n in ("axial_force", "radial_force"))
-        return f"{given}; expected contacts within {LARGEST_CONTACT:g} radii of a ball, and rings inside each other"
+        return f"{given}, expected contacts within {LARGEST_CONTACT:g} radii of a ball, and rings inside each other"
 
 
 IN = AngularContactConductance.input_places()

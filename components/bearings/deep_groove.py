@@ -334,7 +334,7 @@ class DeepGrooveBearing(KernelComponent):
         names = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
         given = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in names)
         limit = constants(self.arguments[0]).largest_load
-        return f"{given}; expected a ring inside the grooves and less than {limit:.4g} N on a ball"
+        return f"{given}, expected a ring inside the grooves and less than {limit:.4g} N on a ball"
 
     def energy(self) -> float:
         """Elastic energy of the contacts, J; with `published_levers` that of the consistent bearing."""

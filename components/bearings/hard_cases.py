@@ -215,7 +215,7 @@ HARD_CASES = {
         },
         "a strong contact damper": HardCase(
             "At 196 N it decays with 1.5 k Q / m = 1.5e5 1/s, seven times within a step of 50 us.",
-            Refused("substep = 5e-05; expected at most", accepted={"contact_damping.coefficient": 1e2}),
+            Refused("substep = 5e-05, expected at most", accepted={"contact_damping.coefficient": 1e2}),
             effects=("contact_damping",),
             parameters={"contact_damping.coefficient": 1e4},
         ),

@@ -116,7 +116,7 @@ class BearingTemperatures(StiffComponent):
     def left_range(self) -> str:
         """The coldest part, and the inputs that cool it."""
         heat = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in self.inputs)
-        return f"a temperature of {coldest(self.x):.4g} K with {heat}; expected 0 K or more"
+        return f"a temperature of {coldest(self.x):.4g} K with {heat}, expected 0 K or more"
 
 
 IN = BearingTemperatures.input_places()

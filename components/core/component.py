@@ -190,11 +190,10 @@ class Component:
         for effect in effects:
             for other in known[effect].requires:
                 if other not in effects:
-                    raise BadInput(self.name, f"effect {effect!r} without {other!r}", f"both of them; {effect!r} needs {other!r}")
+                    raise BadInput(self.name, f"the effect {effect!r} needs {other!r}", "", f"Switch on {other!r}, too.")
             for other in known[effect].excludes:
                 if other in effects:
-                    actual = f"effects {effect!r} and {other!r} together"
-                    raise BadInput(self.name, actual, "one of the two; they exclude each other")
+                    raise BadInput(self.name, f"the effects {effect!r} and {other!r} exclude each other", "", "Remove one.")
         return tuple(n for n in known if n in effects)
 
     def is_active(self, variable: str) -> bool:
@@ -259,9 +258,8 @@ class Component:
         """`BadInput` where parameters that were given have no part: their values would be ignored."""
         if unused := self.unused(n for n in names if n in self.parameters):
             values = ", ".join(f"{n} = {self.parameters[n]!r}" for n in unused)
-            raise BadInput(
-                self.name, values, "none; it would have no effect: " + "; ".join(dict.fromkeys(unused.values())), "Leave it out."
-            )
+            why = "; ".join(dict.fromkeys(unused.values()))
+            raise BadInput(self.name, f"{values} has no effect here: {why}", "", "Remove it.")
 
     def input_positions(self, names: Iterable[str]) -> np.ndarray:
         """Columns of `u` for input names, (n,)."""

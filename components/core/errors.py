@@ -6,11 +6,20 @@ UNSEEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\u202a-\u20
 
 
 class BadInput(ValueError):
-    """Something the user gave cannot be used; the message says where, what came, what was expected, what to do."""
+    """Something the user gave cannot be used. The message: PLACE: got ACTUAL, expected EXPECTED. REMEDY.
+
+    Without `expected`, `actual` is a sentence of its own: PLACE: SENTENCE. REMEDY.
+    """
 
     def __init__(self, where: str, actual: str, expected: str, remedy: str = ""):
         self.where, self.actual, self.expected, self.remedy = where, actual, expected, remedy
-        super().__init__(visible(f"{where}: {actual}; expected {expected}" + (f". {remedy}" if remedy else "")))
+        super().__init__(visible(f"{where}: {refusal_text(actual, expected, remedy)}"))
+
+
+def refusal_text(actual: str, expected: str, remedy: str = "") -> str:
+    """The words of a refusal, without its place."""
+    sentence = f"got {actual}, expected {expected}" if expected else actual
+    return f"{sentence}. {remedy}" if remedy else sentence
 
 
 class StepFailed(RuntimeError):
@@ -43,11 +52,11 @@ def nearest(name: str, names) -> str:
     """The part of a message that helps with a misspelt name: the near ones, or all of a short list."""
     from difflib import get_close_matches
 
-    names = list(names)
+    names = list(dict.fromkeys(names))
     near = get_close_matches(name, names, n=3, cutoff=0.5)
     if near:
-        return "did you mean " + " or ".join(repr(n) for n in near) + "?"
-    return "there is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
+        return "Did you mean " + " or ".join(repr(n) for n in near) + "?"
+    return "There is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")
 
 
 def pick(name, known, where: str, expected: str, what: str = ""):

@@ -131,7 +131,7 @@ def conversion(
         return 1.0, 0.0
     a, b = (own or parse(text, where) for own, text in zip(defined, (source, target), strict=True))
     if a.exponents != b.exponents:
-        raise BadInput(where, f"{source!r} cannot become {target!r}", "units of the same quantity")
+        raise BadInput(where, f"{source!r} for {target!r}", "units of the same quantity")
     return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor
 
 
@@ -149,7 +149,7 @@ def conversion_of(
         elif error.actual == f"unit {written!r}":
             exponents = (defined or parse(unit, where)).exponents
             alike = [symbol for symbol, known in SYMBOLS.items() if known.exponents == exponents and unit != "1"]
-            remedy = error.remedy if "did you mean" in error.remedy else f"Such as {', '.join(alike)}." if alike else ""
+            remedy = error.remedy if "Did you mean" in error.remedy else f"Such as {', '.join(alike)}." if alike else ""
         raise BadInput(where, shown, wanted, remedy) from None
 
 

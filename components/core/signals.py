@@ -108,7 +108,7 @@ class Signals(KernelComponent):
             inside = own[(own + shift > begin) & (own + shift <= end)]
             if repeats or len(inside) > MOST_JUMPS:
                 where, words = f"{cls.file} from {begin:g} to {end:g} s", f"more than {MOST_JUMPS} jumps"
-                raise BadInput(where, words, "fewer, as a macro step ends at each", 'Or interpolation = "linear".')
+                raise BadInput(where, words, "fewer, as a macro step ends at each jump", 'Or set interpolation = "linear".')
             own = inside
         period = Decimal(repr(last)) - Decimal(repr(first))
         times = {float(Decimal(repr(shift)) + Decimal(repr(t)) + k * period) for t in own.tolist() for k in turns}
@@ -118,7 +118,7 @@ class Signals(KernelComponent):
         """`x`: the last row used.  `table`: (n, 1 + columns).  `ends`: of the table, s.  `rates`: (n, columns) of pchip, or None."""
         n, k = self.table.shape
         if n < 2 and self.parameters["outside"] == "repeat":
-            raise BadInput(self.name, f"{self.file} with one row and outside = 'repeat'", "two rows at least")
+            raise BadInput(self.name, f"{self.file} with one row and outside = 'repeat'", "at least two rows")
         rates = (n, k - 1) if self.parameters["interpolation"] == "pchip" else None
         return {"x": 1, "table": self.table, "ends": 2, "rates": rates}
 

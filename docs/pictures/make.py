@@ -34,7 +34,7 @@ def photograph(page: Path, picture: Path, height: int) -> None:
     """The first `height` pixels of a page, 1300 wide, as PNG."""
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     if browser is None:
-        raise SystemExit("make.py: no Chromium found; expected chromium, chromium-browser or google-chrome on the path")
+        raise SystemExit("make.py: no Chromium found, expected chromium, chromium-browser or google-chrome on the path")
     with tempfile.TemporaryDirectory() as profile:
         subprocess.run(
             [

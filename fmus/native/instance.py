@@ -13,7 +13,7 @@ import numpy as np
 
 from ...components.core.block import ENTRIES
 from ...components.core.contract import KernelComponent, filled
-from ...components.core.errors import StepFailed
+from ...components.core.errors import StepFailed, refusal_text
 from ...components.core.kernels import REASONS
 from ...components.core.variables import Causality
 
@@ -127,7 +127,7 @@ def _refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]
 
         actual, expected, remedy = (text.replace("%", "%%") for text in refusal)
         try:
-            text = filled(f"{actual}; expected {expected}" + (f". {remedy}" if remedy else ""), value)
+            text = filled(refusal_text(actual, expected, remedy), value)
         except KeyError:  # it names what belongs to an effect that is off
             continue
         rows.append((status, text, cells))

@@ -413,7 +413,7 @@ def refusal(name: str, error: Exception) -> BadInput:
     causes = [line for line in lines if not line.startswith(ignored)]
     cause = next((c for c in reversed(causes) if len(c) > 12), type(error).__name__)
     return BadInput(
-        name, f"what has no native form{_place(text)}: {cause[:200]}", NATIVE, "Move it into a kernel with workspace."
+        name, f"Python without a native form{_place(text)}: {cause[:200]}", NATIVE, "Move it into a kernel with workspace."
     )
 
 

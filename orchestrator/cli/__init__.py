@@ -43,10 +43,10 @@ def _run(arguments: Sequence[str]) -> None:
         raise SystemExit(FAILED_RUN) from None
     except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
         if error.errno is None:  # of a library that cannot be loaded, where memory is short
-            print(f"cosimo: {error}; expected a library that can be loaded: is there enough memory?", file=sys.stderr)
+            print(f"cosimo: {error}, expected a library that can be loaded: is there enough memory?", file=sys.stderr)
             raise SystemExit(FAILED_RUN) from None
         place = repr(str(error.filename)) if error.filename is not None else "output"
-        print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
+        print(f"cosimo: {place}: {error.strerror or error}, expected a place that can be read and written", file=sys.stderr)
         raise SystemExit(FAILED_RUN if error.errno in FULL else BAD_INPUT) from None
 
 

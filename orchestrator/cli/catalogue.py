@@ -119,7 +119,7 @@ def cache(
     """
     pick(action, ACTIONS, "cache", "one of " + ", ".join(ACTIONS))
     without_effect = {"kinds": kinds if action != "clear" else None, "--days": days if action != "prune" else None}
-    refuse(without_effect, f"none with {action}; it would have no effect", "Leave it out.")
+    refuse(without_effect, f"no effect with {action}")
     if action != "show":
         if days is not None and not days >= 0.0:
             raise BadInput("--days", f"{days:g}", "a number of at least 0")

@@ -53,7 +53,7 @@ def compare(
     tolerance = share("--within", within) if within is not None else None
     wanted = listed("--signal", signals)
     if tolerance is None:
-        refuse({"--signal": wanted}, "none without --within; it would have no effect")
+        refuse({"--signal": wanted}, "no effect without --within")
     comparison = compare_runs(*runs, verify=verify_mode(None, no_verify, ()), progress=not as_json)
     beyond = comparison.beyond(tolerance, wanted) if tolerance is not None else []
     undecided = comparison.undecided(tolerance) if tolerance is not None else []

@@ -78,7 +78,7 @@ def build(
 
     only_native: dict[str, object] = {"--target": target}
     only_native |= {"--fmi": fmi, "--effects": effects, "--set": values, "--preset": presets, "--scene": scene}
-    refuse(only_native, f"none without --native: {OTHERS}", "Add --native, or leave it out.")
+    refuse(only_native, f"no effect without --native: {OTHERS}", "Add --native, or remove it.")
     for name in names or CATALOGUE:
         print(pythonfmu(name, output, derivatives, evidence, status_spinner))
 
@@ -133,7 +133,7 @@ def _build_native(
     works: dict[str, Callable[[], None]] = {}
     if scene:
         if effects or values:
-            raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
+            raise BadInput("build", "--scene excludes --effects and --set: the scene sets both", "", "Remove them.")
         loaded = scene_of(scene, None, presets)
         components = [unit for unit, settings in loaded.units.items() if settings.component]
         _refuse_one_file(names or components)
@@ -142,7 +142,7 @@ def _build_native(
         scenes = [name for name in names if is_scene(name)]
         if scenes:
             in_vain = {"--effects": effects, "--derivatives": derivatives}
-            refuse(in_vain, "none with a scene: it says what is on, and its inputs are held over a step", "Leave it out.")
+            refuse(in_vain, "no effect with a scene, which sets its effects and holds its inputs over a step")
         for name in scenes:
             write(scene_of(name, values, presets))
         on = listed("--effects", [effects]) if effects else []
@@ -191,7 +191,7 @@ def check(
     from ..units.checked import walled_check
 
     if isolate and execute:
-        raise BadInput("--execute", "--isolate as well", "one of them", "Remove one of them.")
+        raise BadInput("check", "--execute and --isolate exclude each other", "", "Remove one.")
     path = Path(fmu)
     if fmu not in CATALOGUE:
         refuse_other(path, "FMU")

@@ -70,7 +70,7 @@ def many_runs(command: Callable[..., None]) -> Callable[..., None]:
         values, presets, step, stop, jobs, cluster, no_verify = (given.pop(name) for name in more)
         over = given.get("over")
         if given["plan"] is not None:
-            refuse({"--over": over}, "none with --plan", "Give one of them.")
+            refuse({"--over": over}, "--plan and --over exclude each other", "Remove one.")
         loaded = scene_of(scene, values, presets, {**times_of(step, stop), "sweep": ranges_of(over) or None})
         with locked(output):  # now, not after many runs
             command(Runs(loaded, {"jobs": jobs, "cluster": cluster, "verify": not no_verify}), output=output, **given)

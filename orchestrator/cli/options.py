@@ -127,7 +127,7 @@ Pdf = Annotated[bool, Option("--pdf", help="Also write report.pdf. Needs Chromiu
 def limits_of(table: str, conditions: Sequence[str] | None) -> dict[str, Any] | None:
     """The limits of a scene that --limits and --condition name; None without them. A file's path is that of the working directory."""
     if not table:
-        refuse({"--condition": list(conditions or ())}, "--limits TABLE as well")
+        refuse({"--condition": list(conditions or ())}, "needs a table of limits", "Add --limits TABLE.")
         return None
     place = str(Path(table).resolve()) if table.endswith(".toml") else table
     return {"table": place, "conditions": list(conditions or ())}
@@ -147,7 +147,11 @@ def reports(command: Callable[..., None]) -> Callable[..., None]:
         if plotly not in PLACES:
             raise BadInput("--plotly", repr(plotly), "one of " + ", ".join(PLACES))
         if given["output"] is None:
-            refuse({"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf}, "-o DIR as well, for the report")
+            refuse(
+                {"--plotly": plotly if plotly != PLACES[0] else None, "--pdf": pdf},
+                "needs a directory for the report",
+                "Add -o DIR.",
+            )
         try:
             with delivered(plotly, pdf):
                 command(**given)
@@ -173,18 +177,17 @@ def with_options(
     return command
 
 
-def refuse(given: Mapping[str, Any], expected: str, hint: str = "Remove it.") -> None:
-    """Raise `BadInput` for the first option, by name, that has a value: neither None nor False nor empty."""
+def refuse(given: Mapping[str, Any], reason: str, remedy: str = "Remove it.") -> None:
+    """Raise `BadInput`, for a reason, for the first option, by name, that has a value: neither None nor False nor empty."""
     for option, value in given.items():
         if value is not None and value is not False and value not in ([], ""):
-            shown = ",".join(map(str, value)) if isinstance(value, list) else value
-            raise BadInput(option, "a value" if value is True else repr(str(shown)), expected, hint)
+            raise BadInput(option, reason, "", remedy)
 
 
 def verify_mode(verify: str | None, no_verify: bool, choices: Sequence[str]) -> Wish:
     """How numbers are verified, by the options --verify, one of the choices, and --no-verify; raises `BadInput`."""
     if verify is not None and no_verify:
-        raise BadInput("--verify", f"{verify!r} and --no-verify", "one of them", "Remove one of them.")
+        raise BadInput("--verify", "--verify and --no-verify exclude each other", "", "Remove one.")
     if verify is not None and verify not in choices:
         raise BadInput("--verify", repr(verify), " or ".join(choices))
     return "no" if no_verify else cast("Wish", verify or "auto")

@@ -185,11 +185,11 @@ def run(
     loaded = changed(loaded, changes)
     mode = verify_mode(verify, no_verify, ("whole", "full", "steps"))
     if in_process and native:
-        raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
+        raise BadInput("run", "--native and --in-process exclude each other", "", "Remove one.")
     if all(unit.fmu for unit in loaded.units.values()):
         for option, wanted in (("--in-process", in_process), ("--native", native)):
             if wanted:
-                raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
+                raise BadInput(option, "no effect with a scene of FMUs only", "", "Remove it.")
     if dry_run:
         without_effect = {
             "--checkpoint-every": checkpoint_every,
@@ -199,12 +199,12 @@ def run(
             "--verify": verify,
             "--no-verify": no_verify,
         }
-        refuse(without_effect, "none with --dry-run; it would have no effect", "Remove one of them.")
+        refuse(without_effect, "no effect with --dry-run", "Remove one of them.")
     if checkpoint_every is not None and output is None:
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
     accuracy_within = None if accuracy is None else share("--accuracy", accuracy)
     if accuracy_within is not None:
-        refuse({"--step": step, "--algorithm": algorithm}, "none with --accuracy, which chooses it", "Remove one of them.")
+        refuse({"--step": step, "--algorithm": algorithm}, "--accuracy chooses it", "Remove one of them.")
     reasons = []  # functions that put those of a choice into run.json
     if effects_within is not None:
         from .choices import with_effects_within
@@ -264,7 +264,7 @@ def run(
 def _tolerance_of_effects(effects: list[str] | None, tolerance: str | None) -> float | None:
     """The share within which effects are to be chosen; None where they are not. Raises `BadInput` for half of it."""
     if AUTO not in listed("--effects", effects):
-        refuse({"--tolerance": tolerance}, "none without --effects auto; it would have no effect")
+        refuse({"--tolerance": tolerance}, "no effect without --effects auto")
         return None
     if effects != [AUTO]:
         raise BadInput("--effects", repr(",".join(effects or ())), "auto alone", "It finds the others.")

@@ -89,7 +89,7 @@ def accuracy(
                 on_message=on_message,
             )
         else:
-            refuse({"--effects": effects}, "none for a scene, which names its own")
+            refuse({"--effects": effects}, "no effect for a scene, which sets its own")
             scene = scene_of(what, values, presets, {"stop_time": stop})
             measured = measure(scene, budget=budget or BUDGET, on_message=on_message)
             kept.append(fronts.keep(scene, measured))
@@ -225,7 +225,7 @@ def stability(
     of_scenes = {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation}
     if hard:
         other = {**of_scenes, "--steps": steps, "--effects": effects, "--preset": presets, "--set": values}
-        refuse(other, "none for hard cases, which have their own")
+        refuse(other, "no effect for hard cases, which have their own")
         _hard_cases(names or [], output, resume)
         return
     if not names or len(names) > 1:
@@ -237,10 +237,10 @@ def stability(
         )
     what = names[0]
     if what.startswith(COMPONENT):
-        refuse(of_scenes, "none for a component alone")
+        refuse(of_scenes, "no effect for a component alone")
         _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), steps, output, resume)
         return
-    refuse({"--effects": effects}, "none for a scene, which names its own")
+    refuse({"--effects": effects}, "no effect for a scene, which sets its own")
     from ..harness.report.studies.stability import for_stability, limit_cells
     from ..harness.studies.stability import STEPS, schemes_of
     from ..harness.studies.stability import stability as measure

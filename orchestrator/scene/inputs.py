@@ -45,7 +45,7 @@ def with_columns(scene: Scene, path: str | Path, written: str = "") -> tuple[dic
 
 def _guess(column: str, ends: dict[str, tuple[str, str]]) -> str:
     text = nearest(column, ends)
-    return f" ({text.rstrip('.')})" if text.startswith("did you mean") else ""
+    return f" ({text})" if text.startswith("Did you mean") else ""
 
 
 def open_inputs(scene: Scene) -> dict[str, tuple[str, str]]:

@@ -36,7 +36,7 @@ def _with_table(unit: Any, where: str) -> Any:
     parameters = unit.get("parameters", {})
     for key in ("component", "fmu"):
         if (other := unit.get(key)) and not str(other).startswith(TABLES):
-            raise BadInput(where, f"both {key} and signals", "one of them")
+            raise BadInput(where, f"{key} and signals exclude each other", "", "Remove one.")
     keys = {key: unit[key] for key in TABLE_KEYS if unit.get(key) is not None}
     if isinstance(parameters, Mapping):
         parameters = {**keys, **parameters}

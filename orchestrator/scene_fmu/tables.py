@@ -77,7 +77,7 @@ def model_of(scene: Scene, layout: Layout, changes: Changes) -> Model:
     image, addresses = layout.image()
     rows_of_addresses = ",\n".join(f"{{{cell}, {target}, {function or 0}}}" for cell, target, function in addresses)
     given: list[tuple[int, int]] = []
-    multiple = f"a step of %.9g s; expected a whole multiple of {scene.master.step!r} s, the macro step of the scene"
+    multiple = f"a step of %.9g s, expected a whole multiple of {scene.master.step!r} s, the macro step of the scene"
     reasons: list[tuple[int, str, Sequence[int]]] = [
         (STATUSES["not_a_multiple"], multiple, (HEAD.index("asked"),)),
         (STATUSES["grown"], "an output has grown without bound. Reduce the macro step, or take another master algorithm", ()),

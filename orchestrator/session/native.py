@@ -54,9 +54,7 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
     that is no target.
     """
     if not own_target():
-        raise BadInput(
-            "--native", "this machine, which is no target", "Linux on x86-64 or ARM64, Windows on x86-64", "Leave --native out."
-        )
+        raise BadInput("--native", "this machine", "Linux on x86-64 or ARM64, Windows on x86-64", "Remove --native.")
     fmus = {}
     for unit, maker in makers(scene).items():
         if scene.units[unit].signals:  # a table runs in this process, see `open_unit`

@@ -28,7 +28,7 @@ class AnalysisKeys(Model):
 
     system: str = Field(default="", description="which figures the report has: a name of a system")
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
-    section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
+    section: SectionKeys | None = Field(default=None, description="section of a sweep and of phase planes")
 
     def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
         """Outputs and arrays of outputs that the system's figures need beside the scalar ones, of a scene without `[record]`.

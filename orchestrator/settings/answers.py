@@ -54,7 +54,7 @@ class RangeSettings(Model):
 class FittedCurve(CurveSettings):
     """A measured curve with the standard deviation of its numbers."""
 
-    source: str = Field(default="", description="where the measurement comes from")
+    source: str = Field(default="", description="source of the measurement")
     deviation: Positive | None = Field(
         default=None,
         description=(
@@ -74,14 +74,18 @@ class SpectrumSettings(Model):
         default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit"
     )
     segment: Positive | None = Field(default=None, description="s, length of Welch's segments; default: the whole record")
-    overlap: Annotated[float, Field(strict=True, ge=0.0, lt=1.0)] = Field(default=0.5, description="of segments, a share")
-    window: Literal["hann", "hamming", "blackman", "flattop", "boxcar"] = Field(default="hann", description="of each segment")
+    overlap: Annotated[float, Field(strict=True, ge=0.0, lt=1.0)] = Field(default=0.5, description="overlap of segments, a share")
+    window: Literal["hann", "hamming", "blackman", "flattop", "boxcar"] = Field(
+        default="hann", description="window of each segment"
+    )
     low: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(default=0.0, description="Hz, from here on")
     high: Positive | None = Field(default=None, description="Hz, up to here")
     logarithmic: Truth = Field(default=True, description="residuals of natural logarithms; false: of the numbers themselves")
-    separator: Annotated[str, Field(max_length=1)] = Field(default="", description="of the columns; default: as the header shows")
+    separator: Annotated[str, Field(max_length=1)] = Field(
+        default="", description="separator of the columns; default: as in the header"
+    )
     scale: Positive = Field(default=1.0, description="times the measured number gives the signal's unit")
-    source: str = Field(default="", description="where the measurement comes from")
+    source: str = Field(default="", description="source of the measurement")
     deviation: Positive | None = Field(
         default=None,
         description=(
@@ -112,10 +116,12 @@ class FitSettings(Model):
     curves: tuple[FittedCurve, ...] = ()
     spectra: tuple[SpectrumSettings, ...] = ()
     targets: tuple[TargetSettings, ...] = ()
-    step: Share = Field(default=1e-4, description="of differences, a share of the range between the bounds")
+    step: Share = Field(default=1e-4, description="step of difference quotients, a share of the range between the bounds")
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
-    seed: Seed = Field(default=0, description="of the other starts")
-    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=50, description="of the residuals, at most, each start")
+    seed: Seed = Field(default=0, description="seed of the other starts")
+    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(
+        default=50, description="largest number of evaluations of the residuals for each start"
+    )
 
     @property
     def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
@@ -156,9 +162,9 @@ class DesignSettings(Model):
         default=40, description="NSGA-II: runs a generation, and most points that it goes on with"
     )
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
-    seed: Seed = Field(default=0, description="of the other starts, and of NSGA-II")
+    seed: Seed = Field(default=0, description="seed of the other starts and of NSGA-II")
     step: Share = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
-    accuracy: Positive = Field(default=1e-4, description="of the parameters, a share of the range between the bounds")
+    accuracy: Positive = Field(default=1e-4, description="accuracy of the parameters, a share of the range between the bounds")
     keep: KeepSettings = KeepSettings()
 
     @field_validator("minimise", "maximise", mode="before")
@@ -176,12 +182,12 @@ class DesignSettings(Model):
         if not self.aims:
             raise BadInput("", "neither minimise nor maximise", "one or more columns")
         if len(set(self.aims)) < len(self.aims):
-            raise BadInput("", f"aims {', '.join(map(repr, self.aims))}", "each once")
+            raise BadInput("", f"aims {', '.join(map(repr, self.aims))}", "each aim once")
         front = len(self.aims) > 1
         count = f"{len(self.aims)} aim{'s' * front}"
         if self.method is not None and front != (self.method == "NSGA-II"):
             raise BadInput("method", f"{self.method!r} with {count}", "'NSGA-II' for several aims, 'COBYQA' or 'SLSQP' for one")
         for key in ("starts", "step", "accuracy") if front else ("population",):
             if key in self.model_fields_set:
-                raise BadInput(key, f"a value with {count}", "none", "It would have no effect.")
+                raise BadInput(key, f"no effect with {count}", "", "Remove it.")
         return self

@@ -47,7 +47,7 @@ Share = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 class RunSettings(Model):
     """One run of the case's scene."""
 
-    condition: str = Field(description="what the run is called in rows, curves and the report")
+    condition: str = Field(description="name of the run in rows, curves and the report")
     changes: dict[str, Any] = Field(default={}, description="dotted place of a setting of the scene -> its value")
 
 
@@ -67,7 +67,9 @@ class CurveSettings(Model):
     abscissa: str = Field(description="column of the time (s, or the unit of the header), or of the signal in `over`")
     ordinate: str = Field(description="column of the measured signal, in its unit or that of the header, as in F [kN]")
     over: str = Field(default="", description='"unit.output" that rises throughout the run, such as a position; without it time')
-    separator: Annotated[str, Field(max_length=1)] = Field(default="", description="of the columns; default: as the header shows")
+    separator: Annotated[str, Field(max_length=1)] = Field(
+        default="", description="separator of the columns; default: as in the header"
+    )
     scale: Number = Field(
         default=1.0,
         description="times the measured number gives the signal's unit; without it the unit of the header leads there",
@@ -89,12 +91,14 @@ class CaseSettings(Model):
     """The whole file; rows are those of reference tables."""
 
     title: str
-    text: str = Field(default="", description="what the case shows, and what it cannot show")
+    text: str = Field(default="", description="text of the case: its statement and its limits")
     scene: str
     limits: RunLimits = Field(default=None, description="table that every run is judged by, as in a scene")
-    sources: dict[str, str] = Field(default={}, description="of rows and curves")
+    sources: dict[str, str] = Field(default={}, description="sources of rows and curves, by name")
     runs: tuple[RunSettings, ...] = Field(default=(), description="without them one run of the scene with its own settings")
-    rows: tuple[dict[str, Any], ...] | str = Field(default=(), description="of the table, or the name of a CSV file with them")
+    rows: tuple[dict[str, Any], ...] | str = Field(
+        default=(), description="rows of the table, or the name of a CSV file with them"
+    )
     curves: tuple[CurveSettings, ...] = ()
     measure: str = Field(
         default="",
@@ -131,7 +135,7 @@ class ShippedCaseSettings(Model):
     """The file of a shipped case; the rows of its table stand in the CSV file of its name."""
 
     title: str
-    text: str = Field(description="what the case shows, and what it cannot show")
+    text: str = Field(description="text of the case: its statement and its limits")
     about: str = Field(default="", description="what the numbers of the table are of")
     measures: str = Field(default="", description='"module:function" that gives the measures of the rows of any run')
     rules: str = Field(default="", description='"module:function" that says of a run which conditions hold')

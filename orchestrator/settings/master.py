@@ -18,8 +18,10 @@ class IterationSettings(Model):
     """Of algorithm = "iterative": repeating a macro step until the inputs fit the outputs."""
 
     tolerance: Positive = Field(default=1e-8, description="largest miss of a coupled signal, relative to its size or nominal")
-    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = Field(default=20, description="of one macro step")
-    not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = Field(
+        default=20, description="largest number of iterations of one macro step"
+    )
+    not_converged: Literal["stop", "warn"] = Field(default="stop", description="reaction to max_iterations without convergence")
 
     @model_validator(mode="before")
     @classmethod
@@ -36,7 +38,7 @@ class ControlSettings(Model):
         description="milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback"
     )
     relative: Positive = Field(default=1e-4, description="error allowed in a step, relative to a value")
-    absolute: Positive = Field(default=1e-4, description="and relative to the nominal value, for values near zero")
+    absolute: Positive = Field(default=1e-4, description="tolerance relative to the nominal value, for values near zero")
     min_step: Seconds | None = Field(default=None, description="s; default: a thousandth of master.step; all steps are multiples")
     max_step: Seconds | None = Field(default=None, description="s; default: the whole run")
 
@@ -110,12 +112,7 @@ class MasterSettings(Model):
             value, default = getattr(self, option), type(self).model_fields[option].default
             if value != default and option not in self.abilities.options:
                 able = " or ".join(f'"{name}"' for name, of in ALGORITHMS.items() if option in of.options)
-                raise BadInput(
-                    option,
-                    repr(value) if isinstance(value, str) else "a value",
-                    f"none; {self.algorithm} does not know it",
-                    f"Remove it, or take algorithm = {able}.",
-                )
+                raise BadInput(option, f"no effect on {self.algorithm}", "", f"Remove it, or set algorithm = {able}.")
         if self.moving_places == "held" and self.extrapolation != 0:
             raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
         if not self.bonds and self.energy_correction:

@@ -51,9 +51,9 @@ class LimitSettings(Range, Model):
     low: Number | None = None
     high: Number | None = None
     quantity: str = Field(default="", description="in words, with its condition")
-    unit: str = Field(default="", description="of both numbers; one that the column does not have is refused")
+    unit: str = Field(default="", description="unit of measure of both numbers; it must fit the column")
     standing: Literal["", "verbatim", "measured", "computed", "inferred", "recalled"] = Field(
-        default="", description="where the range comes from; a recalled one is named as such"
+        default="", description="source of the range; a range quoted from memory is marked"
     )
     source: str = ""
 
@@ -67,7 +67,7 @@ class RowsSettings(Model):
     """Rows of a validation table."""
 
     table: str = Field(description="name of a shipped table, or a TOML file with sources and rows, such as a case of one's own")
-    conditions: tuple[str, ...] = Field(default=(), description="those that hold; without them all rows of the table")
+    conditions: tuple[str, ...] = Field(default=(), description="conditions that apply; default: all rows of the table")
 
 
 RunLimits = Annotated[RowsSettings | None, BeforeValidator(lambda value: {"table": value} if isinstance(value, str) else value)]
@@ -128,8 +128,10 @@ class PlanSettings(Model):
     method: Literal["grid", "list", "latin-hypercube", "sobol", "random"] = Field(
         default="grid", description="grid: every combination; list: the first values together, the second ...; others: samples"
     )
-    points: Annotated[int, Field(strict=True, ge=1, le=MOST_RUNS)] | None = Field(default=None, description="of samples")
-    seed: Annotated[int, Field(strict=True, ge=0)] = Field(default=0, description="of samples; the same seed, the same points")
+    points: Annotated[int, Field(strict=True, ge=1, le=MOST_RUNS)] | None = Field(default=None, description="number of samples")
+    seed: Annotated[int, Field(strict=True, ge=0)] = Field(
+        default=0, description="seed of the samples; equal seeds give equal points"
+    )
     table: str = Field(default="", description="CSV of points beside the plan: names in the first line; method list")
     vary: Annotated[dict[str, Any], WithJsonSchema({"type": "object"})] = Field(
         default={}, description="name = [values], { from, to, points } or { distribution = ... }"

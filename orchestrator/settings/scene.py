@@ -32,7 +32,9 @@ class FaultSettings(Model):
             "drop: the input's start value, as if not connected; lost: the unit takes no more steps"
         )
     )
-    value: Number | None = Field(default=None, description="of override and offset, in the receiving input's unit of measure")
+    value: Number | None = Field(
+        default=None, description="value of override and offset, in the unit of measure of the receiving input"
+    )
     begin: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(default=0.0, description="s")
     end: Seconds | None = Field(default=None, description="s; default: to the end of the run")
 
@@ -49,11 +51,9 @@ class FaultSettings(Model):
                 f"{'a value' if self.value is None else 'no value'} for {self.kind}",
             )
         if self.end is not None and (self.kind == "lost" or self.end <= self.begin):
-            raise BadInput(
-                "end",
-                f"{self.end:g} s",
-                "none; a lost unit does not come back" if self.kind == "lost" else f"a time after begin, {self.begin:g} s",
-            )
+            if self.kind == "lost":
+                raise BadInput("end", "a lost unit does not come back", "", "Remove it.")
+            raise BadInput("end", f"{self.end:g} s", f"a time after begin, {self.begin:g} s")
         return self
 
 
@@ -72,7 +72,7 @@ class SideSettings(Model):
     inertia: Positive | None = Field(default=None, description="kg the contact sets in motion, 1/(d acceleration / d force)")
     impedance: Positive | None = Field(default=None, description="or N.s/m, of a body that answers a force by a velocity: a wire")
     degree: Literal[0, 1, 2] | None = Field(
-        default=None, description="of the polynomial of the other forces on the body; default: master.extrapolation"
+        default=None, description="degree of the polynomial of the other forces on the body; default: master.extrapolation"
     )
 
     @model_validator(mode="after")
@@ -84,7 +84,7 @@ class SideSettings(Model):
         if self.inertia is not None and self.velocity is None:
             raise BadInput("velocity", "none", "the output with the velocity; a body with inertia needs it")
         if self.acceleration is not None and self.inertia is None:
-            raise BadInput("acceleration", repr(self.acceleration), "none for a body with impedance", "Remove it.")
+            raise BadInput("acceleration", "no effect for a body with impedance", "", "Remove it.")
         return self
 
 
@@ -152,7 +152,7 @@ class ConnectionSettings(Model):
     @model_validator(mode="after")
     def _one_conversion(self) -> ConnectionSettings:
         if self.map is not None and (self.factor, self.offset) != (1.0, 0.0):
-            raise BadInput("map", "a map beside factor or offset", "one of them")
+            raise BadInput("map", "map excludes factor and offset", "", "Remove one of them.")
         return self
 
 
@@ -193,26 +193,26 @@ class InterfaceSettings(Model):
         if twice := self.inputs.keys() & self.outputs.keys():
             raise BadInput("inputs", f"{min(twice)!r}, an output, too", "names that are unique")
         if "time" in self.inputs or "time" in self.outputs:
-            raise BadInput("", "'time'", "another name; FMI 3.0 has a variable of this name")
+            raise BadInput("", "'time'", "another name, as FMI 3.0 has a variable of this name")
         return self
 
 
 class SceneSettings(Model):
     """Units, connections, master, records. `scene.Scene` is what they are once checked against the units."""
 
-    title: str = Field(default="", description="what reports are headed with")
+    title: str = Field(default="", description="title of reports")
     stop_time: Time = Field(description="s")
     start_time: Time = Field(default=0.0, description="s; of the first row, and what units are told")
     connections: tuple[str | ConnectionSettings, ...] = Field(
         default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor'
     )
     units: dict[Annotated[str, Field(pattern=UNIT_NAME)], Annotated[UnitSettings, OrSubsystem()]] = Field(
-        min_length=1, description="by name; components, FMUs and other scenes", json_schema_extra={"additionalProperties": False}
+        min_length=1, description="components, FMUs and other scenes, by name", json_schema_extra={"additionalProperties": False}
     )
     master: MasterSettings
     record: RecordSettings = RecordSettings()
     interface: InterfaceSettings = Field(
-        default=InterfaceSettings(), description="of the FMU that cosimo build --native makes of it"
+        default=InterfaceSettings(), description="inputs and outputs of the FMU that cosimo build --native makes of the scene"
     )
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
@@ -224,10 +224,10 @@ class SceneSettings(Model):
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination"
     )
     analysis: Annotated[SerializeAsAny[AnalysisKeys], WithJsonSchema({"type": "object"})] = Field(
-        default=AnalysisKeys(), description="for sweeps and reports; its keys depend on its `system`"
+        default=AnalysisKeys(), description="settings of key results, sweeps and reports; the keys depend on `system`"
     )
-    study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
-    explore: ExploreSettings = Field(default=ExploreSettings(), description="what a page of cosimo explore can change")
+    study: StudySettings = Field(default=StudySettings(), description="settings of cosimo accuracy, stability and effects")
+    explore: ExploreSettings = Field(default=ExploreSettings(), description="sliders and switches of the page of cosimo explore")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())
 

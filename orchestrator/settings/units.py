@@ -30,13 +30,15 @@ class UnitSettings(Model):
     )
     interpolation: Literal["linear", "hold", "pchip"] | None = Field(
         default=None,
-        description="of signals, between two rows: straight (default), the earlier one, or a cubic without overshoot",
+        description="interpolation of signals between two rows: linear (default), the earlier row, or a cubic without overshoot",
     )
     outside: Literal["refuse", "hold", "repeat"] | None = Field(
         default=None,
-        description="of signals, where the table has no rows: an error (default), the nearest row, or the table again",
+        description="values of signals outside the table: an error (default), the nearest row, or a repetition of the table",
     )
-    start: Time | None = Field(default=None, description="of signals: s, the time at which the table's own time is 0; default: 0")
+    start: Time | None = Field(
+        default=None, description="time of the simulation at which the time of the table is 0, s; default: 0"
+    )
     preset: str = Field(default="", description="published set of parameters of the component")
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
     parameters: Parameters = Field(default={}, description="parameters, and values of inputs that no connection drives")
@@ -52,7 +54,7 @@ class UnitSettings(Model):
         default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes"
     )
     interface: Literal["co-simulation", "model-exchange"] | None = Field(
-        default=None, description="of an FMU that has both; default: co-simulation where it has that"
+        default=None, description="interface of an FMU that has two; default: co-simulation if available"
     )
     solver: str | None = Field(default=None, description="model-exchange only: CVode, or a method of scipy's solve_ivp")
     tolerance: Positive | None = Field(default=None, description="relative tolerance for the FMU's solver")
@@ -95,12 +97,10 @@ class UnitSettings(Model):
             raise BadInput("", actual, "one of them", remedy)
         for key in TABLE_KEYS:
             if not self.signals and getattr(self, key) is not None:
-                raise BadInput(
-                    key, repr(getattr(self, key)), "none for a unit without signals; it would have no effect", "Remove it."
-                )
+                raise BadInput(key, "no effect for a unit without signals", "", "Remove it.")
         for key in ("preset", "effects", "every", "isolation", "time_limit"):
             if self.signals and getattr(self, key) != type(self).model_fields[key].default:
-                raise BadInput(key, repr(getattr(self, key)), "none for signals; it would have no effect", "Remove it.")
+                raise BadInput(key, "no effect for signals", "", "Remove it.")
         if self.fmu and self.preset:
             raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
         if self.isolation == "restricted" and not (self.fmu or ":" in self.component):
@@ -109,7 +109,7 @@ class UnitSettings(Model):
             )
         for key in ("interface", "solver", "tolerance"):
             if self.component and getattr(self, key) is not None:
-                raise BadInput(key, repr(getattr(self, key)), "none for a component; it would have no effect", "Remove it.")
+                raise BadInput(key, "no effect for a component", "", "Remove it.")
         return self
 
 

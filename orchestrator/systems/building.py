@@ -49,9 +49,7 @@ def build(
     options: dict[str, Any] = {"target": target, "effects": effects, "parameters": parameters, "preset": preset, "unit": unit}
     refused = [name for name, value in options.items() if value] + (["fmi"] if fmi != 2 else [])
     if not native and refused:
-        raise BadInput(
-            f"build: {refused[0]}", "a value without native", f"none: {OTHERS}", "Give native = True, or leave it out."
-        )
+        raise BadInput(f"build: {refused[0]}", f"no effect without native: {OTHERS}", "", "Set native = True, or remove it.")
     if fmi not in (2, 3):
         raise BadInput("build: fmi", repr(fmi), "2 or 3")
     if not native:
@@ -105,11 +103,13 @@ def natives(
 
     targets = [t for t in targets if t] or [own_target()]
     if not targets[0]:
-        raise BadInput("build --native", "this machine, which is no target", "one of " + ", ".join(TARGETS), "Give --target.")
+        raise BadInput("build --native", "this machine", "one of " + ", ".join(TARGETS), "Give --target.")
     make: Callable[[], Component]
     if unit or is_scene(what):
         if effects or parameters or preset:
-            raise BadInput("build", "effects, parameters or a preset with a scene", "none: the scene says what is on")
+            raise BadInput(
+                "build", "effects, parameters and preset have no effect with a scene, which sets its own", "", "Remove them."
+            )
         scene = what if isinstance(what, Scene) else load_scene(str(what))
         if not unit:
             return _of_scene(scene, output, targets, standards, derivatives, evidence, say)
@@ -134,7 +134,7 @@ def _of_scene(
     from ..scene_fmu import build_scene_fmu, refuse_what_needs_python
 
     if derivatives:
-        raise BadInput("build", "derivatives with a scene", "none: its inputs are held over a step", "Leave it out.")
+        raise BadInput("build", "derivatives have no effect with a scene: its inputs are held over a step", "", "Remove them.")
     measured = None
     if evidence:
         refuse_what_needs_python(scene)

@@ -148,8 +148,8 @@ class Description:
         if settings.solver is not None and not exchange:
             raise BadInput(
                 f"{where}.solver",
-                repr(settings.solver),
-                "none; an FMU for co-simulation has its own",
+                "no effect on an FMU for co-simulation, which has its own solver",
+                "",
                 'Remove it, or write interface = "model-exchange".',
             )
         if settings.solver is not None and settings.solver not in METHODS:
@@ -279,7 +279,7 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
                     (float if attribute == "nominal" else read_one)(word)
             except ValueError:
                 raise BadInput(
-                    where, f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}", f"a value of type {owner.type}", FAULTY
+                    where, f"{attribute} = {' '.join(words)[:40]!r} of {owner.name!r}", f"a value of type {owner.type}", FAULTY
                 ) from None
 
 

@@ -101,7 +101,9 @@ class FmuSimulator:
         try:
             self._folder = take(description.path)
         except Exception as error:  # FMPy raises bare exceptions, zipfile those of many kinds
-            raise BadInput(f"units.{name}", f"{description.path} cannot be unpacked: {error}", "a sound FMU file") from None
+            raise BadInput(
+                f"units.{name}", f"{description.path} cannot be unpacked: {error}", "", "Get a sound FMU file."
+            ) from None
         try:
             with working_directory.kept():  # FMPy goes to the library's folder, and stays there when loading fails
                 self._fmu = self._instantiate()
@@ -112,7 +114,8 @@ class FmuSimulator:
             raise BadInput(
                 f"units.{name}",
                 f"{description.path} cannot be started: {error}{self._log_lines()}",
-                "an FMU with a library for this platform",
+                "",
+                "Has it a library for this platform?",
             ) from None
         if self._alone:
             _once.add(self._alone)

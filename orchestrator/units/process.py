@@ -306,9 +306,7 @@ class WorkerSimulator:
             self._parameters: dict[str, Any] = self._receive()
             self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
-            raise BadInput(
-                f"units.{self.name}", f"it cannot be started: {error.reason}", "a unit that starts in a worker process"
-            ) from None
+            raise BadInput(f"units.{self.name}", f"the unit cannot be started in a worker process: {error.reason}", "") from None
         self._started, self.walls = True, walls() if self._restricted else []
         self._channel.limit = self._limit
 

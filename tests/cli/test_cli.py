@@ -59,7 +59,7 @@ def test_list_of_one_kind(capsys):
     assert exit_code("list", "components") == 0
     assert "Pantograph" in capsys.readouterr().out
     assert exit_code("list", "component") == 2
-    assert "did you mean 'components'" in capsys.readouterr().err
+    assert "Did you mean 'components'" in capsys.readouterr().err
 
 
 def test_list_of_a_system_and_of_a_word(capsys):
@@ -70,7 +70,7 @@ def test_list_of_a_system_and_of_a_word(capsys):
     assert exit_code("list", "Stiction", "--json") == 0
     assert [e["name"] for e in json.loads(capsys.readouterr().out)["scenes"]] == ["joint-stiction"]
     assert exit_code("list", "stictoin") == 2
-    assert "did you mean 'joint-stiction'" in capsys.readouterr().err
+    assert "Did you mean 'joint-stiction'" in capsys.readouterr().err
 
 
 def test_list_without_a_word_fits_a_screen_and_has_every_name(capsys):
@@ -87,7 +87,7 @@ def test_version(capsys):
 
 def test_arrays_and_presets_of_a_run(tmp_path, capsys):
     assert exit_code("run", "en50318-2002", "--dry-run", "--preset", "pantograph=DSA381") == 2
-    assert "did you mean 'DSA380'" in capsys.readouterr().err
+    assert "Did you mean 'DSA380'" in capsys.readouterr().err
     scene = load_scene("en50318-2002")
     changed = scene.with_changes(
         {
@@ -232,4 +232,4 @@ def test_every_command_of_scenes_and_components_takes_presets(arguments, tmp_pat
     given = [a.replace("SCENE", "en50318-2002") for a in arguments]
     preset = "pantograph=DSA381" if "en50318-2002" in given else "DSA381"
     assert exit_code(*given, "--preset", preset) == 2
-    assert "did you mean 'DSA380'" in capsys.readouterr().err
+    assert "Did you mean 'DSA380'" in capsys.readouterr().err

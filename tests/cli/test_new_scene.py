@@ -110,7 +110,7 @@ def test_two_supports_are_a_line_and_one_is_none(folder, capsys):
     for supports, code in (("0\n50\n", 0), ("0\n", 2)):
         (folder / "few.csv").write_text("position [m]\n" + supports)
         assert exit_code("new", "line", f"{code}.toml", "few.csv") == code
-    assert "supports at 0 m; expected at least two" in capsys.readouterr().err
+    assert "supports at 0 m, expected at least two" in capsys.readouterr().err
 
 
 def test_bad_input_leaves_no_file(folder, capsys):

@@ -138,7 +138,7 @@ def test_python_in_the_steps_of_a_unit():
     assert path.python == ("other",)
 
 
-@pytest.mark.parametrize(("name", "words"), [("PlanarLynk", "did you mean 'PlanarLink'"), ("mass-on-sprin", "mass-on-spring")])
+@pytest.mark.parametrize(("name", "words"), [("PlanarLynk", "Did you mean 'PlanarLink'"), ("mass-on-sprin", "mass-on-spring")])
 def test_an_unknown_name_is_one_message(name, words, capsys):
     assert exit_code("show", name) == 2
     assert words in capsys.readouterr().err

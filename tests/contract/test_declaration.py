@@ -106,15 +106,15 @@ def test_presets_start_from_rest(component, preset):
 def test_misspelt_names_are_refused_with_the_near_ones(component):
     cls = component_class(component)
     parameter = next(n for n, v in cls.variables.items() if v.causality is Causality.PARAMETER and v.kind is Kind.REAL)
-    with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(parameter)}'"):
+    with pytest.raises(BadInput, match=f"Did you mean.*'{re.escape(parameter)}'"):
         cls(parameters={parameter + "x": 1.0})
-    with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(parameter)}'"):
+    with pytest.raises(BadInput, match=f"Did you mean.*'{re.escape(parameter)}'"):
         cls().get(parameter + "x")
     for effect in list(cls.effects)[:1]:
-        with pytest.raises(BadInput, match=f"did you mean.*'{effect}'"):
+        with pytest.raises(BadInput, match=f"Did you mean.*'{effect}'"):
             cls([effect + "x"])
     for preset in list(cls.presets)[:1]:
-        with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(preset)}'"):
+        with pytest.raises(BadInput, match=f"Did you mean.*'{re.escape(preset)}'"):
             cls(preset=preset + "x")
 
 

@@ -118,10 +118,10 @@ def test_off_is_absent():
 @pytest.mark.parametrize(
     ("effects", "parameters", "message"),
     [
-        (["wnd"], {}, "did you mean 'wind'"),
+        (["wnd"], {}, "Did you mean 'wind'"),
         (["sail"], {}, "needs 'wind'"),
         (["wind", "sail", "rain"], {}, "exclude each other"),
-        ([], {"mas": 3.0}, "did you mean"),
+        ([], {"mas": 3.0}, "Did you mean"),
         ([], {"mass": 0.5}, r"\[1, 10\] kg"),
         ([], {"mass": "five"}, "a number in kg"),
         ([], {"mass": float("nan")}, r"\[1, 10\]"),
@@ -168,7 +168,7 @@ def test_preset_sets_effects_and_parameters():
     assert catenary["span_length"] == 55.0
     assert catenary["spans"] == 4
     assert {"pre_sag", "wire_profile"} <= set(catenary.on)
-    with pytest.raises(BadInput, match="did you mean 'EN 50318:2018 AC simple'"):
+    with pytest.raises(BadInput, match="Did you mean 'EN 50318:2018 AC simple'"):
         Catenary(preset="EN 50318:2018 AC simpel")
 
 

@@ -16,10 +16,10 @@ def messages(unit, status):
 @pytest.mark.parametrize(
     ("values", "reason"),
     [
-        ({"gain": -1.0}, "gain = -1.0; expected a value in [0, 10]"),
-        ({"gain": math.nan}, "gain = nan; expected"),
-        ({"count": 10}, "count = 10; expected a value in [1, 9]"),
-        ({"mode": "planar"}, "mode = 'planar'; expected one of plain, negative"),
+        ({"gain": -1.0}, "gain = -1.0, expected a value in [0, 10]"),
+        ({"gain": math.nan}, "gain = nan, expected"),
+        ({"count": 10}, "count = 10, expected a value in [1, 9]"),
+        ({"mode": "planar"}, "mode = 'planar', expected one of plain, negative"),
         ({"effects.needy": True}, "'needy' needs 'bias'"),
         ({"gain": 7.0}, "gain 7 cannot be initialized"),
         ({"signal": math.nan}, "signal = nan"),
@@ -38,7 +38,7 @@ def test_a_refused_value_is_not_taken_and_a_good_one_heals(new_probe):
     unit = new_probe()
     unit.set({"gain": 99.0})
     assert unit["gain"] == 2.0
-    assert "gain = 99.0; expected a value in [0, 10]" in messages(unit, ERROR)[0]
+    assert "gain = 99.0, expected a value in [0, 10]" in messages(unit, ERROR)[0]
     unit.set({"gain": 3.0})
     unit.start({"signal": 1.0})
 

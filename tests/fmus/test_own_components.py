@@ -136,7 +136,7 @@ HEAD = "from cosimo import Component, Effect, Preset, input_, integer, output, p
         ),
         (
             "presets = {'a': Preset({'mas': 1.0}, 'book', 'recalled')}\n    mass = parameter(1.0, 'kg', 'mass')",
-            "did you mean 'mass'",
+            "Did you mean 'mass'",
         ),
     ],
 )

@@ -87,10 +87,10 @@ def test_the_command_and_its_files(two, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["mass-on-spring"], "1 run; expected at least two"),
-        (["mass-on-spring", "nowhere"], "'nowhere'; expected a shipped scene"),
-        (["{0}", "{1}", "--within", "1%", "--signal", "mass.x"], "'mass.x'; expected a recorded signal of all runs"),
-        (["{0}", "{1}", "--signal", "mass.base_x"], "none without --within"),
+        (["mass-on-spring"], "1 run, expected at least two"),
+        (["mass-on-spring", "nowhere"], "'nowhere', expected a shipped scene"),
+        (["{0}", "{1}", "--within", "1%", "--signal", "mass.x"], "'mass.x', expected a recorded signal of all runs"),
+        (["{0}", "{1}", "--signal", "mass.base_x"], "no effect without --within"),
         (["{0}", "{1}", "--within", "3"], "a share with its percent sign"),
     ],
 )

@@ -54,5 +54,5 @@ def test_passages_of_a_docstring():
 
 
 def test_an_unknown_component_is_one_message():
-    with pytest.raises(BadInput, match="did you mean 'Pantograph'"):
+    with pytest.raises(BadInput, match="Did you mean 'Pantograph'"):
         component_page("Pantagraph")

@@ -132,7 +132,7 @@ def test_copies_are_a_vector_environment(scene):
     ("more", "said"),
     [
         ({"actions": ["chain.first_torque"]}, "both finite"),
-        ({"actions": {"chain.first_torqe": (0.0, 1.0)}}, "did you mean 'first_torque'"),
+        ({"actions": {"chain.first_torqe": (0.0, 1.0)}}, "Did you mean 'first_torque'"),
         ({"actions": {"chain.first_torque": (1.0, 0.0)}}, "low < high"),
         ({"actions": {"chain.first_torque": 1.0}}, r"\(low, high\)"),
         ({"actions": {"chain.first_torque": ("1 N", "2 N")}}, "a unit of the dimension of N.m"),

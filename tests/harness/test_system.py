@@ -34,7 +34,7 @@ def test_a_module_that_is_there_and_broken_is_not_taken_for_absent(tmp_path, mon
 
 
 def test_a_misspelt_name_in_the_list_of_systems_is_one_message():
-    with pytest.raises(BadInput, match=re.escape("'railwey'; expected a folder") + ".*did you mean 'railway'"):
+    with pytest.raises(BadInput, match=re.escape("'railwey', expected a folder") + ".*Did you mean 'railway'"):
         systems._system("railwey")
 
 

@@ -225,7 +225,7 @@ def test_show_clear_and_prune(own_cache, capsys):
     assert cache.prune(30.0) >= min(sizes)
     assert not old.exists()
     assert not part.exists()
-    with pytest.raises(BadInput, match="did you mean 'fmus'"):
+    with pytest.raises(BadInput, match="Did you mean 'fmus'"):
         cache.clear(["fmu"])
     assert cache.clear(["kernels"]) == 0
     main_json(["cache", "clear", "fmus"])

@@ -182,14 +182,14 @@ def test_a_file_holds_numbers_and_texts_only(tmp_path):
 def test_a_checkpoint_of_another_scene_is_refused(change, tmp_path):
     file = tmp_path / "run.checkpoint"
     run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
-    with pytest.raises(BadInput, match=r"of another scene or other settings \(scene\); expected a checkpoint of scene"):
+    with pytest.raises(BadInput, match=r"of another scene or other settings \(scene\), expected a checkpoint of scene"):
         run(oscillator().with_changes(change), resume=file)
     run(oscillator().with_changes({"title": "Another name for the same"}), resume=file)
 
 
 def test_files_that_are_no_checkpoints_are_refused(tmp_path):
     file = tmp_path / "run.checkpoint"
-    with pytest.raises(BadInput, match=r"resume: .*; expected a checkpoint that can be read\. No such file"):
+    with pytest.raises(BadInput, match=r"resume: got .*, expected a checkpoint that can be read\. No such file"):
         run(oscillator(), resume=file)
     run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
     whole = file.read_bytes()
@@ -272,12 +272,12 @@ def test_a_damaged_checkpoint_is_one_message_wherever_the_damage_is(tmp_path):
 @pytest.mark.parametrize(
     ("every", "to", "message"),
     [
-        (0.5, None, "checkpoint_every: 0.5 alone; expected both"),
-        (None, "a", "checkpoint_to: 'a' alone; expected both"),
-        (0.0, "a", "checkpoint_every: 0 s; expected a time within the run"),
-        (1.0, "a", "checkpoint_every: 1 s; expected"),
-        (float("nan"), "a", "checkpoint_every: nan s; expected a time within"),
-        (0.5, "no/such/place", "checkpoint_to: 'no/such/place'; expected a file in a directory that can be written"),
+        (0.5, None, "checkpoint_every: got 0.5 alone, expected both"),
+        (None, "a", "checkpoint_to: got 'a' alone, expected both"),
+        (0.0, "a", "checkpoint_every: got 0 s, expected a time within the run"),
+        (1.0, "a", "checkpoint_every: got 1 s, expected"),
+        (float("nan"), "a", "checkpoint_every: got nan s, expected a time within"),
+        (0.5, "no/such/place", "checkpoint_to: got 'no/such/place', expected a file in a directory that can be written"),
     ],
 )
 def test_wishes_that_cannot_be_met_are_refused(every, to, message):
@@ -287,7 +287,7 @@ def test_wishes_that_cannot_be_met_are_refused(every, to, message):
 
 def test_units_that_cannot_pack_are_named(tmp_path):
     interfaces = {"open": Interface("", {}, {}, {}), "shut": Interface("", {}, {}, {}, packs_state=False)}
-    with pytest.raises(BadInput, match=r"checkpoint_every: 0\.5 s; expected units whose state can go to a file; shut cannot"):
+    with pytest.raises(BadInput, match=r"checkpoint_every: got 0\.5 s, expected units whose state can go to a file; shut cannot"):
         check_wish(0.5, tmp_path / "a", oscillator(), interfaces)
 
 

@@ -75,7 +75,9 @@ def test_rows_that_are_not_there_any_more_are_one_message(tmp_path):
     content = part.read_bytes()
     part.write_bytes(content[:100] + bytes([content[100] ^ 1]) + content[101:])
     before = {p: p.read_bytes() for p in out.rglob("*") if p.is_file()}
-    with pytest.raises(BadInput, match=r"resume: a checkpoint whose \d+ rows are not in '.*out' any more; expected the result"):
+    with pytest.raises(
+        BadInput, match=r"resume: got a checkpoint whose \d+ rows are not in '.*out' any more, expected the result"
+    ):
         run(scene, resume=file, output=out)
     assert {p: p.read_bytes() for p in before} == before
     part.write_bytes(content)

@@ -231,7 +231,7 @@ def test_a_second_run_into_the_same_directory_is_refused_with_its_holder(tmp_pat
     process = started(tmp_path)
     try:
         until_written(process, tmp_path)
-        with pytest.raises(BadInput, match=f"process {process.pid} on .* writes; expected one of its own"):
+        with pytest.raises(BadInput, match=f"process {process.pid} on .* writes, expected one of its own"):
             run(masses(), output=tmp_path)
     finally:
         process.kill()

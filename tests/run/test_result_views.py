@@ -110,7 +110,7 @@ def test_another_result_is_added_to_a_figure(masses):
     other = next(n for n in masses.columns if masses.measures[n] != masses.measures[name])
     with pytest.raises(BadInput, match="plot: fig"):
         masses.plot(other, fig=figure)
-    with pytest.raises(BadInput, match="did you mean"):
+    with pytest.raises(BadInput, match="Did you mean"):
         masses.plot("a.x_uot")
 
 

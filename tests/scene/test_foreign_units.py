@@ -148,7 +148,7 @@ def test_maps_of_values_are_computed_and_written(fmi, tmp_path):
     for kind, entries, named in (
         ("Boolean", {"true": False}, "no entry for false"),
         ("Enumeration", {"one": "far"}, "no entry for two, far"),
-        ("Enumeration", {"one": "fra"}, "did you mean 'far'"),
+        ("Enumeration", {"one": "fra"}, "Did you mean 'far'"),
         (whole, {"x": 1}, "a whole number"),
         ("Float64_continuous", {"1": 1}, "a map from a real output"),
     ):

@@ -139,7 +139,7 @@ def test_a_unit_of_measure_with_a_power_beyond_all_numbers_is_one_that_nobody_kn
     """Seen by the campaign, in an FMU's unit definitions: a traceback."""
     assert _measures(SimpleNamespace(unitDefinitions=[SimpleNamespace(name=unit, baseUnit=None)])) == {}
     assert named(unit, {}) == Measure(unit, None)
-    with pytest.raises(BadInput, match=r"connections: units? "):
+    with pytest.raises(BadInput, match=r"connections: got units? "):
         _transformation("a.y -> b.u", Signal("y", unit), Signal("u", "m"), "connections")
 
 

@@ -76,7 +76,7 @@ def test_ports_of_a_subsystem_are_joined_inside_it(tmp_path):
         ("head.contact <-> catenary.second_wire", ["Switch on the effect 'second_wire'"]),
         ("head.contact <-> catenary.further_pantographs[9]", ["no elements [9]"]),
         ("head.contact <-> other.contact", ["head.contact with", "contact_force", "with one name"]),
-        ("head.contact <-> head.contact", ["connected with itself"]),
+        ("head.contact <-> head.contact", ["twice, expected two units"]),
         ("head.contact <-> catenary.*", ["unit.port <-> unit.port"]),
         ("head <-> catenary.contact", ["unit.port <-> unit.port"]),
         ("head.contact <-> catenary.contact <-> other.contact", ["unit.port <-> unit.port"]),

@@ -78,7 +78,7 @@ def test_keys_of_analysis_depend_on_the_system(validator):
 def test_a_misspelt_table_is_named_with_the_nearest_key(wrong, right):
     data = {**SCENE, "units": {"p": {"component": "Pantograph"}}}
     data[wrong] = data.pop(right)
-    with pytest.raises(BadInput, match=f"unknown key '{wrong}'.*did you mean '{right}'"):
+    with pytest.raises(BadInput, match=f"unknown key '{wrong}'.*Did you mean '{right}'"):
         read_scene(data)
 
 

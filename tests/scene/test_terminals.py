@@ -104,7 +104,7 @@ def test_members_belong_together_by_the_matching_rule(rule, first, second, arrow
             terminal("t", "bus", *SECOND),
             "terminal one.t with streams: h",
         ),
-        (terminal("s", "bus", *FIRST), terminal("t", "bus", *SECOND), "a port of one. there is s"),
+        (terminal("s", "bus", *FIRST), terminal("t", "bus", *SECOND), "a port of one. There is s"),
         ("<Terminal>", terminal("t", "bus", *SECOND), "terminalsAndIcons.xml cannot be read"),
         (terminal("t", "bus", *FIRST, FIRST[0]), terminal("t", "bus", *SECOND), "terminal t has two members 'f'"),
     ],

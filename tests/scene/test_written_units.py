@@ -73,7 +73,7 @@ def test_a_scene_has_numbers_whatever_its_file_says():
     assert scene.units["catenary"].parameters["damping.beta"] == 1e-3
     with pytest.raises(BadInput, match=re.escape("spans = '10 m'")):
         scene.with_changes({"catenary.spans": "10 m"})
-    with pytest.raises(BadInput, match=re.escape("stop_time: '3 m'")):
+    with pytest.raises(BadInput, match=re.escape("stop_time: got '3 m'")):
         scene.with_changes({"stop_time": "3 m"})
 
 

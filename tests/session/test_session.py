@@ -251,17 +251,17 @@ def test_a_step_that_fails_leaves_what_was_there():
 
 SETTING = "session of scene: mass"
 REFUSED = [  # (what is done before and after the start, words of the message)
-    (lambda sim: sim["moss.m"], "'moss'; expected a unit of the scene. did you mean 'mass'?"),
-    (lambda sim: sim["mass.forse"], "'mass.forse'; expected a parameter, an input or an output of mass. did you mean 'force'?"),
+    (lambda sim: sim["moss.m"], "'moss', expected a unit of the scene. Did you mean 'mass'?"),
+    (lambda sim: sim["mass.forse"], "'mass.forse', expected a parameter, an input or an output of mass. Did you mean 'force'?"),
     (lambda sim: sim.__setitem__("mass.x_out", 1.0), "It is an output"),
-    (lambda sim: sim.__setitem__("mass.force", math.nan), "nan; expected a finite number in N"),
-    (lambda sim: sim.__setitem__("mass.force", "much"), "'much'; expected a finite number in N"),
+    (lambda sim: sim.__setitem__("mass.force", math.nan), "nan, expected a finite number in N"),
+    (lambda sim: sim.__setitem__("mass.force", "much"), "'much', expected a finite number in N"),
     (lambda sim: sim.until(5.0), ""),
     (lambda sim: sim.step(0), ""),
     (lambda sim: sim.result(), "records nothing"),
 ]
 ONLY_BEFORE = [
-    (lambda sim: sim.step(), "step() before the start; expected a call of initialize()"),
+    (lambda sim: sim.step(), "step() before the start, expected a call of initialize()"),
     (lambda sim: sim["mass.x_out"], "before the start"),
     (lambda sim: sim.values(["mass.x_out"]), "before the start"),
     (lambda sim: sim.save(), "before the start"),
@@ -271,10 +271,10 @@ ONLY_BEFORE = [
 ONLY_BEHIND = [
     (lambda sim: sim.__setitem__("mass.m", 2.0), "expected a parameter that is set before initialize(). reset() goes back"),
     (lambda sim: sim.initialize(), "initialize() of a scene that runs"),
-    (lambda sim: sim.step(0), "0; expected a whole number of macro steps, 1 at least"),
-    (lambda sim: sim.step(True), "True; expected a whole number"),
-    (lambda sim: sim.until(5.0), "5 s; expected a time from 0 s, which is reached, to stop_time = 1 s"),
-    (lambda sim: sim.values(["mass.m"]), "'mass.m'; expected an output that is a number"),
+    (lambda sim: sim.step(0), "0, expected a whole number of macro steps, 1 at least"),
+    (lambda sim: sim.step(True), "True, expected a whole number"),
+    (lambda sim: sim.until(5.0), "5 s, expected a time from 0 s, which is reached, to stop_time = 1 s"),
+    (lambda sim: sim.values(["mass.m"]), "'mass.m', expected an output that is a number"),
 ]
 
 

@@ -202,14 +202,18 @@ def test_a_worker_that_the_system_does_not_start_is_bad_input_and_leaves_no_fold
     scene = read_scene(troubled("none"))
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(sys, "executable", str(tmp_path / "no-such-python"))
-    with pytest.raises(BadInput, match=r"units\.a: a worker process that the system does not start.*No such file"):
+    with pytest.raises(BadInput, match=r"units\.a: got a worker process that the system does not start.*No such file"):
         run(scene)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_worker_that_dies_at_its_start_is_bad_input(monkeypatch):
     killed_before("wire", monkeypatch)
-    with pytest.raises(BadInput, match=r"units\.a: it cannot be started: its worker process was ended by signal 9"):
+    with pytest.raises(
+        BadInput,
+        match=r"units\.a: the unit cannot be started in a worker process: its worker "
+        "process was ended by signal 9",
+    ):
         run(read_scene(troubled("none")))
 
 
@@ -242,14 +246,18 @@ def test_a_unit_that_hangs_is_given_up_after_its_time_limit():
 
 
 def test_a_time_limit_without_isolation_is_refused():
-    with pytest.raises(BadInput, match=r"units\.a.*time_limit: 1 s without isolation"):
+    with pytest.raises(BadInput, match=r"units\.a.*time_limit: got 1 s without isolation"):
         run(read_scene(troubled("none", time_limit=1.0, isolation="none")))
 
 
 def test_a_worker_that_does_not_start_is_bad_input(monkeypatch):
     scene = read_scene(troubled("none"))
     monkeypatch.setattr(sys, "executable", "/bin/false")
-    with pytest.raises(BadInput, match=r"units\.a: it cannot be started: its worker process ended itself with code 1"):
+    with pytest.raises(
+        BadInput,
+        match=r"units\.a: the unit cannot be started in a worker process: its worker "
+        "process ended itself with code 1",
+    ):
         run(scene)
 
 

@@ -353,8 +353,8 @@ def test_capabilities_come_from_the_interface_that_is_used():
 @pytest.mark.parametrize(
     ("unit", "said"),
     [
-        ({"solver": "RK54"}, r"units\.f\.solver: 'RK54'; expected a method of integration. did you mean 'RK45'"),
-        ({"interface": "co-simulation"}, r"units\.f\.interface: 'co-simulation'.*It is for model exchange only"),
+        ({"solver": "RK54"}, r"units\.f\.solver: got 'RK54', expected a method of integration. Did you mean 'RK45'"),
+        ({"interface": "co-simulation"}, r"units\.f\.interface: got 'co-simulation'.*It is for model exchange only"),
         ({"tolerance": -1.0}, r"units\.f\.tolerance"),
     ],
 )

@@ -83,25 +83,25 @@ LONG = "time,y\n" + "".join(f"{k / 1000},{k}\n" for k in range(20_000))  # longe
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "nothing; expected a header and rows"),
+        ("", "nothing, expected a header and rows"),
         ("time,y\n", "a header alone"),
         ("time\n0\n", "1 column"),
         ("time,y,y\n0,1,2\n", "column 'y' twice"),
         ("time,,y\n0,1,2\n", "column 2 without a name"),
-        ("time,start\n0,1\n", "column 'start'; expected names that are none of"),
-        ("time [kg],y\n0,1\n", "column 'time \\[kg\\]': unit 'kg'"),
-        ("time,y\n0,1\n2,1\n1,1\n", "line 4, column 'time': 1 s behind 2 s; expected times that do not go back"),
-        ("time,y\n0,1\n1,1\n1,2\n1,3\n", "line 5, column 'time': 1 s for the third time"),
-        ("time,y\n0,1\n1,\n", "line 3, column 'y': no number"),
-        ("time,y\n0,1\n1,nan\n", "line 3, column 'y': no number"),
-        ("time,y\n0,1\n,2\n", "line 3, column 'time': no number"),
-        ("time,y,z\n0,1,\n1,1,\n", "column 'z': no numbers; expected a number in each row. Delete the column"),
-        ("time,y\n0,on\n1,off\n", "line 2, column 'y': 'on'; expected a number"),
-        ("time,y\n0,1\n1,inf\n", "line 3, column 'y': a number that is not finite"),
-        ("time,y\n0,1,5\n", "line 2: 3 cells; expected 2, as the header has. Decimal commas need semicolons"),
-        (LONG + "30,x\n", "line 20002, column 'y': 'x'; expected a number"),
-        (LONG + "\n10,1\n", "line 20003, column 'time': 10 s behind 19.999 s"),
-        (LONG + "30,\n", "line 20002, column 'y': no number"),
+        ("time,start\n0,1\n", "column 'start', expected names that are none of"),
+        ("time [kg],y\n0,1\n", "column 'time \\[kg\\]': got unit 'kg'"),
+        ("time,y\n0,1\n2,1\n1,1\n", "line 4, column 'time': got 1 s behind 2 s, expected times that do not go back"),
+        ("time,y\n0,1\n1,1\n1,2\n1,3\n", "line 5, column 'time': got 1 s for the third time"),
+        ("time,y\n0,1\n1,\n", "line 3, column 'y': got no number"),
+        ("time,y\n0,1\n1,nan\n", "line 3, column 'y': got no number"),
+        ("time,y\n0,1\n,2\n", "line 3, column 'time': got no number"),
+        ("time,y,z\n0,1,\n1,1,\n", "column 'z': got no numbers, expected a number in each row. Delete the column"),
+        ("time,y\n0,on\n1,off\n", "line 2, column 'y': got 'on', expected a number"),
+        ("time,y\n0,1\n1,inf\n", "line 3, column 'y': got a number that is not finite"),
+        ("time,y\n0,1,5\n", "line 2: got 3 cells, expected 2, as the header has. Decimal commas need semicolons"),
+        (LONG + "30,x\n", "line 20002, column 'y': got 'x', expected a number"),
+        (LONG + "\n10,1\n", "line 20003, column 'time': got 10 s behind 19.999 s"),
+        (LONG + "30,\n", "line 20002, column 'y': got no number"),
     ],
 )
 def test_a_bad_table_is_one_message_with_row_and_column(read, text, words):
@@ -116,13 +116,13 @@ def test_a_missing_file_and_another_kind_are_told(tmp_path):
     with pytest.raises(BadInput, match=r"a table: \.csv"):
         read_signals(tmp_path / "a.xlsx")
     parquet.write_table(arrow.table({"time": [0.0], "y": ["a"]}), tmp_path / "a.parquet")
-    with pytest.raises(BadInput, match="column 'y': values of type string"):
+    with pytest.raises(BadInput, match="column 'y': got values of type string"):
         read_signals(tmp_path / "a.parquet")
     (tmp_path / "b.parquet").write_text("no such")
     with pytest.raises(BadInput, match="a content that cannot be read"):
         read_signals(tmp_path / "b.parquet")
     savemat(tmp_path / "a.mat", {"t": np.arange(3.0), "y": np.arange(4.0)})
-    with pytest.raises(BadInput, match="variable 'y': 4 values; expected 3, as there are times"):
+    with pytest.raises(BadInput, match="variable 'y': got 4 values, expected 3, as there are times"):
         read_signals(tmp_path / "a.mat")
 
 

@@ -69,7 +69,7 @@ def test_the_fixed_internal_step_is_the_default_step():
     fmu = told(3, 'stopTime="10"', 'fixedInternalStepSize="0.25"')
     assert load_scene(fmu).master.step == 0.25
     assert load_scene(fmu, {"master.step": 0.5}).coupling
-    with pytest.raises(BadInput, match=r"master.step: 0.3 s; expected a multiple of 0.25 s, the fixed internal step"):
+    with pytest.raises(BadInput, match=r"master.step: got 0.3 s, expected a multiple of 0.25 s, the fixed internal step"):
         assert load_scene(fmu, {"master.step": 0.3}).coupling
     given = told(3, 'stopTime="10" stepSize="0.3"', 'fixedInternalStepSize="0.25"')
     assert CliRunner().invoke(app, ["run", given, "--step", "0.5", "--no-verify"]).exit_code == 0
@@ -87,11 +87,11 @@ def test_the_command_gives_start_and_stop(tmp_path):
 
 
 REFUSED = [
-    ({"start_time": 11.0}, "stop_time: 11 s; expected a time after start_time, 11 s"),
+    ({"start_time": 11.0}, "stop_time: got 11 s, expected a time after start_time, 11 s"),
     ({"start_time": "2 m"}, "start_time"),
     ({"start_time": 1e15, "stop_time": 1e15 + 1.0}, "have no digits for shorter steps"),
     ({"start_time": 10.0, "stop_time": 10.05}, "at most the length of the run, 0.05 s"),
-    ({"record": {"interval": 2.0}}, "record.interval: 2 s; expected at most the length of the run, 1 s"),
+    ({"record": {"interval": 2.0}}, "record.interval: got 2 s, expected at most the length of the run, 1 s"),
 ]
 
 
@@ -199,7 +199,9 @@ def test_what_a_foreign_fmu_says_is_counted_kept_and_told(fmi, isolation, tmp_pa
     assert not (tmp_path / "out" / "fmu.log").exists()
     only_errors = run(scene(told(fmi), isolation, parameters={"chatty": 1}), verify="no", fmu_log="error")
     assert only_errors.info["fmu_log"]["f"] == {"counts": {"warning": 10, "returned a warning": 10}, "messages": []}
-    with pytest.raises(BadInput, match=r"fmu_log: 'warnings'; expected one of none, info, warning, .* did you mean 'warning'"):
+    with pytest.raises(
+        BadInput, match=r"fmu_log: got 'warnings', expected one of none, info, warning, .* Did you mean 'warning'"
+    ):
         run(scene(told(fmi)), fmu_log="warnings")
 
 

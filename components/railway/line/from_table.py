@@ -53,12 +53,12 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
             if ignored := [n for n in NOT_AT_ANCHORS if section.supports and _says(getattr(section.supports[k - 1], n))]:
                 raise BadInput(
                     f"{at}.supports[{k}].{ignored[0]}",
-                    "a value for an anchor, where both wires are fixed",
-                    "none",
-                    "Leave it out, or give it to a support between the first and the last.",
+                    "this key has no effect at an anchor, where both wires are fixed",
+                    "",
+                    "Remove it, or set it for a support between the first and the last.",
                 )
         if section.second_contact_wire.tension is None and _says(section.second_contact_wire):
-            raise BadInput(f"{at}.second_contact_wire", "a wire without tension", "its tension: with it there is one")
+            raise BadInput(f"{at}.second_contact_wire", "no tension", "the tension of the second contact wire")
         given = section.supports or (Support(),) * (len(spans) + 1)
         for k, support in enumerate(given, 1):
             own = over(support, section.support, Support(stitch=section.stitch))
@@ -276,14 +276,11 @@ class _Section:
                     )
             if self.second is None and any(row.contact_wire == 2 for row in span.dropper_list or ()):
                 raise BadInput(
-                    f"{where}.dropper_list", "a dropper of a second contact wire", "none", "Give second_contact_wire a tension."
+                    f"{where}.dropper_list", "there is no second contact wire", "", "Give second_contact_wire a tension."
                 )
             if self.second is None and span.second_positions is not None:
                 raise BadInput(
-                    f"{where}.second_positions",
-                    "droppers of a second contact wire",
-                    "none",
-                    "Give second_contact_wire a tension.",
+                    f"{where}.second_positions", "there is no second contact wire", "", "Give second_contact_wire a tension."
                 )
         return rows
 

@@ -182,7 +182,7 @@ int do_step(Instance *m, double t, double h) {
     const char *bad;
     char text[700];
     if (!allowed(m, STEPPING, "DoStep")) return ERROR;
-    if (!(h > 0.0 && h < INFINITY)) return report(m, ERROR, "DoStep: step size %g; expected more than 0", h);
+    if (!(h > 0.0 && h < INFINITY)) return report(m, ERROR, "DoStep: step size %g, expected more than 0", h);
     if (!(fabs(t - m->t) <= 1e-6 * h + rounding_at(m->t)))
         return report(m, ERROR, "DoStep: from t = %.17g s, but this instance is at %.17g s; restore a state to go back", t, m->t);
     if (t + h > m->stop + 1e-6 * h + rounding_at(m->stop))

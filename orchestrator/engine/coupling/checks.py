@@ -155,4 +155,4 @@ def _check_kind(fault: FaultSettings, where: str, link: Link, interfaces: Mappin
         if signal.kind == "boolean" and value not in (0.0, 1.0):
             raise BadInput(f"{where}.value", f"{value:g}", f"0 or 1 for {name}")
     if fault.kind == "offset" and value == 0.0:
-        raise BadInput(f"{where}.value", "0", "another offset; this one has no effect")
+        raise BadInput(f"{where}.value", "0", "an offset other than 0")

@@ -52,8 +52,8 @@ def links_of(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple
             if target[1] in interfaces[target[0]].set_inputs:
                 raise BadInput(
                     f"units.{target[0]}.parameters",
-                    f"a value of input {target[1]!r}",
-                    "none; the connection drives it and the value would have no effect",
+                    f"the value of input {target[1]!r} has no effect, as a connection drives it",
+                    "",
                     "Remove one of them.",
                 )
             ends = outputs[source[1]], inputs[target[1]]
@@ -73,7 +73,7 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
             "Only whole numbers become real ones by themselves.",
         )
     if own is not None and (own.factor, own.offset) != (1.0, 0.0) and target.kind not in ("real", "integer"):
-        raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
+        raise BadInput(where, f"factor and offset have no effect on {_article(target.kind)} input", "", "Remove them.")
     factor, offset = 1.0, 0.0
     if source.unit and target.unit and (own is None or own.convert_units):
         try:
@@ -87,7 +87,7 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
                 "units of measure whose factors are numbers",
             ) from None
     if target.kind != "real" and (factor, offset) != (1.0, 0.0):
-        raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
+        raise BadInput(where, f"{source.unit!r} for {target.unit!r} in whole numbers", "the same unit at both ends")
     return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)
 
 
@@ -176,7 +176,7 @@ def _pairs_or_why_not(reading: Reading, where: str, interfaces: Mapping[str, Int
     """Of a connection in which nothing is meant that there is: raises `BadInput` with the reason."""
     source, target = (endpoint(end, where, interfaces) for end in reading[1:])
     if source[0] == target[0]:
-        raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
+        raise BadInput(where, f"unit {source[0]!r} twice", "two units", "Close such a loop inside the unit.")
     if reading.arrow == JOINED:
         return port_pairs((source, target), where, interfaces)
     outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs

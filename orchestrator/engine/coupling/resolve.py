@@ -244,9 +244,9 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     needless = given & {"extrapolation", "moving_places", "feedthrough", "order"}
     if not coupling.links and needless:
         option = min(needless)
-        raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
+        raise BadInput(f"master.{option}", "no effect without connections", "", "Remove it.")
     if master.feedthrough == "delayed" and not coupling.feedthrough_schedule:
-        raise BadInput("master.feedthrough", "'delayed'", "none; no driven output depends on an input directly", "Remove it.")
+        raise BadInput("master.feedthrough", "no effect, as no connected output has direct feedthrough", "", "Remove it.")
     if master.feedthrough == "immediate":
         for loop in (step for step in coupling.feedthrough_schedule if isinstance(step, Loop)):
             _check_loop(loop, coupling)

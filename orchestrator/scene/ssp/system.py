@@ -255,7 +255,7 @@ class Document:
         connectors = {e: replace(c, name=e) for n, c in element.connectors.items() for e in element.arrays.get(n, [n])}
         for name in [n for n, c in connectors.items() if n not in scalars or c.type in UNREAD]:
             kind = connectors[name].type
-            reason = f"its type is {kind}" if kind in UNREAD else f"the FMU has no such variable, {nearest(name, scalars)}"
+            reason = f"its type is {kind}" if kind in UNREAD else f"the FMU has no such variable. {nearest(name, scalars)}"
             self.remarks.append(f"{element.where}: connector {element.name}.{name} left out: {reason}")
         element.connectors = {n: c for n, c in connectors.items() if n in scalars and c.type not in UNREAD}
         for connector in element.connectors.values():

@@ -81,5 +81,5 @@ def between(
             f"{unknown.name!r} has no definition among the units of its file. Or give a LinearTransformation.",
         )
     if a.exponents != b.exponents:
-        raise BadInput(where, f"{source.name!r} cannot become {target.name!r}", "units of the same quantity")
+        raise BadInput(where, f"{source.name!r} for {target.name!r}", "units of the same quantity")
     return a.factor / b.factor, 0.0 if relative else (a.offset - b.offset) / b.factor

@@ -22,7 +22,7 @@ class RailwayKeys(AnalysisKeys):
     )
     window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
 
-    supply: Literal["AC", "3 kV DC", "1.5 kV DC"] = Field(default="AC", description="of the line; limits depend on it")
+    supply: Literal["AC", "3 kV DC", "1.5 kV DC"] = Field(default="AC", description="supply of the line; limits depend on it")
 
     def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
         """The wire's height at every contact point, on either wire, and the uplifts at supports."""
@@ -38,7 +38,7 @@ class RailwayKeys(AnalysisKeys):
     @model_validator(mode="after")
     def _one_of_them(self) -> RailwayKeys:
         if self.spans is not None and self.window is not None:
-            raise BadInput("window", "a value beside spans", "one of them", "Remove the other.")
+            raise BadInput("window", "window and spans exclude each other", "", "Remove one.")
         if self.spans is not None and self.spans[0] > self.spans[1]:
             raise BadInput("spans", f"[{self.spans[0]}, {self.spans[1]}]", "a last span not before the first")
         return self

@@ -142,9 +142,9 @@ def test_correction_of_the_quarter_car():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bonds": ["a.v_out"]}, r'master.bonds: \'a.v_out\'; expected "unit.output \* unit.output"'),
-        ({"bonds": ["a.v_out * b.x_out"]}, "b.x_out, which feeds no inputs of a; expected one connection each way"),
-        ({"bonds": ["a.v * b.force"]}, "a.v; expected an output of a. there is x_out, v_out"),
+        ({"bonds": ["a.v_out"]}, r'master.bonds: got \'a.v_out\', expected "unit.output \* unit.output"'),
+        ({"bonds": ["a.v_out * b.x_out"]}, "b.x_out, which feeds no inputs of a, expected one connection each way"),
+        ({"bonds": ["a.v * b.force"]}, "a.v, expected an output of a. There is x_out, v_out"),
         ({"energy_correction": True, "bonds": []}, "true without bonds"),
     ],
 )
@@ -163,14 +163,14 @@ def test_a_product_that_is_no_power_is_refused():
         "master": {"step": 0.1, "bonds": ["a.x_out * b.force"]},
     }
     scene["connections"][1] = {"source": "a.x_out", "target": "b.velocity", "convert_units": False}
-    with pytest.raises(BadInput, match=r"a product in m times N; expected a power"):
+    with pytest.raises(BadInput, match=r"a product in m times N, expected a power"):
         read_scene(scene)
 
 
 def test_connections_with_other_gains_forth_and_back_are_refused():
     scene = bonded("Link", "jacobi", 0.1, 1)
     scene["connections"][0] = {"source": "b.force", "target": "a.force", "factor": 2.0}
-    with pytest.raises(BadInput, match="connections with factors 1 and 2; expected the same gain both ways"):
+    with pytest.raises(BadInput, match="connections with factors 1 and 2, expected the same gain both ways"):
         read_scene(scene)
     scene["connections"][0] = {"source": "b.force", "target": "a.force", "offset": 2.0}
     with pytest.raises(BadInput, match=r"factor 1 and offset 2 on the way from b\.force"):

@@ -255,7 +255,7 @@ def test_iteration_without_a_circle_is_refused(interface_of):
         "master": {"algorithm": "iterative", "step": 0.1},
         "units": {"a": {"component": "cosimo.tests.support:Mass"}, "b": {"component": "cosimo.tests.support:Oscillator"}},
     }
-    with pytest.raises(BadInput, match=r"master.algorithm: 'iterative'; expected units that feed one another in a circle"):
+    with pytest.raises(BadInput, match=r"master.algorithm: got 'iterative', expected units that feed one another in a circle"):
         read_scene(chain)
     interface_of("b", outputs=lambda i: {n: replace(s, discrete=True) for n, s in i.outputs.items()})
     assert "in a circle" in refused()  # the force jumps, so nothing inside a step goes round

@@ -121,9 +121,9 @@ def test_the_predictor_corrector_of_the_page(copy):
     for text, words in zip(
         given["refusals"],
         (
-            ("master.order", "predictor-corrector does not know it", '"gauss-seidel"'),
-            ("master.iteration", "predictor-corrector does not know it", '"iterative"'),
-            ("master.feedthrough", "predictor-corrector does not know it", '"jacobi"'),
+            ("master.order", "no effect on predictor-corrector", '"gauss-seidel"'),
+            ("master.iteration", "no effect on predictor-corrector", '"iterative"'),
+            ("master.feedthrough", "no effect on predictor-corrector", '"jacobi"'),
             ("master.algorithm", "feed one another in a circle"),
         ),
         strict=True,

@@ -230,13 +230,13 @@ def fixed(**changes) -> dict[str, Interface]:
         (
             {"control": {"method": "milne"}},
             {"variable_step": False},
-            "master.control.method: 'milne'; expected units that change the length of a step; rigid cannot",
+            "master.control.method: got 'milne', expected units that change the length of a step; rigid cannot",
         ),
         ({"control": {"method": "milne"}}, {"fixed_step": 1e-3}, "units that change the length of a step; rigid cannot"),
         (
             {"control": {"method": "doubling"}},
             {"saves_state": False},
-            "master.control.method: 'doubling'; expected units that save their state; rigid cannot",
+            "master.control.method: got 'doubling', expected units that save their state; rigid cannot",
         ),
         ({"events": ["rigid.y"]}, {"saves_state": False}, "master.events: .* that save their state, .*; rigid cannot"),
         ({"events": ["rigid.y"]}, {"variable_step": False}, "units that change the length of a step; rigid cannot"),
@@ -251,8 +251,8 @@ def test_units_that_cannot_are_named_before_the_run(master, capability, message)
 @pytest.mark.parametrize(
     ("control", "message"),
     [
-        ({"min_step": 0.02}, "master.step: 0.01 s; expected at least master.control.min_step, 0.02 s"),
-        ({"max_step": 0.005}, "master.step: 0.01 s; expected at most master.control.max_step, 0.005 s"),
+        ({"min_step": 0.02}, "master.step: got 0.01 s, expected at least master.control.min_step, 0.02 s"),
+        ({"max_step": 0.005}, "master.step: got 0.01 s, expected at most master.control.max_step, 0.005 s"),
         ({"min_step": 0.02, "max_step": 0.01}, "expected at least min_step, 0.02 s"),
     ],
 )

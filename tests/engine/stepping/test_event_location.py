@@ -267,8 +267,8 @@ def test_two_events_of_a_unit_in_one_step():
 @pytest.mark.parametrize(
     ("event", "message"),
     [
-        ("mass.x", "master.events: mass.x; expected an output of mass"),
-        ("body.x_out", "unit 'body'; expected a unit of the scene"),
+        ("mass.x", "master.events: got mass.x, expected an output of mass"),
+        ("body.x_out", "unit 'body', expected a unit of the scene"),
         ("mass.force", "A connection goes from an output"),
     ],
 )

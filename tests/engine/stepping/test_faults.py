@@ -209,7 +209,7 @@ BAD = [
     ({"kind": "freeze", "signal": "m.force"}, ["faults[1].signal", "nothing is connected", "parameters"]),
     ({"kind": "override", "signal": "m.x_out"}, ["faults[1].value", "a value for override"]),
     ({"kind": "override", "signal": "m.x_out", "value": float("nan")}, ["faults[1].value", "nan", "finite"]),
-    ({"kind": "offset", "signal": "m.x_out", "value": 0.0}, ["faults[1].value", "no effect"]),
+    ({"kind": "offset", "signal": "m.x_out", "value": 0.0}, ["faults[1].value", "other than 0"]),
     ({"kind": "drop", "signal": "m.x_out", "value": 1.0}, ["faults[1].value", "no value for drop"]),
     ({"kind": "drop", "signal": "m.x_out", "begin": 1.0}, ["faults[1].begin", "1 s", "before the end of the run"]),
     ({"kind": "drop", "signal": "m.x_out", "begin": -0.1}, ["faults[1].begin", "-0.1"]),

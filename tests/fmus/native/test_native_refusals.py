@@ -102,8 +102,8 @@ def test_a_missing_compiler_is_one_message(monkeypatch):
 @pytest.mark.parametrize(("arguments", "words"), [
     (["build", "PlanarLink", "--fmi", "3"], "none without --native"),
     (["build", "PlanarLink", "--native", "--fmi", "1"], "--fmi: '1'"),
-    (["build", "PlanarLink", "--native", "--target", "linux46"], "did you mean 'linux64'"),
-    (["build", "PlanarLink", "--native", "--target", "linux-arm46"], "did you mean 'linux-arm64'"),
+    (["build", "PlanarLink", "--native", "--target", "linux46"], "Did you mean 'linux64'"),
+    (["build", "PlanarLink", "--native", "--target", "linux-arm46"], "Did you mean 'linux-arm64'"),
     (["build", "PlanarLynk", "--native"], "PlanarLink"),
     (["build", "--native", "--scene", "no-such-scene"], "no-such-scene"),
 ])  # fmt: skip

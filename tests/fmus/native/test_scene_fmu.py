@@ -360,7 +360,7 @@ def test_what_needs_python_is_named(name, named):
 
 def test_a_fault_between_two_macro_steps_is_refused():
     fault = {"signal": "mass.base_x", "kind": "freeze", "begin": 0.0125}
-    with pytest.raises(BadInput, match=r"faults\[1\].begin: 0.0125 s; expected a whole multiple"):
+    with pytest.raises(BadInput, match=r"faults\[1\].begin: got 0.0125 s, expected a whole multiple"):
         scene_library(load_scene("mass-on-spring").with_changes({"faults": [fault]}), [own_target()])
 
 

@@ -288,7 +288,7 @@ def test_numbers_are_printed_as_in_reports(small, opened):
 @pytest.mark.parametrize(
     ("scene", "options", "words"),
     [
-        ("mass-on-spring", {"parameters": {"mass.mas": None}}, "did you mean 'mass.mass'"),
+        ("mass-on-spring", {"parameters": {"mass.mas": None}}, "Did you mean 'mass.mass'"),
         ("mass-on-spring", {"parameters": {"mass.mass": (3.0, 2.0)}}, "a range around"),
         ("mass-on-spring", {"effects": ["mass.gravity"]}, "an effect that is on"),
         ("link-split", {}, "iterative"),

@@ -48,7 +48,7 @@ def test_a_page_offers_what_the_table_says(no_modules):
         "algorithm": "jacobi",
     }
     assert "explore" not in offered["settings"]
-    with pytest.raises(BadInput, match=r"mass-on-spring: explore.presets.p.*did you mean 'mass.mass'"):
+    with pytest.raises(BadInput, match=r"mass-on-spring: explore.presets.p.*Did you mean 'mass.mass'"):
         content.content_of(scene(presets={"p": {"mass.mas": 1.0}}), None, parameters={})
     for table, words in (
         ({"parameters": {"mass.mass": {"from": 0.5, "to": "2 m"}}}, "explore.parameters.mass.mass.*2 m"),

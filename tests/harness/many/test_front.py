@@ -74,7 +74,7 @@ def test_a_front_that_still_grows_is_named():
 @pytest.mark.parametrize(
     ("settings", "named"),
     [
-        ({"minimise": ["f.total, end", "f.total, end"]}, "each once"),
+        ({"minimise": ["f.total, end", "f.total, end"]}, "each aim once"),
         ({"starts": 3}, "starts"),
         ({"method": "COBYQA"}, "'NSGA-II'"),
         ({"minimise": "f.total, end", "constraints": {}}, "population"),

@@ -76,14 +76,14 @@ def test_a_point_that_fails_is_nan_with_its_reason_and_the_next_one_is_whole(sce
 @pytest.mark.parametrize(
     ("parameters", "figures", "said"),
     [
-        (["spring.stifness"], [X], "'spring.stifness'; .*did you mean 'stiffness'"),
-        (["sprng.stiffness"], [X], "did you mean 'spring'"),
+        (["spring.stifness"], [X], "'spring.stifness', .*Did you mean 'stiffness'"),
+        (["sprng.stiffness"], [X], "Did you mean 'spring'"),
         (["spring.stiffness [s]"], [X], "a unit of the dimension of N/m"),
         (["mass.base_x"], [X], "a parameter that is a number, or an input that nothing drives"),
         (["spring.first_position_x"], [X], "expected a parameter, an input"),
         (["spring.stiffness", "spring.stiffness"], [X], "each name once"),
-        (["spring.stiffness"], ["mass.base_x, maxmum"], "did you mean 'maximum'"),
-        (["spring.stiffness"], ["mass.base_z, maximum"], "did you mean 'mass.base_y'"),
+        (["spring.stiffness"], ["mass.base_x, maxmum"], "Did you mean 'maximum'"),
+        (["spring.stiffness"], ["mass.base_z, maximum"], "Did you mean 'mass.base_y'"),
         (["spring.stiffness"], ["mass.maximum"], "expected a figure of summary.json"),
         ([], [X], "one or more of both"),
     ],
@@ -95,7 +95,7 @@ def test_a_wrong_name_is_one_message_at_once(scene, parameters, figures, said):
 
 def test_a_wrong_figure_of_a_system_is_found_by_one_run():
     scene = load_scene("en50318-2002").with_changes(WINDOW)
-    with pytest.raises(BadInput, match=r"did you mean 'pantograph.mean'"):
+    with pytest.raises(BadInput, match=r"Did you mean 'pantograph.mean'"):
         function(scene, ["pantograph.static_force"], ["pantograph.mena"])
 
 

@@ -142,8 +142,8 @@ def test_shipped_tables_name_functions_of_any_run():
 @pytest.mark.parametrize(
     ("plan", "named"),
     [
-        ({"limits": {"f.linear, maximal": {"high": 1.0}}}, "limits: 'f.linear, maximal'"),
-        ({"limits": {"linear": {"high": 1.0}}}, "limits: 'linear'"),  # a figure, of a scene whose system has none
+        ({"limits": {"f.linear, maximal": {"high": 1.0}}}, "limits: got 'f.linear, maximal'"),
+        ({"limits": {"linear": {"high": 1.0}}}, "limits: got 'linear'"),  # a figure, of a scene whose system has none
         ({"keep": {"quantities": ["f.linear, maximum below 1 Hz"]}}, "a run of more than"),
     ],
 )
@@ -159,7 +159,7 @@ def test_figures_of_a_system_are_known_from_the_first_run_on(tmp_path):
         {"stop_time": 0.3, "analysis": {"system": "railway", "window": [32.0, 40.0]}}
     )
     plan = {"vary": {"pantograph.static_force": [60.0, 70.0]}, "limits": {"pantograph.st": {"high": 1.0}}}
-    with pytest.raises(BadInput, match="did you mean 'pantograph\\.std'"):
+    with pytest.raises(BadInput, match="Did you mean 'pantograph\\.std'"):
         many.sweep(scene, plan, tmp_path, verify=False)
     plan["limits"] = {"pantograph.std": {"high": 1e6}}
     assert many.sweep(scene, plan, tmp_path, verify=False).computed == 1

@@ -95,7 +95,7 @@ def test_values_from_a_table_with_and_without_units(tmp_path):
     plan = plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
     assert [plan.values(i) for i in range(plan.size)] == [{"m.k": 1500.0, "m.m": 0.25}, {"m.k": 2000.0, "m.m": 1}]
     (tmp_path / "points.csv").write_text('"m.k, kg"\n1\n')
-    with pytest.raises(BadInput, match="unit 'kg'; expected a unit of the dimension of N/m"):
+    with pytest.raises(BadInput, match="unit 'kg', expected a unit of the dimension of N/m"):
         plan_of(SCENE, plan_settings(tmp_path / "plan.toml"))
 
 
@@ -183,7 +183,7 @@ def test_effects_presets_units_and_the_master_vary():
         ({"vary": {"m.effects.wear": [True]}}, "effect of m"),
         ({"vary": {"m.k": [1.0]}, "keep": {"interval": 0.1}}, "signals"),
         ({"vary": {"m.k": [1.0]}, "keep": {"functions": ["here"]}}, "module:function"),
-        ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: 3\.0; expected a table"),
+        ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: got 3\.0, expected a table"),
         ({"vary": {"m.k": [1.0]}, "sed": 3}, "'seed'"),
     ],
 )

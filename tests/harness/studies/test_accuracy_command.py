@@ -37,7 +37,7 @@ def test_a_component_alone_as_json(tmp_path, capsys):
         (["component:BallBering"], "BallBearing"),
         (["component:Wind"], "integrated"),
         (["mass-on-spring", "--budget", "0"], "more than 0 s"),
-        (["mass-on-spring", "--effects", "x"], "none for a scene"),
+        (["mass-on-spring", "--effects", "x"], "no effect for a scene"),
         (["component:PlanarLink", "--set", "mass"], "parameter=value"),
         (["component:PlanarLink", "--effects", "gravitty"], "gravity"),
     ],

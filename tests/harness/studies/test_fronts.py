@@ -205,7 +205,7 @@ def test_nothing_known_is_measured_first(cache, tmp_path, capsys, monkeypatch):
         (["--accuracy", "120%"], "at most 100 %"),
         (["--accuracy", "x"], "1% or 0.01"),
         (["--verify", "often"], "whole or full"),
-        (["--verify", "whole", "--no-verify"], "one of them"),
+        (["--verify", "whole", "--no-verify"], "exclude each other"),
     ],
 )
 def test_options_that_do_not_go_together(options, word, capsys):

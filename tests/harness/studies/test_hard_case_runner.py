@@ -117,7 +117,7 @@ def test_a_run_that_fails_is_a_verdict_with_its_reason():
 
 
 def test_a_component_that_does_not_exist_is_refused():
-    with pytest.raises(BadInput, match="did you mean 'TowCoupling'"):
+    with pytest.raises(BadInput, match="Did you mean 'TowCoupling'"):
         hard_cases(["TowCouplin"])
 
 
@@ -136,7 +136,7 @@ def test_command(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["stability", "--hard-cases", "TowCouplin"], "did you mean 'TowCoupling'"),
+        (["stability", "--hard-cases", "TowCouplin"], "Did you mean 'TowCoupling'"),
         (["stability", "--hard-cases", TOW, "--steps", "3"], "--steps"),
         (["stability"], "one scene"),
         (["stability", "mass-on-spring", "lumped-catenary"], "one scene"),

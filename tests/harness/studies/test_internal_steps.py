@@ -97,7 +97,7 @@ def test_each_effect_is_measured_with_what_it_needs():
 def test_what_cannot_be_measured_is_said():
     with pytest.raises(BadInput, match="no internal steps"):
         internal_steps("CompliantJoint")
-    with pytest.raises(BadInput, match="did you mean 'PlanarLink'"):
+    with pytest.raises(BadInput, match="Did you mean 'PlanarLink'"):
         internal_steps("PlanarLnk")
     refused = one("PlanarLink", ("pinned",), start_velocity_x=1.0)
     assert math.isnan(refused.longest)
@@ -137,7 +137,7 @@ def test_the_command_writes_table_and_page(tmp_path, capsys):
         (["component:PlanarLink", "--over", "a.b=1:2:3"], "--over"),
         (["component:PlanarLink", "--set", "mass"], "parameter=value"),
         (["mass-on-spring", "--effects", "gravity"], "--effects"),
-        (["mass-on-spring", "--algorithm", "jakobi"], "did you mean 'jacobi'"),
+        (["mass-on-spring", "--algorithm", "jakobi"], "Did you mean 'jacobi'"),
         (["double-pendulum"], "feeds back"),
     ],
 )

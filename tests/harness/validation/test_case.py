@@ -81,7 +81,7 @@ def test_a_row_that_no_question_measures_is_named():
     check_measured("t", (given,), {"std": 3.0})
     check_measured("t", (given,), {"20 Hz": {"std": 3.0}})
     for measured in ({"stdd": 3.0}, {"20 Hz": {"stdd": 3.0}, "std": 3.0}):
-        with pytest.raises(BadInput, match=r"table t, row 1: measure 'std' of condition '20 Hz'.* did you mean 'stdd'"):
+        with pytest.raises(BadInput, match=r"table t, row 1: got measure 'std' of condition '20 Hz'.* Did you mean 'stdd'"):
             check_measured("t", (given,), measured)
 
 

@@ -72,11 +72,11 @@ def test_a_range_is_that_of_the_row_and_a_table_has_its_numbers(result):
 @pytest.mark.parametrize(
     ("panel", "words"),
     [
-        ({"series": [{"run": "sofd", "signal": "a.x_out"}]}, "run 'sofd'; expected the label of a run. did you mean 'soft'"),
-        ({"run": "soft", "series": [{"signal": "a.x_ou"}]}, "'a.x_ou'; expected a recorded signal"),
-        ({"run": "soft", "series": [{"signal": "a.x_out", "scale": "kg"}]}, "'m' cannot become 'kg'"),
-        ({"series": [{"x": "t", "y": "wai"}]}, "'wai'; expected the name of something that the case measures"),
-        ({"limits": ["x.most"]}, "'x.most'; expected the measure of a row"),
+        ({"series": [{"run": "sofd", "signal": "a.x_out"}]}, "run 'sofd', expected the label of a run. Did you mean 'soft'"),
+        ({"run": "soft", "series": [{"signal": "a.x_ou"}]}, "'a.x_ou', expected a recorded signal"),
+        ({"run": "soft", "series": [{"signal": "a.x_out", "scale": "kg"}]}, "'m' for 'kg'"),
+        ({"series": [{"x": "t", "y": "wai"}]}, "'wai', expected the name of something that the case measures"),
+        ({"limits": ["x.most"]}, "'x.most', expected the measure of a row"),
     ],
 )
 def test_what_there_is_not_is_one_message(result, panel, words):
@@ -86,7 +86,7 @@ def test_what_there_is_not_is_one_message(result, panel, words):
 
 def test_a_sentence_shows_what_was_measured():
     assert with_numbers("From {a.1:.2f} to {b} m.", {"a.1": 1.234, "b": 2}) == "From 1.23 to 2 m."
-    with pytest.raises(BadInput, match=r"'c'; expected a number that the case measures"):
+    with pytest.raises(BadInput, match=r"'c', expected a number that the case measures"):
         with_numbers("{c}", {"a": 1.0})
 
 
@@ -107,7 +107,7 @@ def test_a_question_tells_and_shows_what_its_file_says():
 def test_a_chart_of_no_question_is_refused(tmp_path):
     text = 'title = "T"\ntext = "x"\n[[questions]]\nmeasure = "one"\n[[questions]]\nmeasure = "other"\n[[charts]]\ntitle = "C"\n'
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(BadInput, match=r"question ''; expected one of one, other"):
+    with pytest.raises(BadInput, match=r"question '', expected one of one, other"):
         read_shipped(tmp_path / "case.toml", "cosimo", "none", load_scene)
 
 
@@ -162,8 +162,8 @@ def test_a_case_of_one_s_own_measures_by_a_function_and_draws_several_runs(tmp_p
 def test_a_function_that_there_is_not_is_one_message(tmp_path):
     write_scene(read_scene(two_masses("jacobi", 1e-3, 2)), tmp_path / "masses.toml")
     (tmp_path / "case.toml").write_text(OWN, encoding="utf-8")
-    with pytest.raises(BadInput, match=r"measure: 'ends:measure'; expected module:function"):
+    with pytest.raises(BadInput, match=r"measure: got 'ends:measure', expected module:function"):
         validate([str(tmp_path / "case.toml")], tmp_path / "out")
     (tmp_path / "ends.py").write_text("def measures(runs): pass\n", encoding="utf-8")
-    with pytest.raises(BadInput, match=r"'measure'; expected a function of ends\. did you mean 'measures'"):
+    with pytest.raises(BadInput, match=r"'measure', expected a function of ends\. Did you mean 'measures'"):
         validate([str(tmp_path / "case.toml")], tmp_path / "out")

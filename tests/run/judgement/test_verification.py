@@ -350,7 +350,7 @@ def test_a_refinement_that_is_refused_is_named_and_the_other_errors_are_kept():
     found = both.info["verification"]
     assert (found["done"], found["signals"], found.get("parts")) == (True, plain["signals"], None)
     assert list(found["not_refined"]) == ["inner.tolerance"]
-    assert "tolerance = 1e-07; expected a value in [5e-07, inf]" in found["not_refined"]["inner.tolerance"]
+    assert "tolerance = 1e-07, expected a value in [5e-07, inf]" in found["not_refined"]["inner.tolerance"]
     assert "exclude the error due to inner.tolerance" in verification_text(found)
     assert sum("could not be refined" in text for text in both.info["warnings"]) == 1
 

@@ -89,7 +89,7 @@ def test_uris_that_leave_or_mean_something_else_are_refused(folder, kind, source
         "a/b/inner.ssd": document(inner),
         "u.fmu": (folder / "adder.fmu").read_bytes(),
     }
-    with pytest.raises(BadInput, match=r"inner.ssd:\d+: (source .* relative path|source .* FMU file beside|file )"):
+    with pytest.raises(BadInput, match=r"inner.ssd:\d+: got (source .* relative path|source .* FMU file beside|file )"):
         load_scene(saved(folder, kind, members))
 
 

@@ -123,20 +123,20 @@ def test_every_form_of_the_data_is_the_same_response(tmp_path, kind, power):
         ("frequency [Hz],real [m/N],imaginary [m/N]\n2,2,1\n1,3,1\n3,4,1\n4,5,1\n5,6,1", "rises"),
         (
             "frequency [Hz],real [m/N],imaginary [m/N]\n1,2,1\n2,3,x",
-            r"line 3, column 'imaginary \[m/N\]': 'x'; expected a number",
+            r"line 3, column 'imaginary \[m/N\]': got 'x', expected a number",
         ),
         ("frequency [Hz],real [m/N],imaginary [m/N]\n1,0,0\n2,3,1\n3,4,1\n4,5,1\n5,6,1", "logarithm"),
         (
             "frequency [Hz],magnitude [m/N],phase [turn]\n1,2,1\n2,3,1\n3,4,1\n4,5,1\n5,6,1",
-            r"column 'phase \[turn\]': unit 'turn'; expected .* rad, deg",
+            r"column 'phase \[turn\]': got unit 'turn', expected .* rad, deg",
         ),
-        ("frequency [rad/s],real [m/N],imaginary [m/N]\n1,2,1", "unit 'rad/s'; expected a unit of the dimension of Hz"),
+        ("frequency [rad/s],real [m/N],imaginary [m/N]\n1,2,1", "unit 'rad/s', expected a unit of the dimension of Hz"),
         ("frequency,real [m/N],imaginary [m/N]\n1,2,1", r"column 'frequency': no unit.*'frequency \[Hz\]'"),
         ("frequency [Hz],real [dB],imaginary [dB]\n1,2,1", "unit 'dB'"),
         ("frequency [Hz],magnitude [m/N],phase [deg]\n" + "".join(f"{k},-{k},0\n" for k in range(1, 6)), "levels in dB"),
         (
             "frequency [Hz],real [m/N],imaginary [m/N],deviation [1]\n" + "".join(f"{k},1,1,5\n" for k in range(1, 6)),
-            "from 5 to 5; expected relative",
+            "from 5 to 5, expected relative",
         ),
     ],
 )
