@@ -41,7 +41,7 @@ def test_the_earlier_name_is_told_the_new_one(name):
 @pytest.mark.parametrize("name", ["save", "report"])
 def test_a_result_goes_to_output_too(name, tmp_path):
     result = cosimo.run(cosimo.load_scene("mass-on-spring").with_changes({"stop_time": 0.01}), in_process=True)
-    with pytest.raises(BadInput, match=rf"cosimo.Result.{name}: directory = .*; expected output = "):
+    with pytest.raises(BadInput, match=rf"cosimo.Result.{name}: got directory = .*, expected output = "):
         getattr(result, name)(directory=tmp_path)
     assert getattr(result, name)(output=tmp_path).exists()
 

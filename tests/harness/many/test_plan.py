@@ -133,9 +133,9 @@ def test_ranges_and_lists_of_the_command_line(text, values):
 @pytest.mark.parametrize(
     ("texts", "message"),
     [
-        (["m.k=1,2", "m.c=3", "m.k=4:5:2"], "--over: m.k twice; expected each name once"),
-        (["m.k=1,2,1.0"], "--over: 'm.k=1,2,1.0', with 1.0 twice; expected each value once"),
-        (["m.k=1 m,2 m,1 m"], "--over: 'm.k=1 m,2 m,1 m', with 1 m twice; expected each value once"),
+        (["m.k=1,2", "m.c=3", "m.k=4:5:2"], "--over: got m.k twice, expected each name once"),
+        (["m.k=1,2,1.0"], "--over: got 'm.k=1,2,1.0', with 1.0 twice, expected each value once"),
+        (["m.k=1 m,2 m,1 m"], "--over: got 'm.k=1 m,2 m,1 m', with 1 m twice, expected each value once"),
     ],
 )
 def test_what_is_given_twice_is_refused(texts, message):
