@@ -64,7 +64,9 @@ def test_a_pipe_a_device_or_a_socket_is_refused_at_once(command, tmp_path, capsy
         listening.bind("socket.fmu")
         for place in ("pipe.toml", "socket.fmu", "/dev/zero"):
             assert exit_code(*command, place) == 2
-            assert capsys.readouterr().err == f"cosimo: {place!r}: got a pipe, a device or a socket, expected a file or a folder\n"
+            assert (
+                capsys.readouterr().err == f"cosimo: {place!r}: got a pipe, a device or a socket, expected a file or a folder\n"
+            )
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EACCES])
