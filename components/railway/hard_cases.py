@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..core.component import Component
 from ..core.hard_cases import (
     AtLeast,
@@ -31,7 +33,7 @@ GRADIENT = "[[sections]]\nspans = [50, 50, 50]\nsupports = [5.0, 5.0, {0}, {0}]\
 THREE_SPANS = {"spans": 3, "element": 1.0}
 
 
-def _slack(component: Component) -> float:
+def _slack(component: Any) -> float:
     """Number of droppers that are slack: the state ends with which are taut."""
     n = component.mesh.dropper.size
     return n - float(component.x[component.x.size - n :].sum())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ def _place(component: Component) -> np.ndarray:
     return np.array([component["displacement_x"], component["displacement_y"]])
 
 
-def _fall(component: Component) -> np.ndarray:
+def _fall(component: Any) -> np.ndarray:
     """Heights of all nodes, m, and what the shaft bends, rad."""
     return np.concatenate(
         (
