@@ -25,4 +25,4 @@ def typing_fault(error: Exception, arguments: Iterable[Any]) -> BadInput:
     unknown = _NAME.search(reason)
     known = sorted({field for kind in arguments for field in getattr(kind, "fields", ())})
     remedy = nearest(unknown[1] or unknown[2], known) if unknown and known else ""
-    return BadInput(where, reason.rstrip("."), "a kernel that Numba compiles", remedy)
+    return BadInput(where, f"Numba cannot compile this kernel: {reason.rstrip('.')}", "", remedy)

@@ -81,11 +81,11 @@ def first_sentence(text: str) -> str:
 # what commands are for, in the order of the help
 GROUPS = {
     "Simulate": ("run", "show", "list", "compare", "explore", "new"),
-    "Judge": ("validate", "accuracy", "stability", "effects"),
+    "Check": ("validate", "accuracy", "stability", "effects", "gradient"),
     "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design"),
-    "Give away": ("build", "check", "ssp"),
+    "Export": ("build", "check", "ssp"),
     "Railway": ("railway",),
-    "House-keeping": ("open", "cache", "schema"),
+    "Housekeeping": ("open", "cache", "schema"),
 }
 
 app = typer.Typer(cls=Commands, no_args_is_help=True, pretty_exceptions_enable=False, add_completion=True, rich_markup_mode=None)

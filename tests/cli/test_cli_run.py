@@ -119,7 +119,7 @@ def test_in_process_is_refused_where_it_would_have_no_effect(tmp_path, capsys):
     scene = tmp_path / "fmus.toml"
     scene.write_text(f'stop_time = 1.0\nunits.m.fmu = "{Path(fmu).name}"\nmaster.step = 0.1\n')
     assert exit_code("run", scene, "--in-process") == 2
-    assert "--in-process: a scene of FMUs only" in capsys.readouterr().err
+    assert "--in-process: no effect with a scene of FMUs only" in capsys.readouterr().err
 
 
 def test_dry_run_shows_the_settled_scene_and_its_limit(scene, capsys):

@@ -89,7 +89,7 @@ def test_a_fault_in_a_kernel_is_one_message_and_leaves_nothing(tmp_path, capsys,
     assert exit_code("run", str(tmp_path / "scene.toml"), "--in-process", "-o", str(tmp_path / "out")) == 2
     message = capsys.readouterr().err
     assert len(message.splitlines()) == 1
-    assert "misspelt_spring.py:19: Unknown attribute 'stifness'" in message
+    assert "misspelt_spring.py:19: Numba cannot compile this kernel: Unknown attribute 'stifness'" in message
     assert "Did you mean 'stiffness'" in message
     assert not (tmp_path / "out").exists()
 

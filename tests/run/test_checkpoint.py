@@ -243,7 +243,7 @@ def test_only_declared_fields_are_filled(field, tmp_path):
         content["master"][field] = {"__module__": "elsewhere"}
 
     rewritten(file, change)
-    with pytest.raises(BadInput, match=r"resume: content that does not fit the scene .*fields of a master are"):
+    with pytest.raises(BadInput, match=r"resume: got content that does not fit the scene .*fields of a master are"):
         run(oscillator(), resume=file)
     assert vars(Master) == before
 

@@ -100,8 +100,8 @@ def test_a_missing_compiler_is_one_message(monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
-    (["build", "PlanarLink", "--fmi", "3"], "none without --native"),
-    (["build", "PlanarLink", "--native", "--fmi", "1"], "--fmi: '1'"),
+    (["build", "PlanarLink", "--fmi", "3"], "no effect without --native"),
+    (["build", "PlanarLink", "--native", "--fmi", "1"], "--fmi: got '1'"),
     (["build", "PlanarLink", "--native", "--target", "linux46"], "Did you mean 'linux64'"),
     (["build", "PlanarLink", "--native", "--target", "linux-arm46"], "Did you mean 'linux-arm64'"),
     (["build", "PlanarLynk", "--native"], "PlanarLink"),

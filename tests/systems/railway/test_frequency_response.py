@@ -131,7 +131,7 @@ def test_every_form_of_the_data_is_the_same_response(tmp_path, kind, power):
             r"column 'phase \[turn\]': got unit 'turn', expected .* rad, deg",
         ),
         ("frequency [rad/s],real [m/N],imaginary [m/N]\n1,2,1", "unit 'rad/s', expected a unit of the dimension of Hz"),
-        ("frequency,real [m/N],imaginary [m/N]\n1,2,1", r"column 'frequency': no unit.*'frequency \[Hz\]'"),
+        ("frequency,real [m/N],imaginary [m/N]\n1,2,1", r"column 'frequency': got no unit.*'frequency \[Hz\]'"),
         ("frequency [Hz],real [dB],imaginary [dB]\n1,2,1", "unit 'dB'"),
         ("frequency [Hz],magnitude [m/N],phase [deg]\n" + "".join(f"{k},-{k},0\n" for k in range(1, 6)), "levels in dB"),
         (

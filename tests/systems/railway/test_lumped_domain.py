@@ -48,7 +48,7 @@ def test_lumped_and_distributed_agree_where_nothing_moves_quickly(tmp_path):
 def test_commands_refuse_what_they_cannot_use(capsys, tmp_path):
 
     for arguments, message in (
-        (("lumped", "en50318-2002", "--speeds", "5 km/h,x"), "--speeds: 'x'"),
+        (("lumped", "en50318-2002", "--speeds", "5 km/h,x"), "--speeds: got 'x'"),
         (("lumped", "en50318-2002", "--speeds", "160"), "160 km/h or 160 m/s?"),
         (("fit-pantograph", str(tmp_path / "none.csv")), "none.csv"),
         (("fit-pantograph", "x.csv", "--fix", "head_mass=heavy"), "head_mass"),
