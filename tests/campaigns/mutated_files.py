@@ -257,7 +257,7 @@ def faults(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
 
 
 KINDS = {f.__name__: f for f in (scenes, fmus, ssps, ssds, checkpoints, results, cases, curves, plans, responses, lines, faults)}
-ARCHIVES = {"fmus", "ssps", "checkpoints"}
+ARCHIVES = {"fmus", "ssps"}
 
 
 def work(kind: str, seed: int, first: int, count: int, folder: Path) -> None:
