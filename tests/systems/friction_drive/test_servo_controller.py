@@ -97,6 +97,18 @@ def test_a_run_that_begins_between_two_samples_takes_the_next_one():
     assert (made["feed_error"], made.work["samples"]) == (-1e-3, 1)
 
 
+@pytest.mark.parametrize("rounded", [-1.0, 1.0])
+def test_a_run_that_begins_at_a_sample_after_a_day_takes_it_once(rounded):
+    """The start is that instant but for the rounding of a time of 1e5 s, more than a millionth of a period."""
+    start = 1e5 + rounded * np.spacing(1e5)
+    made = controller(layout="orthogonal")
+    made.initialize(start)
+    made.step(start, 0.5e-3)
+    assert made.work["samples"] == 0
+    made.step(start + 0.5e-3, 1e-3)
+    assert made.work["samples"] == 1
+
+
 @pytest.mark.known_answers(ServoController="reference")
 def test_the_set_point_follows_its_table():
     table = {"reference.time": (1.0, 1.0, 2.0), "reference.feed": (0.0, 0.01, 0.03), "reference.rotation": (0.5, 0.5, -0.5)}

@@ -1,14 +1,18 @@
 """The contact between pantograph and wire against solutions that share no code: Fourier integrals, sine series, dispersion."""
 
+import math
+
 import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.contact import WireOnMesh, node_compliance
 from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
 from cosimo.tests.slopes import slope
 from numpy.polynomial import Polynomial
+from scipy.integrate import quad
 
 T, M = 20e3, 1.35  # N, kg/m, of the contact wire
 C = np.sqrt(T / M)
@@ -220,3 +224,18 @@ def test_sine_series_converges():
     coarse, middle, fine = history(1200, 1e-3), history(2400, 5e-4), history(4800, 5e-4)
     assert np.std(middle - fine) < 0.002 * fine.std()
     assert np.std(coarse - fine) < 0.008 * fine.std()
+
+
+def test_a_node_lacks_what_its_mesh_lacks_of_the_bent_wire():
+    """1 / (T q² + ...) over the waves of the mesh by another quadrature, less the wire's own sqrt(EI / T) / 2 T."""
+    wire = WireOnMesh(20e3, 1.35, 200.0, 0.5, 15.0, 200.0 * 0.25 / 6.0, 0.0, 0.0, 0.0, 0.0)
+
+    def lost(z):
+        q = 2.0 * math.sin(z) / wire.element
+        string = wire.tension * q**2
+        return 1.0 / string - 1.0 / (string + (wire.bending + wire.curvature) * q**4 + wire.gradient * q**6)
+
+    on_mesh = quad(lost, 0.0, 0.5 * math.pi)[0] / (0.5 * math.pi * wire.element)
+    bent = 0.5 * math.sqrt(wire.bending / wire.tension) / wire.tension
+    assert abs(on_mesh - bent) > 1e-3 * bent  # there is something to say
+    assert node_compliance(wire) == pytest.approx(on_mesh - bent, abs=1e-6 * bent)
