@@ -332,7 +332,7 @@ HARD_CASES = {
             parameters={"diametral_clearance": -5e-3},
         ),
         "touch-down": HardCase(
-            "A picometre around the first contact: K (1 pm)^1.5 = 1e-8 N, and from the damper 4e-4 N at 1 mm/s.",
+            "A picometre around the first contact: 1e-8 N of the contact, and 4e-4 N of the damper at 1 mm/s.",
             (AtMost("force_x", 1e-3),),
             effects=("damping",),
             parameters={"diametral_clearance": 2e-5},
