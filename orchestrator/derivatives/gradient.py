@@ -191,7 +191,7 @@ def _slopes(
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
-        along = _along(scene, base, {s: t[:, k] for s, t in recorded.items()}, figures, name, at[name])
+        along = _along(scene, base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
         for figure, (value, unit) in values.items():
             derivative, error, smooth = along[figure]
@@ -222,14 +222,19 @@ def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.
 
 
 def _along(
-    scene: Scene, base: Result, tangents: Mapping[str, np.ndarray], figures: Figures, name: str, at: float
+    scene: Scene,
+    base: Result,
+    tangents: Mapping[str, np.ndarray],
+    figures: Figures,
+    values: Mapping[str, Figure],
+    name: str,
+    at: float,
 ) -> dict[str, tuple[float, float, bool]]:
     """Of each figure its derivative along tangents of the signals, its error, and whether both sides agree."""
     shares = [
         np.max(np.abs(t)) / size for s, t in tangents.items() if (size := np.max(np.abs(base.columns[s]), initial=0.0)) > 0.0
     ]
     fastest = max(shares, default=0.0)
-    values = figures(base)
     if not np.isfinite(fastest):
         return dict.fromkeys(values, (nan, nan, False))
     step = ALONG / max(fastest, 1.0 / max(abs(at), 1.0))

@@ -72,6 +72,7 @@ class TangentScene:
             self._code = Compiled(self._texts(), WIDTH, without_ties=master)  # it looks whether numbers stand; that is no kink
         except Unsupported as error:
             raise BadInput(self._where, str(error), "instructions that have a derivative") from None
+        self._places = {name: cell for unit in layout.units for name, cell in self._places_of(unit).items()}
         self._initialize = self._code.entry("master_initialize_groups", 2)
         self._steps = self._code.entry("master_run_steps", 2)
 
@@ -93,14 +94,14 @@ class TangentScene:
     # -- directions --------------------------------------------------------------------------------------------------
     def parameters(self) -> list[str]:
         """Everything a derivative can be taken by: real parameters in use that are not structural, and inputs that nothing drives."""
-        return [f"{unit.name}.{name}" for unit in self.layout.units for name in self._places(unit)]
+        return list(self._places)
 
     def value(self, parameter: str) -> float:
         """Of a parameter in this scene."""
         return float(self._image.view(np.float64)[self._place_of(parameter)])
 
-    def _places(self, unit: PlacedUnit) -> dict[str, int]:
-        """Parameters of a unit, and their cells in the block."""
+    def _places_of(self, unit: PlacedUnit) -> dict[str, int]:
+        """Parameters of a unit, "unit.parameter", and their cells in the block."""
         component, places = unit.component, Places(unit.component)
         driven = {link.target[1] for link in unit.node.links}
         u = {name: places.u + k for k, name in enumerate(component.inputs) if name not in driven}
@@ -108,18 +109,17 @@ class TangentScene:
         numbers = {n: cell for n, cell in places.settable.items() if isinstance(component.parameters[n], float)}
         unused = component.unused(list(numbers))
         known = {n: c for n, c in (numbers | u).items() if n not in unused and not variables[n].structural}
-        return {n: unit.first + c for n, c in known.items() if np.isfinite(self._image.view(np.float64)[unit.first + c])}
+        finite = np.isfinite(self._image.view(np.float64))
+        return {f"{unit.name}.{n}": unit.first + c for n, c in known.items() if finite[unit.first + c]}
 
     def _place_of(self, parameter: str) -> int:
+        if parameter in self._places:
+            return self._places[parameter]
         for unit in self.layout.units:
-            if parameter.startswith(f"{unit.name}."):
-                name = parameter[len(unit.name) + 1 :]
-                known = self._places(unit)
-                if name in known:
-                    return known[name]
-                if (variable := type(unit.component).variables.get(name)) is not None:
-                    what = "structural" if variable.structural else "not a number in use, or driven"
-                    raise BadInput(f"{self._where}: {name}", what, "a real parameter that is not structural")
+            name = parameter.removeprefix(f"{unit.name}.")
+            if name != parameter and (variable := type(unit.component).variables.get(name)) is not None:
+                what = "structural" if variable.structural else "not a number in use, or driven"
+                raise BadInput(f"{self._where}: {name}", what, "a real parameter that is not structural")
         raise BadInput(self._where, repr(parameter), "a real parameter", nearest(parameter, self.parameters()))
 
     # -- the run -----------------------------------------------------------------------------------------------------

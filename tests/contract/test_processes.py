@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import pickle
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.kernels import COMPILED
+from cosimo.tests.commands import python
 from cosimo.tests.contract.configurations import FACTS, SMALL
 from cosimo.tests.short_run import ONE_A_SYSTEM
-
-ROOT = Path(__file__).resolve().parents[2]
 
 SHORT_RUNS = """
 import json, sys
@@ -48,20 +43,6 @@ for name in CATALOGUE:
     for way, effects in FACTS[name].other_ways:
         _, parameters, steps = FACTS[name].plain
         RUNS[f"{name}, {way}"] = (name, list(effects), {**parameters, **way}, steps)
-
-
-def python(source: str, *arguments: str, **environment: str) -> str:
-    """What a new process prints."""
-    done = subprocess.run(
-        [sys.executable, "-c", source, *arguments],
-        capture_output=True,
-        text=True,
-        cwd=ROOT,
-        timeout=1800,
-        env={**os.environ, **environment},
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
