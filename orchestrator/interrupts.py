@@ -34,10 +34,26 @@ def handled(handler: Callable[[int, object], None]) -> Iterator[None]:
             signal.signal(one, handler_before)
 
 
-def interrupt(number: int, frame: object) -> None:
-    """A handler that raises `Interrupted`; a second signal ends the process at once."""
-    at_once()
-    raise Interrupted(signal.Signals(number))
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """A signal raises `Interrupted` in here at any moment; a second one ends the process at once.
+
+    A library whose code is under way may make an exception of its own of it: that becomes `Interrupted` on its way out.
+    """
+    received: list[signal.Signals] = []
+
+    def interrupt(number: int, frame: object) -> None:
+        received.append(signal.Signals(number))
+        at_once()
+        raise Interrupted(received[0])
+
+    with handled(interrupt):
+        try:
+            yield
+        except (Exception, SystemExit):
+            if received:
+                raise Interrupted(received[0]) from None
+            raise
 
 
 def at_once() -> None:

@@ -10,12 +10,15 @@ cut so that the first gets the force f and the second, which owns the coupling s
 from __future__ import annotations
 
 import math
+import signal
+from typing import Annotated
 
 import numpy as np
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE, NOT_FINITE, hold_inputs
 from cosimo.components.core.variables import input_, output, parameter
+from pydantic import PlainSerializer, TypeAdapter
 from scipy.linalg import expm
 
 
@@ -180,6 +183,11 @@ def exact_two_masses(t: float) -> np.ndarray:
     k1, kc, k2, c = 10.0, 100.0, 1000.0, 0.01
     A = np.array([[0, 1, 0, 0], [-k1 - kc, -2 * c, kc, c], [0, 0, 0, 1], [kc, c, -k2 - kc, -2 * c]])
     return expm(A * t) @ np.array([0.0, 100.0, 0.0, -100.0])
+
+
+def signal_inside_a_library(number: int) -> None:
+    """A signal while code of a library is under way that makes an exception of its own of any other."""
+    TypeAdapter(Annotated[int, PlainSerializer(signal.raise_signal)]).dump_python(number)
 
 
 RPM = 2.0 * math.pi / 60.0

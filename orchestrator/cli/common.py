@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from ...components.core.errors import BadInput, nearest, pick, visible, visible_lines
-from ..interrupts import Interrupted, handled, interrupt
+from ..interrupts import Interrupted, interruptible
 from .options import listed, value_of
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            with handled(interrupt):
+            with interruptible():
                 value = super().invoke(ctx)
                 sys.stdout.flush()
                 return value

@@ -19,7 +19,7 @@ from ...components.catalogue import component_name
 from ...components.core import store
 from ...fmus.versions import version
 from ..code_digests import component_digest, components_digest
-from ..interrupts import Interrupted, handled, interrupt
+from ..interrupts import Interrupted, interruptible
 from ..output import UNFINISHED, locked
 from ..run.checkpoint import digest
 from ..scene.scene import Scene
@@ -106,11 +106,12 @@ def kept_study(directory: str | Path, *, resume: bool = False) -> Iterator[Path]
     Ctrl-C, SIGTERM and SIGHUP end it with `Stopped`. `resume`: pieces of an earlier call that did not end are used. Raises
     `BadInput` where another process writes into the directory.
     """
-    with locked(directory) as path, handled(interrupt):
+    with locked(directory) as path:
         journal = Journal(path / UNFINISHED / FOLDER, resume)
         token, done = _journal.set(journal), False
         try:
-            yield path
+            with interruptible():
+                yield path
             done = True
         except Interrupted as one:
             stopped = one if isinstance(one, Stopped) else Stopped(one.signal)

@@ -22,7 +22,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from .. import working_directory
-from ..interrupts import Interrupted
+from ..interrupts import Interrupted, interruptible
 from ..run.results import Result
 from ..run.run import run as run_once
 from ..scene.scene import Scene
@@ -129,7 +129,8 @@ def verified_result(
     begun, of_steps = process_time(), "auto" if wish == "steps" else wish
     whole = replace(result, scene=_with_whole_paths(result.scene))
     try:
-        with working_directory.of_its_own(any(unit.fmu for unit in result.scene.units.values())):  # the first run's files stay
+        foreign = any(unit.fmu for unit in result.scene.units.values())
+        with interruptible(), working_directory.of_its_own(foreign):  # the first run's files stay
             if windows is not None and (windows.result or windows.why):
                 verification = _of_windows(result.scene, windows)
             else:

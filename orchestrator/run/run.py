@@ -104,8 +104,8 @@ def run(
         try:
             current.prepare()
             current.observe(checkpoint_every, checkpoint_to, past)
-        except BadInput:
-            current.interrupted()  # processes that build or hold an FMU get the signal, too
+        except Exception:
+            current.interrupted()  # processes that build or hold an FMU get the signal, too, and a library may rename it
             raise
         current.execute(past)
         return current.conclude(past)
@@ -370,7 +370,9 @@ class Run:
             try:
                 if self._wish.needed(info["counters"]["work"]):
                     self._answer(self._wish)
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, Exception):
+                if not self._interrupt.wanted:
+                    raise
                 self._stopped()
                 self.message += ", while windows of the run were repeated; the run itself is whole"
                 info |= {"outcome": self.outcome, "message": self.message, "signal": self._signal.name}

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
-from cosimo.orchestrator.interrupts import STOPPING
+from cosimo.orchestrator.interrupts import STOPPING, Interrupted
 from cosimo.orchestrator.run import progress
-from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.run.run import Run, run
 from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, covering_scenes
-from cosimo.tests.support import Linear, OfTime, Probe, two_masses
+from cosimo.tests.support import Linear, OfTime, Probe, signal_inside_a_library, two_masses
 from numba.core import event
 
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1}}
@@ -115,6 +115,13 @@ def test_a_signal_takes_effect_after_the_step_and_keeps_what_was_computed(number
     assert result.info["signal"] == number.name
     assert len(result.time) == 6
     assert [signal.getsignal(one) for one in STOPPING] == handlers
+
+
+def test_a_signal_in_a_library_s_code_at_the_start_is_no_failure_of_that_library(monkeypatch):
+    monkeypatch.setattr(Run, "prepare", lambda self: signal_inside_a_library(signal.SIGINT))
+    with pytest.raises(Interrupted) as stopped:
+        run(read_scene(PROBE))
+    assert stopped.value.signal == signal.SIGINT
 
 
 def test_a_study_stops_with_its_run(monkeypatch):

@@ -10,7 +10,7 @@ from typing import Unpack
 
 import numpy as np
 
-from ...interrupts import Interrupted
+from ...interrupts import Interrupted, interruptible
 from ...scene.names import place_of
 from ...scene.scene import Scene
 from ...settings.answers import RangeSettings
@@ -57,7 +57,8 @@ def evaluations(
     with points_directory(directory, "cosimo-search-") as folder, computing:
         runs = Evaluations(scene, vary, task, computing, folder, directory is not None)
         try:
-            yield runs
+            with interruptible():
+                yield runs
         except Interrupted as one:  # also between two runs, where the search itself is at work
             raise runs.stopped(one.signal) from None
 

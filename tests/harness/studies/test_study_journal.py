@@ -20,7 +20,7 @@ from cosimo.orchestrator.harness.studies.stability import stability
 from cosimo.orchestrator.output import UNFINISHED
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.tests.support import two_masses
+from cosimo.tests.support import signal_inside_a_library, two_masses
 
 KILL = 9
 PATIENCE = 120.0  # s until a busy machine must have kept a piece
@@ -142,16 +142,17 @@ def test_a_damaged_or_foreign_piece_is_computed_again(tmp_path):
     assert len(computed) == 5
 
 
-def hold(folder, number=None):
+def hold(folder, number=None, come=signal.raise_signal):
     with kept_study(folder):
         if number is not None:
-            signal.raise_signal(number)
+            come(number)
 
 
+@pytest.mark.parametrize("come", [signal.raise_signal, signal_inside_a_library])
 @pytest.mark.parametrize("number", ENDS)
-def test_each_signal_that_ends_a_process_stops_a_study(number, tmp_path):
+def test_each_signal_that_ends_a_process_stops_a_study(number, come, tmp_path):
     with pytest.raises(Stopped) as stopped:
-        hold(tmp_path, number)
+        hold(tmp_path, number, come)
     assert (stopped.value.signal, stopped.value.kept) == (number, 0)
 
 
