@@ -124,6 +124,14 @@ class Block:
         """The first cell of the field at a path, such as ("p", "mass")."""
         return self._leaves[path].cell
 
+    def name(self, cell: int) -> str:
+        """Of a cell: the field that it belongs to, and its place in it, such as "x[3]"."""
+        for path, leaf in self._leaves.items():
+            size = max(1, prod(leaf.shape) * leaf.itemsize // CELL)
+            if leaf.kind != "none" and leaf.cell <= cell < leaf.cell + size:
+                return ".".join(map(str, path[1:])) + (f"[{cell - leaf.cell}]" if leaf.kind == "array" else "")
+        return f"cell {cell}"
+
     def write(self, path: tuple[str | int, ...], value: Any) -> Any:
         """Put numbers where they belong; returns them as kernels get them, arrays as views."""
         if isinstance(value, tuple):

@@ -18,6 +18,7 @@ from ...fmus.derivatives.compiled import Arena, Compiled
 from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
+from ..engine.algorithms import Master
 from ..engine.algorithms.records import GIVEN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
@@ -60,12 +61,15 @@ class TangentScene:
         self._refuse(stepped_in_python(scene, self.master))
         self.layout = layout = Layout.of(scene, self.master, changes=False)
         self.signals = list(self.master.positions)
+        self._first_signal = layout.at + self.master.records.block.cell("s", "signals")
         self._image, self._addresses = layout.image()
         memory = self.master.records.memory
         numbers = self._image.view(np.float64)
-        numbers[[self._cell("units", k, "stop") for k in range(memory.units.size)]] = scene.stop_time
+        self._ends = [self._cell("units", k, "stop") for k in range(memory.units.size)]
+        self._changes = [self._cell("links", k, "change") for k in range(memory.links.size)]
+        numbers[self._ends] = scene.stop_time
         if follow:
-            numbers[[self._cell("links", k, "change") for k in range(memory.links.size)]] = -np.inf
+            numbers[self._changes] = -np.inf
         self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), WIDTH)
         try:
             master = [compile_entries(source) for source in layout.sources if source.prefix == "master"]
@@ -133,39 +137,67 @@ class TangentScene:
         )
 
     def _pass(self, seeds: Sequence[int]) -> Rows:
-        n, arena, scene = self.layout.cells, self._arena, self.scene
-        self._begin(seeds)
-        first = self.layout.at + self.master.records.block.cell("s", "signals")
+        arena, scene = self._arena, self.scene
+        self.start(seeds)
         S, start = len(self.signals), scene.start_time
-        self._call(self._initialize, start, 0.0)
-        arena.cells[[self._cell("units", k, "time") for k in range(self.master.records.memory.units.size)]] = start
-        self._ask("push", whole=0, steps=1)
-        self._call(self._steps, start, 0.0)
-        shown = slice(first, first + S)
+        shown = slice(self._first_signal, self._first_signal + S)
         times, values, tangents = [np.array([start])], [arena.cells[None, shown].copy()], [arena.tangents[None, shown].copy()]
         end, tick = self._clock.tick(scene.stop_time), 0
         for length, count in lengths(0, end, self._clock.ticks(scene.master.step), last=True):
+            h = self._clock.times(range(length, length + 1))[0] - self._clock.time(0)
             for done in range(0, count, CHUNK):
                 steps = min(CHUNK, count - done)
                 at = self._clock.times(range(tick, tick + (steps + 1) * length, length))
-                rows, given, begins = 2 * n, 2 * n + CHUNK * S, arena.cells.size - self._room
-                arena.cells[begins : begins + steps] = at[:-1]
-                addresses = {"rows": rows, "given": given, "times": begins}
-                self._ask("step", whole=1, steps=steps, **{k: arena.address + CELL * v for k, v in addresses.items()})
-                self._call(self._steps, 0.0, self._clock.times(range(length, length + 1))[0] - self._clock.time(0))
-                some = slice(rows, rows + steps * S)
+                some = self.take_steps(at[:-1], h)
                 times.append(at[1:])
                 values.append(arena.cells[some].reshape(steps, S).copy())
                 tangents.append(arena.tangents[some].reshape(steps, S, WIDTH).copy())
                 tick += steps * length
-        bits = int(arena.ties[0])
-        at_tie = [any(bits >> k & 1 for k in range(direction, 64, WIDTH)) for direction in range(len(seeds))]
         return Rows(
             np.concatenate(times),
             np.concatenate(values),
             np.concatenate(tangents)[:, :, : len(seeds)],
-            np.array(at_tie, dtype=bool),
+            self.at_tie()[: len(seeds)],
         )
+
+    # -- what is done with the block ---------------------------------------------------------------------------------
+    def start(self, seeds: Sequence[int] = ()) -> None:
+        """Initialize the units at the scene's start; seeds: of each direction the cell that is moved by it."""
+        self._begin(seeds)
+        start = self.scene.start_time
+        self._call(self._initialize, start, 0.0)
+        self._arena.cells[[self._cell("units", k, "time") for k in range(self.master.records.memory.units.size)]] = start
+        self._ask("push", whole=0, steps=1)
+        self._call(self._steps, start, 0.0)
+
+    def take(self, master: Master) -> None:
+        """The block as units and master of another opening of the scene stand."""
+        self._begin(())
+        cells, own = self._arena.cells, [*self._ends, *self._changes, *(cell for cell, _, _ in self._addresses)]
+        kept = cells[own].copy()
+        blocks = [(u.first, master.node_of[u.name].unit.component.block) for u in self.layout.units]  # type: ignore[attr-defined]
+        for first, block in (*blocks, (self.layout.at, master.records.block)):
+            cells[first : first + block.cells] = block.memory
+        cells[own] = kept
+
+    def end_at(self, t: float) -> None:
+        """The run now ends at a time, s, to which units with a rate of their own take a shorter last step."""
+        self._arena.cells[self._ends] = t
+
+    def take_steps(self, times: np.ndarray, h: float) -> slice:
+        """Macro steps of length h from each of at most `CHUNK` times, s; returns cells of the signals behind each, one by one."""
+        n, arena, steps = self.layout.cells, self._arena, times.size
+        rows, given, begins = 2 * n, 2 * n + CHUNK * len(self.signals), arena.cells.size - self._room
+        arena.cells[begins : begins + steps] = times
+        addresses = {"rows": rows, "given": given, "times": begins}
+        self._ask("step", whole=1, steps=steps, **{k: arena.address + CELL * v for k, v in addresses.items()})
+        self._call(self._steps, 0.0, h)
+        return slice(rows, rows + steps * len(self.signals))
+
+    def at_tie(self) -> np.ndarray:
+        """Of each direction whether a decision has stood at its boundary, (WIDTH,)."""
+        bits = int(self._arena.ties[0])
+        return np.array([any(bits >> k & 1 for k in range(direction, 64, WIDTH)) for direction in range(WIDTH)], dtype=bool)
 
     @property
     def _room(self) -> int:
