@@ -1,7 +1,5 @@
 """Commands as tests give them: within this process by their exit code, or as processes of their own."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 Numba takes seconds over each combination of effects. Many short runs take plain Python less than the compiler.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

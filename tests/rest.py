@@ -1,7 +1,5 @@
 """Counts of files, threads and processes: what has just ended may still be counted for a moment, longer on a busy machine."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from time import monotonic, sleep
 from typing import TypeVar

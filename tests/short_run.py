@@ -1,7 +1,5 @@
 """What the short run takes of long lists, the rest of which is marked `full`, and what the complete run takes of all scenes."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Orders of convergence, as measured."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ The units are the halves of two masses between springs and dampers,
 cut so that the first gets the force f and the second, which owns the coupling spring, the motion of the first.
 """
 
-from __future__ import annotations
-
 import math
 import signal
 from typing import Annotated

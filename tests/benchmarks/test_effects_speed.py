@@ -1,7 +1,5 @@
 """What an effect costs while it is off: components against themselves with the source of every effect cut out."""
 
-from __future__ import annotations
-
 import time
 from statistics import median
 

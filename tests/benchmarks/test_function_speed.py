@@ -7,9 +7,8 @@ from statistics import median
 from time import thread_time
 
 import pytest
+from cosimo import function, load_scene
 from cosimo.orchestrator.session.session import Session
-from cosimo.orchestrator.systems import load_scene
-from cosimo.orchestrator.systems.many import function
 
 POINTS = [
     ("en50318-2002", "pantograph.static_force", "pantograph.contact_force, maximum", 1.15),

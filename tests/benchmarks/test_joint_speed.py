@@ -1,7 +1,5 @@
 """Double pendulum and gimbal against SciPy's DOP853 on the same equations in Python, both at an error of 1e-9."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -1,8 +1,6 @@
 """How long a user waits before anything happens: `import cosimo` and `cosimo --help`, beside a bare interpreter; and what a
 process takes for a very short run of a scene whose kernels are compiled already."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -8,8 +8,6 @@ never killed. builds: three processes at once with an empty cache. foreign: C FM
 it and in a sandbox, `count` times each. Prints what it has seen as JSON; exit code 1 where there are findings.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -10,8 +10,6 @@ written outside of the campaign's folder and the cache, and a changed checkpoint
 by kind, seed and number.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import json

@@ -1,14 +1,11 @@
 """The endurance runs, in small: `python -m cosimo.tests.campaigns.endurance` makes the large ones."""
 
-from __future__ import annotations
-
 import json
 import os
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_result, read_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.tests.campaigns import endurance
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.test_sandbox import needs_bubblewrap

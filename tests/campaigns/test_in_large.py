@@ -1,7 +1,5 @@
 """What the tests try of few, tried of many: runs of components, every effect of every component as WebAssembly."""
 
-from __future__ import annotations
-
 import pytest
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.fmus.native.test_wasm32 import as_in_process, every_effect

@@ -1,7 +1,5 @@
 """The hunt itself: what it calls right, said and missed; and a sample of its runs."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, replace
 

@@ -4,11 +4,10 @@ import json
 from importlib.metadata import version
 
 import pytest
+from cosimo import BadInput, load_scene
 from cosimo.components.catalogue import CATALOGUE
-from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.common import change, scene_of, with_presets
 from cosimo.orchestrator.cli.options import parameters_of, preset_of
-from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.commands import exit_code
 
 SCENE = """

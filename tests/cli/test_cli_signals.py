@@ -1,7 +1,5 @@
 """A signal at named moments of `cosimo run`: the exit code, the outcome and the rows that are kept. No moment depends on the clock."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """A run that is stopped from outside: exit code, and what it keeps. It goes on from its checkpoint: see `test_checkpoint`."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

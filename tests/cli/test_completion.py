@@ -1,7 +1,5 @@
 """What a shell completes, through the scripts of Typer."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """`cosimo new component`: what it writes is whole, and keeps what it promises in a fresh folder."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -9,8 +7,7 @@ from pathlib import Path
 
 import cosimo
 import pytest
-from cosimo.components.catalogue import component_class
-from cosimo.orchestrator.systems import load_scene
+from cosimo import component_class, load_scene
 from cosimo.tests.commands import exit_code
 
 ROOT = Path(cosimo.__file__).parents[1]

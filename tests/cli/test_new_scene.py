@@ -1,7 +1,5 @@
 """`cosimo new line, scene, case, table`: from files of a crew and of a measurement to a judged report, without copied connections."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A user's own folders `components`, `fmus`, `orchestrator` and `tests` lie in the working directory and on PYTHONPATH."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

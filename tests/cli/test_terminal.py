@@ -1,7 +1,5 @@
 """What a user at a terminal meets: grouped help, whole names, a closed pipe, a fault in a kernel of their own, nothing left behind."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal

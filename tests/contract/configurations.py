@@ -1,7 +1,5 @@
 """What the contract tests run over: every component of the catalogue in every configuration of its effects."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import islice

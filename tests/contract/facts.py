@@ -1,7 +1,5 @@
 """What the contract tests need to know of a component beyond its declaration: `facts.py` of its system, an entry for each."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module

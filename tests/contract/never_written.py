@@ -1,7 +1,5 @@
 """Components as if their effects had never been written: kernels whose source has no branch of an effect any more."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import textwrap

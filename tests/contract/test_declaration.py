@@ -1,7 +1,5 @@
 """What a component declares: names, units, descriptions, limits, presets."""
 
-from __future__ import annotations
-
 import math
 import re
 

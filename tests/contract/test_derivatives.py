@@ -1,7 +1,5 @@
 """Exact derivatives of every component against differences, and the numbers beside them against those of a run."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any

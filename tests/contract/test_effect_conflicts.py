@@ -1,14 +1,11 @@
 """What an effect needs and what it excludes is refused by name, in a component and in a scene."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
+from cosimo import BadInput, read_scene
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import Causality
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.contract.configurations import with_required
 
 NEEDS = [(c, e, other) for c in CATALOGUE for e, effect in component_class(c).effects.items() for other in effect.requires]

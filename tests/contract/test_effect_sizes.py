@@ -1,7 +1,5 @@
 """Effects of known size and sign whose closed form stands nowhere else; the marker `known_answers` finds all."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

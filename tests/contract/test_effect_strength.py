@@ -1,7 +1,5 @@
 """An effect whose strength goes to zero tends to the effect being off, in proportion to its strength."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

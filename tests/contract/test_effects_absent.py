@@ -1,7 +1,5 @@
 """An effect that is off is absent: no state, no variable, no trace in the result."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class

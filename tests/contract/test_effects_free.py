@@ -1,7 +1,5 @@
 """An effect that is off costs nothing: no call, no state, no bit of the result, no instruction of the machine code."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from pathlib import Path

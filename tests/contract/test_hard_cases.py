@@ -4,8 +4,6 @@ The catalogue runs in plain Python; tests/contract/test_plain_python.py starts t
 without effects runs as machine code.
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest

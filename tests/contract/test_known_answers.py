@@ -3,8 +3,6 @@
 The marker `known_answers` of a test says so: `@pytest.mark.known_answers(Component="effect", Other=("effect", "another"))`.
 """
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What runs without the compiler only: the contract, the study of effects, every component and scene as FMUs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

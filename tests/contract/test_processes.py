@@ -1,7 +1,5 @@
 """What only shows in a process of its own: the kernels' cache on disk, and the same source without Numba."""
 
-from __future__ import annotations
-
 import json
 import pickle
 

@@ -1,12 +1,8 @@
 """A run that leaves the range of a model says which input did it, its value, and the range."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from cosimo.components.catalogue import component_class
-from cosimo.components.core.component import Component
-from cosimo.components.core.errors import StepFailed
+from cosimo import Component, StepFailed, component_class
 from cosimo.tests.contract.configurations import in_plain_python
 
 SHORT_LINE = {"spans": 2, "element": 2.0, "substep": 1e-4}

@@ -3,13 +3,10 @@
 Refusals that are as sharp as what is accepted beside them are hard cases of the component.
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest
-from cosimo.components.catalogue import component_class
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, component_class
 from cosimo.tests.contract.configurations import in_plain_python
 
 RK4 = "limit of RK4"

@@ -1,15 +1,11 @@
 """What every configuration of every component keeps: initialization, steps, saved states, outputs, counters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.component import Component
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, Component, OdeComponent
 from cosimo.components.core.high_order import STAGES
-from cosimo.components.core.integrators import OdeComponent
 from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import CONFIGURATIONS, EVERYTHING_ON, bits, excite, slope_inputs, span
 from cosimo.tests.short_run import ONE_A_SYSTEM

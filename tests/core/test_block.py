@@ -1,7 +1,5 @@
 """Functions that call a kernel on its block: kept on disk for other processes, and made anew where they are damaged."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import llvmlite.binding as llvm

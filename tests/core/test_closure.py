@@ -1,7 +1,5 @@
 """What sources import, kept on disk: found by contents, healed where damaged, complete where two processes write."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Elastic stops: torque and depth on both sides, no pull, work over a stroke."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.core.contact import stop_depth, stop_torque

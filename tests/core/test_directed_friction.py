@@ -1,7 +1,5 @@
 """Exact dry friction with a level for each direction, against friction of equal levels and a constant force."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.core.friction import (

@@ -1,7 +1,5 @@
 """Runge-Kutta with events: a bouncing ball and dry friction against their closed forms, order, several events in a substep."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

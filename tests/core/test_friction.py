@@ -1,7 +1,5 @@
 """Dry friction: the laws at constant rate, and a block on a spring that is pulled, against closed form and reference run."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

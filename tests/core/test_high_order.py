@@ -1,17 +1,14 @@
 """The method of order eight: its coefficients, its order on motions with a closed form, its limit, inputs that move."""
 
-from __future__ import annotations
-
 import math
 import types
 
 import numpy as np
 import pytest
+from cosimo import DONE, BadInput
 from cosimo.components.core import high_order
-from cosimo.components.core.errors import BadInput
 from cosimo.components.core.high_order import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_step
 from cosimo.components.core.high_order import RK8_STABILITY_RADIUS as STABILITY_RADIUS
-from cosimo.components.core.kernels import DONE
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.gimbal import GimbalBody

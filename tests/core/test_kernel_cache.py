@@ -1,7 +1,5 @@
 """Machine code on disk: found by a second process, renewed by an edit in an inlined file and nothing else, healed if damaged."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

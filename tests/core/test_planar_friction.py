@@ -1,7 +1,5 @@
 """Friction in the plane of contact: laws at constant slip, against the scalar ones, and a block that is pulled at an angle."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """The linearly implicit method: its order, its stability, its invariants."""
 
-from __future__ import annotations
-
 import math
 from collections import namedtuple
 

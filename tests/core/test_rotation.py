@@ -1,7 +1,5 @@
 """Attitude against SciPy's rotations, at any norm, and near the vertical."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

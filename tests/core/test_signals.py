@@ -1,13 +1,10 @@
 """Tables over time as components: values between rows, jumps, ends, and a search that goes on where it was."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo import BadInput
-from cosimo.components.core.errors import StepFailed
+from cosimo import BadInput, StepFailed
 from cosimo.components.core.signals import row_of, signals_class
 from scipy.interpolate import PchipInterpolator
 

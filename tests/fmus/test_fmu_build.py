@@ -6,10 +6,9 @@ import xml.etree.ElementTree as ET
 import zipfile
 
 import pytest
+from cosimo import BadInput, check
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import build, built, sources
-from cosimo.fmus.check import check
 from cosimo.fmus.description import RELEASED, initial_dependencies
 from cosimo.fmus.loader import same_sources, stable_copy
 from cosimo.tests.short_run import ONE_A_SYSTEM, full_but

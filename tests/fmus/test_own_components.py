@@ -1,18 +1,14 @@
 """A component of one's own: declared with mistakes, packed as an FMU, run by its name wherever a name goes."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import zipfile
 
 import pytest
-from cosimo.components.catalogue import component_class
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, build_scene, component_class, load_scene
 from cosimo.fmus.build import build
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
-from cosimo.orchestrator.systems import build_scene, load_scene
 
 HELPER = "TWO = 2.0\n"
 SPRING = '''

@@ -1,7 +1,5 @@
 """Hard cases of pantograph and catenary together: near the wave speed, past the coupling's limit, off the wire's end."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

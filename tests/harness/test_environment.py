@@ -1,14 +1,11 @@
 """A scene as an environment of Gymnasium: its checker is content, its steps are those of a session, failures end an episode."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, gym, load_scene
 from cosimo.orchestrator.session.session import Session
-from cosimo.orchestrator.systems import gym, load_scene
 
 pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env

@@ -5,8 +5,8 @@ import signal
 
 import numpy as np
 import pytest
+from cosimo import BadInput, read_scene
 from cosimo.components.core.component import Component
-from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
@@ -14,7 +14,6 @@ from cosimo.orchestrator.harness.many import point_runs
 from cosimo.orchestrator.harness.sweep import points, sweep
 from cosimo.orchestrator.interrupts import STOPPING
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_scene
 
 MASS = {
     "stop_time": 2.0,

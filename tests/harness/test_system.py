@@ -1,7 +1,5 @@
 """A system whose folder has a part of what a system may have, and a list that names one that is not there."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

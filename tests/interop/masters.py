@@ -4,8 +4,6 @@
 asked for, by this variable or by being installed, and cannot be imported is a failure; one that nobody installed is skipped.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

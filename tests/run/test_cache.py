@@ -1,7 +1,5 @@
 """What is kept heals, moves and can be cleared; where nothing can be written, runs work all the same."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -5,12 +5,11 @@ import signal
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.engine.algorithms.master import Master
 from cosimo.orchestrator.run.checkpoint import check_wish
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units import Interface
 from cosimo.orchestrator.verified_file import verified_bytes, verified_content
 from cosimo.tests.engine.algorithms.bonded import bonded

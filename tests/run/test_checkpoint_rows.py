@@ -1,19 +1,16 @@
 """Checkpoints of runs with a result directory: they refer to its rows, and grow with nothing."""
 
-from __future__ import annotations
-
 import random
 import shutil
 from time import monotonic, sleep
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_result, read_scene
 from cosimo.orchestrator.output import UNFINISHED
 from cosimo.orchestrator.run import recording
 from cosimo.orchestrator.run.rows import Rows
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.run.test_checkpoint import SCENES, oscillator, same
 from cosimo.tests.run.test_result_files import PATIENCE, posix, started
 from cosimo.tests.support import two_masses

@@ -7,13 +7,12 @@ import shutil
 import fmpy
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_scene
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.judgement import advise
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.settings import UnitSettings
-from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.commands import exit_code
 from cosimo.tests.slopes import orders

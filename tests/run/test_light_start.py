@@ -1,7 +1,5 @@
 """What a short run loads: what it does not need comes when it is needed."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Results are written as they come: what is left after kills, full disks and limits of memory, and who may write where."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -16,13 +14,12 @@ from time import monotonic, sleep
 import cosimo
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_result, read_scene
 from cosimo.orchestrator import output
 from cosimo.orchestrator.output import UNFINISHED, locked
 from cosimo.orchestrator.run import recording, results
 from cosimo.orchestrator.run.rows import Rows
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.support import Oscillator, two_masses
 
 PATIENCE = 120.0  # s until a busy machine must have written a chunk

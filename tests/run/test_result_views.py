@@ -1,16 +1,13 @@
 """A result in a notebook, as data of other libraries, and as a figure."""
 
-from __future__ import annotations
-
 import json
 import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_result, read_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_result, read_scene
 from cosimo.orchestrator.views.html import HEIGHT, sparkline
 from cosimo.tests.support import two_masses
 

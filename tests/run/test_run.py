@@ -8,13 +8,12 @@ from time import perf_counter, sleep
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene, write_report
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.interrupts import STOPPING, Interrupted
 from cosimo.orchestrator.run import progress
 from cosimo.orchestrator.run.run import Run, run
 from cosimo.orchestrator.scene import scene as checked
-from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, covering_scenes

@@ -1,7 +1,5 @@
 """One form for numbers, texts and arrays as bytes: what comes back is what was given, and nothing else is written."""
 
-from __future__ import annotations
-
 import hashlib
 from dataclasses import dataclass
 

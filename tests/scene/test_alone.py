@@ -1,7 +1,5 @@
 """What `run` and `load_scene` take beside scenes: names, paths, an FMU alone; and modules that lie beside a scene."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

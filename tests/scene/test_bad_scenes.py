@@ -9,9 +9,8 @@ import warnings
 from pathlib import Path
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_scene
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

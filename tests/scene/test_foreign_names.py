@@ -4,14 +4,12 @@ import json
 from xml.sax.saxutils import quoteattr
 
 import pytest
+from cosimo import BadInput, load_scene, read_result, read_scene, write_scene
 from cosimo.components.core.columns import read_table
-from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli.common import changes_of
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
 from cosimo.orchestrator.settings.names import connection, readings, split_name
-from cosimo.orchestrator.systems import load_scene, read_result, read_scene
 from cosimo.tests.units.native import native_fmu
 
 FIXED, GIVES, TAKES = "Float64_fixed_parameter", "Float64_continuous_output", "Float64_continuous_input"

@@ -1,11 +1,10 @@
 """Units of measure of foreign FMUs: differences, pairs that nothing converts, whole arrays, maps of values."""
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator.cli.common import changes_of
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write as write_ssp
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.units.native import native_fmu
 
 TAKES, GIVES, FIXED = "Float64_continuous_input", "Float64_continuous_output", "Float64_fixed_parameter"

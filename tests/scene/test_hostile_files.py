@@ -1,7 +1,5 @@
 """Files made to do harm, or damaged: one message with file and place, limits with their numbers, before memory is taken."""
 
-from __future__ import annotations
-
 import io
 import json
 import random
@@ -11,12 +9,11 @@ import zipfile
 from types import SimpleNamespace
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator import loading
 from cosimo.orchestrator.engine.coupling.connections import _transformation
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.units_of_measure import Measure, named
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.fmu import _measures
 from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.support import Probe

@@ -1,7 +1,5 @@
 """The campaign of mutated files, in small: `python -m cosimo.tests.campaigns.mutated_files` is the large one."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

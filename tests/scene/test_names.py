@@ -1,12 +1,11 @@
 """What a dotted name means: the same in changes, on the command line, in plans and in sessions."""
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.components.core.variables import parameter
 from cosimo.orchestrator.cli.common import changes_of
 from cosimo.orchestrator.scene.names import Place, measure_of, place_of, variable_of
 from cosimo.orchestrator.session.session import Session
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Probe
 
 RAILWAY = load_scene("en50318-2002")

@@ -1,7 +1,5 @@
 """Ports that are joined stand for connections of their members; what cannot be joined is refused with what there is."""
 
-from __future__ import annotations
-
 import pytest
 from cosimo import BadInput, load_scene, read_result, read_scene, run, summary
 from cosimo.orchestrator.systems.railway.records import passages

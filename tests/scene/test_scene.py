@@ -6,13 +6,12 @@ from functools import reduce
 import jsonschema
 import numpy as np
 import pytest
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.components import catalogue
 from cosimo.components.catalogue import CATALOGUE
-from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.scene.scene import Scene, read_toml, scene_files
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code
 from cosimo.tests.support import Linear, two_masses
 from pydantic import ValidationError

@@ -1,15 +1,12 @@
 """Scenes written, changed and drawn in Python."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as xml
 
 import cosimo
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator.scene.drawing import Arrow, Box, _columns, draw
 from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Mass, Oscillator, two_masses
 
 SVG = "{http://www.w3.org/2000/svg}"

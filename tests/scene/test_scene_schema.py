@@ -1,15 +1,12 @@
 """The JSON schema of scene files: every shipped scene fits, and what only an editor could see in time does not."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 
 import jsonschema
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_scene
 from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.scene_schema import scene_schema
 from cosimo.tests.commands import exit_code
 

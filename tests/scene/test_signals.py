@@ -1,7 +1,5 @@
 """Signals of tables in scenes: jumps at which steps end, units of measure, files, states, packagings, and inputs of FMUs."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -3,11 +3,9 @@
 from pathlib import Path
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, Scene, load_scene, read_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.scene.scene import Scene
 from cosimo.orchestrator.scene.ssp.write import write
-from cosimo.orchestrator.systems import load_scene, read_scene
 
 MASSES = """
 connections = ["b.force -> a.force", "a.x_out -> b.position", { source = "a.v_out", target = "b.velocity", factor = 0.5 }]

@@ -1,7 +1,5 @@
 """Numbers with their units: converted by the declaration, refused for another dimension; bare numbers stay what they are."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

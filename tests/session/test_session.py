@@ -9,9 +9,8 @@ import sys
 import cosimo
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo import BadInput, StepFailed, load_scene, read_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.rest import at_rest
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu

@@ -8,11 +8,10 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.studies.accuracy import accuracy
+from cosimo import accuracy, load_scene, read_scene
 from cosimo.orchestrator.harness.studies.fronts import choose
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.railway.modal import Head, Line, passage
 from scipy.integrate import solve_ivp
 

@@ -1,7 +1,5 @@
 """Tests that the short run makes in plain Python (`interpreted`), beside the contract."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Which communication steps an FMU takes, whether its description says so, and what can be read after one that is discarded."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,19 +1,16 @@
 """Counts and flags of components are Integer and Boolean in every packaging, discrete, with the values of the component."""
 
-from __future__ import annotations
-
 import fmpy
 import numpy as np
 import pytest
+from cosimo import SampledComponent, read_scene
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.components.core.sampled import SampledComponent
 from cosimo.components.core.variables import Causality, Kind
 from cosimo.fmus.build import build
 from cosimo.fmus.interface import interface
 from cosimo.fmus.native.build import own_target, pack
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.fmus.native.support import compiled, maker
 from cosimo.tests.fmus.native.test_communication_steps import Host
 from fmpy.fmi1 import FMICallException

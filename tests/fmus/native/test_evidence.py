@@ -1,7 +1,5 @@
 """FMUs that carry their evidence: what is measured, how it is written, and its replay by cosimo check, in FMUs of any maker."""
 
-from __future__ import annotations
-
 import zipfile
 from functools import partial
 from itertools import pairwise
@@ -10,15 +8,13 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from cosimo.components.catalogue import component_class
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, component_class, load_scene
 from cosimo.fmus.build import build
 from cosimo.fmus.evidence import FOLDER, MANIFEST, Evidence, Step, experiments
 from cosimo.fmus.evidence_check import replayed
 from cosimo.fmus.native.build import build_native, own_target
 from cosimo.orchestrator.harness.evidence import component_evidence, largest_within, scene_evidence
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
-from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
 MAKE = partial(component_class("PlanarLink"), (), {})

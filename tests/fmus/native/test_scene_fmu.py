@@ -1,7 +1,5 @@
 """A scene as one FMU without Python: bit-identical to its run in process, with parameters, states and refusals of its own."""
 
-from __future__ import annotations
-
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -9,14 +7,13 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.fmus.native.build import compiler, own_target
 from cosimo.fmus.native.machine_code import TARGETS, object_code
 from cosimo.orchestrator.harness.validation.reference import compare, load_table
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene_fmu import build_scene_fmu, scene_library
 from cosimo.orchestrator.scene_fmu.variables import open_ports
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.railway.cases.en50318_2002 import SPEEDS, condition
 from cosimo.orchestrator.systems.railway.runs import at_speed, numbers
 from cosimo.tests.commands import exit_code

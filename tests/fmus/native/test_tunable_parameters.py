@@ -1,7 +1,5 @@
 """Parameters that may change during a run: the change acts from the next step on, and is the same as having had the value all along."""
 
-from __future__ import annotations
-
 import fmpy
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Rainflow counting and Miner's sum against a worked example and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput

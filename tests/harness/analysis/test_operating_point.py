@@ -1,16 +1,12 @@
 """Operating points against closed forms: linear sets, the inverted pendulum, the centrifugal governor, the wind pump."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, Scene, read_scene
 from cosimo.orchestrator.harness.analysis.operating_point import SceneRates, linearised, operating_line, operating_point
-from cosimo.orchestrator.scene.scene import Scene
 from cosimo.orchestrator.settings import UnitSettings
-from cosimo.orchestrator.systems import read_scene
 
 K1 = 2.0 / math.pi * 0.05 * 20.0 * 2.0 * 0.05  # of the default inertial converter, kg m²
 K2 = 2.0 / math.pi * 0.05**2 * 20.25

@@ -1,7 +1,5 @@
 """A page in long use: it does not grow, two pages do not disturb each other, and what it finds out beside the figures."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """A page that computes a scene, opened from a disk without a network: its numbers against runs in process, and how it is used."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import random

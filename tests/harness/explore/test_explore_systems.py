@@ -1,7 +1,5 @@
 """Pages of scenes of several systems: their figures at random states against those of runs in process."""
 
-from __future__ import annotations
-
 import json
 import random
 from math import isfinite

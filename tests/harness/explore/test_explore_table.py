@@ -1,14 +1,11 @@
 """The table [explore] of a scene: what it offers in a page, in which units of measure, and what is refused."""
 
-from __future__ import annotations
-
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator.harness.explore import content
 from cosimo.orchestrator.harness.explore.modules import MOST_EFFECTS, algorithms, switches, without
 from cosimo.orchestrator.scene.scene import scene_text
 from cosimo.orchestrator.scene_fmu import scene_block
-from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.fmus.native.web_assembly import needs_node
 
 

@@ -1,17 +1,13 @@
 """A report in a browser, as a file: figures drawn without any host, still pictures without scripts, its answer on one sheet."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cosimo import BadInput, delivered, load_scene, run, write_report
 from cosimo import compare as compare_runs
-from cosimo import load_scene, run, write_report
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.delivery import delivered
 from cosimo.orchestrator.harness.charts.blocks import Figure
 from cosimo.orchestrator.harness.charts.style import axis, dense_line, layout
 from cosimo.orchestrator.harness.report import for_cases

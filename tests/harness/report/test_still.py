@@ -1,7 +1,5 @@
 """Still pictures of figures: numbers stand where the axes say, on linear, logarithmic and named axes; every kind of figure has one."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ET
 

@@ -1,12 +1,10 @@
 """Charts and sentences of a case as data: signals of runs, numbers by name, ranges of rows; one message for what is not there."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene, validate, write_scene
 from cosimo.orchestrator.harness.charts.chart import Grid
 from cosimo.orchestrator.harness.charts.described import Described, with_numbers
 from cosimo.orchestrator.harness.validation import Evidence
@@ -14,9 +12,7 @@ from cosimo.orchestrator.harness.validation.questions import Options, Question
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.shipped import read_shipped
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.settings.chart import ChartSettings
-from cosimo.orchestrator.systems import load_scene, read_scene, validate
 from cosimo.tests.support import two_masses
 
 ROW = TableRow("largest position", "x.max", "soft", "m", 0.0, 2.0, "computed", "a closed form")

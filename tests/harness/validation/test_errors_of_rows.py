@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import StepFailed
+from cosimo import StepFailed, read_scene
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report.generic import range_row
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Row, compare, to_table
@@ -14,7 +14,6 @@ from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.shorter_steps import kept_runs, made_runs, shorter_steps
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import exact_two_masses, two_masses
 
 STEP = 5e-3

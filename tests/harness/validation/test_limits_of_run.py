@@ -1,17 +1,14 @@
 """A run against limits: the rules that hold for its speed and line, numbers with their errors, and an outcome as of a case."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 
 import pytest
-from cosimo import BadInput, load_scene, run
+from cosimo import BadInput, load_scene, run, validate, write_report
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.limits_of_run import judge
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.judgement import verification
-from cosimo.orchestrator.systems import validate, write_report
 from cosimo.orchestrator.systems.railway.cases.en50367 import conditions
 
 ROW = '[[rows]]\nquantity = "{0}"\nmeasure = "{0}"\nunit = "N"\n{1}\nstanding = "verbatim"\nsource = "sheet"\n'

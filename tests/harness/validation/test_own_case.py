@@ -4,13 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene, validate, write_scene
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation.curves import compare_curve, read_curve
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.settings.case import CurveSettings
-from cosimo.orchestrator.systems import load_scene, read_scene, validate
 from cosimo.tests.support import two_masses
 
 CASE = """

@@ -1,7 +1,5 @@
 """Systems for the tests: an FMU that adds up what reaches it, and .ssd files around it."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene
 from cosimo.orchestrator.harness.other_masters import OtherMasters, as_other_masters
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.scene import read_scene, write_scene
-from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.commands import exit_code
 
 H, STOP = 0.05, 5.0

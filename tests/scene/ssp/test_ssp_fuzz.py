@@ -2,8 +2,7 @@
 
 import contextlib
 
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.systems import load_scene
+from cosimo import BadInput, load_scene
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, definitions, document, system, units
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

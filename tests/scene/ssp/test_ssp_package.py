@@ -5,9 +5,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene
 from cosimo.orchestrator.scene.ssp.units_of_measure import between, named
-from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import component, document, system
 

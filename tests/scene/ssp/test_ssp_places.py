@@ -3,8 +3,7 @@
 import zipfile
 
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.systems import load_scene
+from cosimo import BadInput, load_scene
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import SPACES, bindings, component, connection, document, parameter_set, system
 

@@ -1,7 +1,5 @@
 """Bearings and their heat."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 # Every ball moves: nothing of a turning bearing is at rest.

@@ -1,7 +1,5 @@
 """Contacts of a bearing between its rings, as statics and load zones need them."""
 
-from __future__ import annotations
-
 from cosimo.components.bearings.contacts import BallContacts, groove_contacts
 from cosimo.components.bearings.geometry import BallGeometry
 

@@ -1,7 +1,5 @@
 """What steps of the ball bearing must see, and what tolerances and rounding do to its motion."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """The bearing's conductance: an independent equilibrium, scaling laws, closed forms of every path."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Closed forms of constriction against SciPy, series and finite volumes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Finite volumes against closed forms: walls, shells, fins, spots on half spaces, a ball; then the lumped path against them."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """The paper of the dimensionless bearing: its measures against integrations and counts of another kind."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

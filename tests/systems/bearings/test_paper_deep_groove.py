@@ -1,7 +1,5 @@
 """The paper of the deep groove bearing: its measures against closed forms and an independent equilibrium."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

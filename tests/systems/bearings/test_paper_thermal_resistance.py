@@ -1,7 +1,5 @@
 """The paper of the thermal resistance: its measures against closed forms and another equilibrium."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,15 +1,12 @@
 """Temperatures of the network against matrix exponentials, steady states and balances; thermal expansion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+from cosimo import StepFailed, read_scene
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.radiation import STEFAN_BOLTZMANN, radiative_coefficient
 from cosimo.components.bearings.temperatures import BearingTemperatures, network_derivatives, network_jacobian
-from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.run.run import run as run_scene
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.slopes import slope
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm

@@ -1,7 +1,5 @@
 """Exact solutions of a servo motor with constant voltage and load: what simulations of it are compared with."""
 
-from __future__ import annotations
-
 import cmath
 from typing import NamedTuple
 

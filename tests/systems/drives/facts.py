@@ -1,7 +1,5 @@
 """Motors that turn inertias of their own."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 FACTS: dict[str, Facts] = {

@@ -1,7 +1,5 @@
 """Servo motor: exact step response, no load, load and stall, friction that stands, balance of power, limits of the amplifier."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

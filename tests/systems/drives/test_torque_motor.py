@@ -1,7 +1,5 @@
 """Torque motor: its characteristic, balance of power, winding, limits of the amplifier, and a run-up with a load."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

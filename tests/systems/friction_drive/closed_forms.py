@@ -3,8 +3,6 @@
 All are ours, from the planar law of Coulomb for two contacts of equal preload; none is published with the drive.
 """
 
-from __future__ import annotations
-
 import math
 
 from cosimo.components.core.errors import BadInput

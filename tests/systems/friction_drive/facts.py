@@ -1,7 +1,5 @@
 """Friction-wheel drive: wheels with sleeve, and the whole drive."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 LAW = frozenset({"lugre_slip", "exact_slip", "smoothed_slip"})  # laws of friction in place of creep

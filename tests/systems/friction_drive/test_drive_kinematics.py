@@ -1,13 +1,10 @@
 """Kinematics of wheels and sleeve: inverse, singular arrangements, and what the simulated wheels do without load."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.components.core.kernels import DONE
+from cosimo import DONE, BadInput
 from cosimo.components.friction_drive.controller import ServoController
 from cosimo.components.friction_drive.kinematics import (
     FREE_ROLLERS,

@@ -1,7 +1,5 @@
 """The drive as one unit: exactly where it is linear, against a servo motor's step response, its parts coupled, and its energy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

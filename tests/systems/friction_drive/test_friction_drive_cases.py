@@ -1,7 +1,5 @@
 """The friction drive's cases pass, their tables follow from independent computations, and other drives fail them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the scenes of the friction drive must show: set points reached, stick-slip, hunting, standing, what holds and slides."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.orchestrator.run.run import run

@@ -1,7 +1,5 @@
 """Wheels that slide on a sleeve: speed under load, limits of force and torque, power, and the linear contact exactly."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

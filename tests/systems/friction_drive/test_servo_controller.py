@@ -1,7 +1,5 @@
 """Controller of the friction drive: its law sample by sample, decoupling, limits, counts, set points, exact closed loop."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

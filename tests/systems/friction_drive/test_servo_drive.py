@@ -1,7 +1,5 @@
 """Servo motor and controller together: hunting, standing, reversal with stiction, counted rates, saturation, stall."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.drives.servo_motor import ServoMotor

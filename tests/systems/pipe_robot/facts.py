@@ -1,7 +1,5 @@
 """Pipe robot."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 FACTS: dict[str, Facts] = {

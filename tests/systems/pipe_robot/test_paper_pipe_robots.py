@@ -1,7 +1,5 @@
 """The paper of the pipe robots: the balance of the first harmonic against an integration, and thresholds."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pipe robot: closed forms, an event-driven reference of other origin, balance of power and momentum, levels of bristles."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

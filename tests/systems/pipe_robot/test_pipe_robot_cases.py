@@ -1,7 +1,5 @@
 """The cases of the pipe robot pass, and would not if friction, masses or the integration were others."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the scenes of pipe robots must show: speeds, the slope that ends a climb, standstill, resonance, capture, a rope."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The pipe along its way: the table at its places, no overshoot, the taper as the derivative, constant ends."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.pipe_robot.route import PipeRoute

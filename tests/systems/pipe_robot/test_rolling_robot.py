@@ -1,7 +1,5 @@
 """Pipe robot on rings: the ring's stiffness, coasting, holding, power, a cone, an event-driven reference of other origin."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

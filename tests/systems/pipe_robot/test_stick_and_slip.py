@@ -1,7 +1,5 @@
 """Pipe robots between rest and sliding: creep, the threshold of motion, switching in every half cycle, a weak motor."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

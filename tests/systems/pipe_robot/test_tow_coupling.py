@@ -1,7 +1,5 @@
 """Coupling for towing: forces, power, slack."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.pipe_robot.tow import TowCoupling

@@ -1,7 +1,5 @@
 """Railway."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 PUSHED = {"contact_position": 52.0, "contact_force": 100.0}

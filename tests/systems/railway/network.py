@@ -4,8 +4,6 @@ Nothing is linearized about a state of rest, there is no mesh, and no code is sh
 its tension over its length with half of its weight at either end, which is exact at the points.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

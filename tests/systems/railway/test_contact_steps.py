@@ -1,13 +1,10 @@
 """A contact that lifts off bounds what an unstable coupling makes: a stiff contact at steps that are too long is never silent."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+from cosimo import Result, load_scene
 from cosimo.orchestrator.judgement.verification import run as verified_run
-from cosimo.orchestrator.run.results import Result
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene
 
 FORCE = "pantograph.contact_force"
 STIFFNESS = 5e4  # N/m, of the scene

@@ -1,9 +1,8 @@
 """The three models of EN 50318:2018: their statics by a network of strings, their verdicts, the standing of their data."""
 
 import pytest
-from cosimo.components.catalogue import component_class
+from cosimo import component_class, load_scene
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.cases.en50318_2018 import AT_REST, CONTACT
 from cosimo.orchestrator.systems.railway.cases.en50318_2018_data import DATA, model_data
 from cosimo.tests.systems.railway.test_line import TWIN_WIRES, network

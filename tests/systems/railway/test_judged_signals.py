@@ -3,9 +3,8 @@
 import random
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene, read_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import load_scene, read_scene
 
 SECOND, FURTHER = "second_pantograph.", "further_pantographs."
 

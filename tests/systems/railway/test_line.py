@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, read_scene
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import contact_compliance, wire_height
 from cosimo.components.railway.line.form import find_form, form_of
@@ -12,7 +12,6 @@ from cosimo.components.railway.line.from_table import resolved_sections
 from cosimo.components.railway.line.plan import arm_of
 from cosimo.components.railway.line.table import read_line, schema
 from cosimo.components.railway.statics import Statics, elasticity
-from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.systems.railway.network import G, Network
 
 pytestmark = pytest.mark.interpreted

@@ -5,13 +5,12 @@ import json
 from xml.etree import ElementTree as ET
 
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.from_table import dropper_positions, resolved_sections
 from cosimo.components.railway.line.table import read_line
 from cosimo.orchestrator.cli.application import app
 from cosimo.orchestrator.scene.files import SHIPPED
-from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway import line
 from cosimo.orchestrator.systems.railway.figures import line_sketches
 from cosimo.orchestrator.systems.railway.records import _track

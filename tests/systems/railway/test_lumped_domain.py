@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo import BadInput, load_scene
 from cosimo.components.railway.lumped import SpanFit
-from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.lumped_domain import ERRORS, LumpedDomain, domain_text, lumped_domain
 from cosimo.tests.commands import exit_code
 

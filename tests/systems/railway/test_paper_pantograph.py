@@ -1,7 +1,5 @@
 """The new measures of the paper's case against independent answers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

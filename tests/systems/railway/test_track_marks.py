@@ -1,8 +1,7 @@
 """Spans, droppers and the window of the statistics are those of the run's catenary, whatever its scene was made for."""
 
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.systems import load_scene
+from cosimo import BadInput, load_scene
 from cosimo.orchestrator.systems.railway.cases.en50367 import measures
 from cosimo.orchestrator.systems.railway.figures.passage import track_marks
 from cosimo.orchestrator.systems.railway.figures.wire import wire_figure

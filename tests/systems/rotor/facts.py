@@ -1,7 +1,5 @@
 """Rotors."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 NO_SUPPORT = {f"linear_supports.{n}[{k}]": 0.0 for n in ("stiffness_x", "stiffness_y", "damping_x", "damping_y") for k in (1, 2)}

@@ -1,7 +1,5 @@
 """A bearing that is a spring and a damper: plain forces, or with its tangent, for the stability of the coupling."""
 
-from __future__ import annotations
-
 import numpy as np
 from cosimo.components.core.component import Component, Effect
 from cosimo.components.core.kernels import DONE, hold_inputs

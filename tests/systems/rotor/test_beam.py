@@ -1,7 +1,5 @@
 """Beam rotor in time: against modal closed forms, conservation laws, order of convergence, and its own ports."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Element matrices against their definition as integrals, and shafts against closed forms of beams."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

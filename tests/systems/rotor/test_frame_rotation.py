@@ -1,7 +1,5 @@
 """A rotor in a frame that turns: moment on the frame, and the motion, against closed forms and absolute coordinates."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

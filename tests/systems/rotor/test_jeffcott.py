@@ -1,7 +1,5 @@
 """Jeffcott rotor against its closed forms: amplitude and phase, whirl, onset of instability, energy, order in time."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

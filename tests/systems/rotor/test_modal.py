@@ -1,7 +1,5 @@
 """Whirl frequencies, critical speeds and onset speeds against closed forms and an independent program."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

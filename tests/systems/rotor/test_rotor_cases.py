@@ -1,7 +1,5 @@
 """The rotor cases pass, and would not if the rotor were another."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest

@@ -1,7 +1,5 @@
 """Rotors that nothing holds, on stiff bearings, of extreme sizes, and coupled with bearings in units of their own."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Underwater vehicle."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")

@@ -1,7 +1,5 @@
 """Eight thrusters by the effect `further_thrusters`: hull and controller use the same arrangement, and lose any one of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.rov.arrangement import EIGHT, eight_arrangement, wrench_matrix

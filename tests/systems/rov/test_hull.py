@@ -1,7 +1,5 @@
 """Hull against closed forms: terminal speed, start-up, roll and pitch, Kirchhoff's invariants, Munk's moment, moving water."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

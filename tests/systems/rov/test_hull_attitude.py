@@ -1,7 +1,5 @@
 """Attitude of the hull: through the vertical, over many steps, and at rest in the end."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

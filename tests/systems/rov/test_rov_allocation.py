@@ -1,7 +1,5 @@
 """Thrusts for a wrench: the inverse where it exists, the priorities where it does not, one scale for all within the limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.rov.allocation import allocate, allocation_of, chosen

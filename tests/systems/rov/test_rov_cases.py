@@ -1,7 +1,5 @@
 """The cases of the underwater vehicle pass, and would not if the vehicle were another."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

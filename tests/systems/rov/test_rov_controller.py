@@ -1,7 +1,5 @@
 """The controller's law by hand, its samples, its way through a manoeuvre, and what flows back into its integrals."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

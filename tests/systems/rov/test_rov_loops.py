@@ -1,7 +1,5 @@
 """Thrusters and controller in a loop: dead band, reverse thrust, far set points."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the scenes of the underwater vehicle must show: steady states in closed form, failures survived."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The tether against the catenary, a chain's frequencies, drag across its length, and as derivative identities of its energy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Thrust from a command: limits, published curves, lags against the matrix exponential, motor and propeller in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

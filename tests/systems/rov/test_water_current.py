@@ -1,7 +1,5 @@
 """The current of the water: its parts in closed form, and an acceleration that is the velocity's derivative."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A hull in waves that weighs what it displaces moves with the water. The runs are long: machine code."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Water under waves: what a linear wave is by its equations, and a sea by its spectrum."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

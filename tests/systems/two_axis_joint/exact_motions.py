@@ -1,7 +1,5 @@
 """Exact numbers of chain, pendulum and gimbal that tests compare simulations with, beside those of `closed_forms`."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two-axis joint, and the motors that drive it."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 TORQUES = {"first_torque": 0.3, "second_torque": 0.2}

@@ -1,7 +1,5 @@
 """Closed forms of chain and gimbal are met, follow from formulas other than the code's, and another joint would miss them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Gimbal against its closed forms: inertial motion, governor, pendulums, nutation and precession, dry friction, stops, order."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Controller of the gimbal: its law at samples, the scan, limits without wind-up, and the closed loop with body and motors."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ The component solves Euler's equations in the body's axes. Here stand Lagrange's
 the outer axis, and a body of point masses whose accelerations are second differences of their places in space.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hard cases of the gimbal: gimbal lock, vanishing inertia, turning points under friction, stiff nutation, stops, long steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The case of the split chain passes, its table follows from the matrices of the linearised links, and another joint fails it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation import Options, Runs

@@ -1,7 +1,5 @@
 """The closed forms themselves: each put back into the equation it is to solve, or compared with an independent method."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

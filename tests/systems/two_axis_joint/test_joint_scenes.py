@@ -1,7 +1,5 @@
 """What the scenes of the two-axis joint must show: the gyroscope's precession, standstill, closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

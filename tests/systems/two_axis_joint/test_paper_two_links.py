@@ -1,7 +1,5 @@
 """The paper of the two links: the ratio at which modes decouple, deployment and linkage in other ways."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

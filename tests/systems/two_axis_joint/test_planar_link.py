@@ -1,7 +1,5 @@
 """Planar link and compliant joint: free flight, pendulum, work of the ends, and a chain put together of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

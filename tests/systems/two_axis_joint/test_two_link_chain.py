@@ -1,7 +1,5 @@
 """Two-link chain: small motion, invariants, two formulations of its dynamics, losses, dry friction, stops."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The two-link chain in chaos, on the verge of standing, and with hardly any mass."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Wind pump."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 FACTS: dict[str, Facts] = {

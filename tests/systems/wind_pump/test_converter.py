@@ -1,7 +1,5 @@
 """The inertial converter: cycle averages, engagement angles, energy, order, modes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The case of the inertial converter passes, and would not with another lever, another mean, or a load of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput

@@ -1,7 +1,5 @@
 """Joint forces of the inertial converter: Lagrange multipliers, balances of each part, and stresses at stall."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

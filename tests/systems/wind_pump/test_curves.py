@@ -1,7 +1,5 @@
 """Curves of wind turbines: their maxima against closed forms and printed numbers, Betz's limit, standstill, beyond the fits."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

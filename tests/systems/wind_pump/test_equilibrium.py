@@ -1,7 +1,5 @@
 """A farm windmill on the averaged converter under a constant load: its equilibrium over the wind, and that it gets there."""
 
-from __future__ import annotations
-
 import pytest
 from cosimo.components.wind_pump.averaged import AveragedConverter
 from cosimo.components.wind_pump.turbine import WindTurbine

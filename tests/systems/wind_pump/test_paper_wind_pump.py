@@ -1,7 +1,5 @@
 """The paper of the wind pump: its equations against integrals and differences of another kind."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Piston and centrifugal pump: means, peaks, power, affinity laws, standstill."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Transmissions without events: torques and speeds against their relations, power at every interface, vibration, order."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """The wind turbine against closed forms: start-up, order, power, standstill, furling."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

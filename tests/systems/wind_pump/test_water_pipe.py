@@ -1,7 +1,5 @@
 """The pipe: heads, the column that swings on the air vessel, and a tank that fills, runs over and empties in time."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

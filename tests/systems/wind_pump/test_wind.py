@@ -1,7 +1,5 @@
 """The wind: ramps, gusts and the course of a day against their formulas; turbulence against Dryden's correlation."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

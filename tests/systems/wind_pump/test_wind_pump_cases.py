@@ -1,7 +1,5 @@
 """The wind pump cases pass, and would not if the chain were another."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options

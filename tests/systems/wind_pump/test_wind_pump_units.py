@@ -1,12 +1,10 @@
 """Wind pumps where models fail: standstill, speeds through zero, gusts, no wind, no load, seized pumps, odd inertias."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo import BadInput, StepFailed, read_scene
 from cosimo.components.wind_pump.averaged import AveragedConverter
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
 from cosimo.components.wind_pump.fixed import FixedTransmission
@@ -16,7 +14,6 @@ from cosimo.components.wind_pump.planetary import PlanetaryTransmission
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wind_pump.wind import Wind
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_scene
 
 STANDSTILL_TORQUE = 0.5 * 1.225 * math.pi * 1.5**3 * 0.5  # N.m per (m/s)² of wind, default windmill
 PEAK = 1000.0 * 9.81 * 20.0 * 0.25 * math.pi * 0.06**2 * 0.075  # N.m, default pump

@@ -1,7 +1,5 @@
 """Wrist: the two rows, and what moves and holds them."""
 
-from __future__ import annotations
-
 from cosimo.tests.contract.facts import Facts
 
 WEIGHTLESS = {"load.gravity_x": 0.0}

@@ -1,7 +1,5 @@
 """Where parts of a four-bar linkage turn back, by the law of cosines."""
 
-from __future__ import annotations
-
 import math
 
 from cosimo.components.wrist.linkage import SAME

@@ -1,15 +1,12 @@
 """Muscles at their ends: all at once, one alone against the limits, torn fibres, no numbers, a linkage that toggles in a run."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import StepFailed
+from cosimo import StepFailed, read_scene
 from cosimo.components.wrist.tendons import COUNT, ForearmTendons
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.interpreted
 

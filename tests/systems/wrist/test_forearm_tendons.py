@@ -1,7 +1,5 @@
 """Muscles and tendons of the forearm: activation in closed form, torque and power by moment arms, fibres, programme."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Four-bar linkage: extremes, loop closure, ratio by two formulas and by differences, virtual work, effects."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where a four-bar linkage stops, folds or cannot be built: toggle, change points, lengths that do not close."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

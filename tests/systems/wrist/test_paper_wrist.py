@@ -1,7 +1,5 @@
 """The paper of the wrist: critical loads, roll and strains in other ways."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The wrist cases pass, and would not with other axes, another linkage, or the stiffness turned the other way."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Rows and angles of the hand: signs of the row rules, inverse table, small angles, roll, against rotations of scipy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ligaments of the wrist: lengths by the law of cosines, isometry, springs, reciprocity, unit and effect, cuts, rigid ones."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Hard cases of the wrist: parallel axes, hard limits, too many constraints and their drift, hardly any inertia, long steps."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

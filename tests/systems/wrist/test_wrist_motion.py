@@ -1,7 +1,5 @@
 """Motion of the wrist: matrix exponential, Lagrange's equations written again, energy, virtual work, equilibria, order."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
