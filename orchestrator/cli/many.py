@@ -197,8 +197,8 @@ def fit(runs: Runs, plan: PlanFile, output: Output = Path("fit")) -> None:
         written = [answer.save(output), answers.for_fit(answer, output)]
     print_table(
         "",
-        ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)"],
-        [(n, answer.units[n], *rest) for n, *rest in answer.fit.rows()],
+        ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "derivatives"],
+        [(n, answer.units[n], *rest, answer.derivatives[n].partition(" (")[0]) for n, *rest in answer.fit.rows()],
     )
     warn(answer.fit.messages)
     print_written(written, _runs(answer.runs, answer.computed))

@@ -24,6 +24,7 @@ from ..scene.names import place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
 from ..session.open_scene import OpenScene
+from .along import AGREE, NUMERICAL, along, length
 from .tangent_run import Rows, TangentScene
 
 STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
@@ -33,14 +34,7 @@ STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
     "standard deviation": np.std,
     "last": lambda values: values[-1],
 }
-ALONG = 1e-5  # length of differences in the space of signals, relative to the largest value of the signal that moves most
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
-AGREE = 1e-3  # relative: differences of runs and derivatives are one number
-NUMERICAL = {
-    "substep": "it sets the numerical error alone",
-    "tolerance": "it sets the numerical error alone",
-    "period": "the instants of samples move, and with them the steps that they fall into",
-}
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
 Figure = tuple[float, str]  # value, unit of measure
@@ -175,14 +169,6 @@ def _run(scene: Scene) -> Result:
     return result
 
 
-def _changed(scene: Scene, parameter: str, value: float) -> Scene:
-    """The scene with another value, which it may refuse at a limit: then as it is."""
-    try:
-        return scene.with_changes({parameter: value})
-    except BadInput:
-        return scene
-
-
 def _slopes(
     scene: Scene, tangents: TangentScene, figures: Figures, names: Sequence[str], at: Mapping[str, float]
 ) -> dict[tuple[str, str], Slope]:
@@ -191,10 +177,10 @@ def _slopes(
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
-        along = _along(scene, base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
+        derivatives = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
         for figure, (value, unit) in values.items():
-            derivative, error, smooth = along[figure]
+            derivative, error, smooth = derivatives[figure]
             how = EXACT if smooth else "the figure itself jumps or bends there"
             if sides is not None:
                 how = _verdict(derivative, *(side[figure] for side in sides))
@@ -222,36 +208,22 @@ def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.
 
 
 def _along(
-    scene: Scene,
-    base: Result,
-    tangents: Mapping[str, np.ndarray],
-    figures: Figures,
-    values: Mapping[str, Figure],
-    name: str,
-    at: float,
+    base: Result, tangents: Mapping[str, np.ndarray], figures: Figures, values: Mapping[str, Figure], name: str, at: float
 ) -> dict[str, tuple[float, float, bool]]:
     """Of each figure its derivative along tangents of the signals, its error, and whether both sides agree."""
-    shares = [
-        np.max(np.abs(t)) / size for s, t in tangents.items() if (size := np.max(np.abs(base.columns[s]), initial=0.0)) > 0.0
-    ]
-    fastest = max(shares, default=0.0)
-    if not np.isfinite(fastest):
+    if not (step := length(base, tangents, at)):
         return dict.fromkeys(values, (nan, nan, False))
-    step = ALONG / max(fastest, 1.0 / max(abs(at), 1.0))
 
-    def moved(way: float) -> Mapping[str, Figure]:
-        columns = {s: base.columns[s] + way * t for s, t in tangents.items()}
-        return figures(replace(base, columns=columns, scene=_changed(scene, name, at + way)))
+    def numbers(result: Result) -> np.ndarray:
+        of_run = figures(result)
+        return np.array([of_run[figure][0] for figure in values])
 
-    ahead, back, near, behind = (moved(way * step) for way in (1.0, -1.0, 0.5, -0.5))
-    results: dict[str, tuple[float, float, bool]] = {}
-    for figure, (value, _) in values.items():
-        central = (ahead[figure][0] - back[figure][0]) / (2.0 * step)
-        half = (near[figure][0] - behind[figure][0]) / step
-        bend = (near[figure][0] - 2.0 * value + behind[figure][0]) / (0.5 * step)
-        rounding = 1e-13 * abs(value) / step
-        results[figure] = half, abs(central - half) + rounding, abs(bend) <= AGREE * abs(half) + 10.0 * rounding
-    return results
+    first = np.array([value for value, _ in values.values()])
+    whole, _ = along(base, tangents, numbers, first, name, at, step)
+    half, bend = along(base, tangents, numbers, first, name, at, 0.5 * step)
+    rounding = 1e-13 * np.abs(first) / step
+    error, smooth = np.abs(whole - half) + rounding, np.abs(bend) <= AGREE * np.abs(half) + 10.0 * rounding
+    return {figure: (half[k], error[k], bool(smooth[k])) for k, figure in enumerate(values)}
 
 
 def _beside(

@@ -6,7 +6,7 @@ with, and room for the rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any, NamedTuple
 
@@ -22,6 +22,8 @@ from ..engine.algorithms import Master
 from ..engine.algorithms.records import GIVEN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
+from ..run.results import Result
+from ..scene.names import displaced
 from ..scene.scene import Scene
 from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
 from ..session.open_scene import OpenScene
@@ -135,6 +137,37 @@ class TangentScene:
         return Rows(
             time, values, np.concatenate([p.tangents for p in batches], axis=2), np.concatenate([p.at_tie for p in batches])
         )
+
+    def recorded(
+        self, point: Mapping[str, float], parameters: Sequence[str]
+    ) -> tuple[Result, list[dict[str, np.ndarray]], np.ndarray]:
+        """The run with other numbers, by name; of each parameter the tangents (n,) of its columns, and whether it was at a tie.
+
+        It is what figures need of a run: `info` has the parameters of the units. Raises `StepFailed`.
+        """
+        scene, numbers = self.scene, self._image.view(np.float64)
+        numbers[[self._place_of(name) for name in point]] = list(point.values())
+        rows = self.run(parameters)
+        since, interval = rows.time - scene.start_time, scene.record.interval or scene.master.step
+        passed = np.floor(since / interval * (1.0 + 1e-12) + 1e-9)
+        kept = np.flatnonzero([True, *(np.diff(passed[:-1]) > 0.0), True])
+        ends = scene.coupling.signals
+        names = [".".join(end) for end in ends]
+        some = np.ix_(kept, np.array([self.signals.index(end) for end in ends]))
+        values = {u.name: u.component.parameters for u in self.layout.units}
+        parts = {unit: {n: point.get(f"{unit}.{n}", v) for n, v in own.items()} for unit, own in values.items()}
+        result = Result(
+            displaced(scene, point),
+            rows.time[kept],
+            dict(zip(names, rows.values[some].T, strict=True)),
+            {},
+            {name: scene.coupling.interfaces[unit].outputs[n].unit for name, (unit, n) in zip(names, ends, strict=True)},
+            {"units": {unit: {"parameters": own} for unit, own in parts.items()}},
+            "done",
+            "",
+        )
+        of_each = np.moveaxis(rows.tangents[some], 2, 0)
+        return result, [dict(zip(names, t.T, strict=True)) for t in of_each], rows.at_tie
 
     def _pass(self, seeds: Sequence[int]) -> Rows:
         arena, scene = self._arena, self.scene

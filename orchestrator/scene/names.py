@@ -10,7 +10,7 @@ Names of units may hold dots, and those of variables do; see `settings.names`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
@@ -20,6 +20,7 @@ from ..settings.names import split_name
 from ..settings.units import TABLE_KEYS
 from ..units.fmu import declared_signals
 
+AnyScene = TypeVar("AnyScene", bound=SceneSettings)
 TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that are times, s
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
 KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
@@ -79,6 +80,16 @@ def _unit_of(scene: SceneSettings, name: str, units: Collection[str], where: str
 
 def _nested(units: Collection[str]) -> bool:
     return any(".".join(parts[:k]) in units for parts in (u.split(".") for u in units) for k in range(1, len(parts)))
+
+
+def displaced(scene: AnyScene, numbers: Mapping[str, float]) -> AnyScene:
+    """The scene with other numbers of parameters and inputs, which are not checked: some lie a little beyond a limit."""
+    units = dict(scene.units)
+    for name, value in numbers.items():
+        place = place_of(scene, name)
+        parameters = {**units[place.unit].parameters, place.parameter: value}
+        units[place.unit] = units[place.unit].model_copy(update={"parameters": parameters})
+    return scene.model_copy(update={"units": units})
 
 
 def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -116,7 +116,9 @@ class FitSettings(Model):
     curves: tuple[FittedCurve, ...] = ()
     spectra: tuple[SpectrumSettings, ...] = ()
     targets: tuple[TargetSettings, ...] = ()
-    step: Share = Field(default=1e-4, description="step of difference quotients, a share of the range between the bounds")
+    step: Share = Field(
+        default=1e-4, description="step of differences where there are no exact derivatives, a share of the range"
+    )
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
     seed: Seed = Field(default=0, description="seed of the other starts")
     evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(
@@ -163,7 +165,9 @@ class DesignSettings(Model):
     )
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
     seed: Seed = Field(default=0, description="seed of the other starts and of NSGA-II")
-    step: Share = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
+    step: Share = Field(
+        default=1e-4, description="SLSQP: of differences where there are no exact derivatives, a share of the range"
+    )
     accuracy: Positive = Field(default=1e-4, description="accuracy of the parameters, a share of the range between the bounds")
     keep: KeepSettings = KeepSettings()
 

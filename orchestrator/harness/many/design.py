@@ -24,7 +24,7 @@ from .limits import check_limits, with_rows
 from .measures import Row
 from .plan import other_starts, read_settings
 from .repetition import Repeated
-from .searches import Ask, differences, run_searches
+from .searches import Ask, jacobian, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
 EVALUATIONS = 200  # at most, each start
@@ -249,19 +249,22 @@ class _Searching:
                 v = values([u])[0]
                 return np.where(np.isfinite(v), v, self._bad())
 
-            def jacobian(u: np.ndarray) -> np.ndarray:
-                return differences(values, np.clip(u, 0.0, 1.0), wanted.step, self.runs.names)
+            def slopes(u: np.ndarray) -> np.ndarray:
+                u, width = np.clip(u, 0.0, 1.0), self.runs.high - self.runs.low
+                return jacobian(
+                    values, u, wanted.step, self.runs.names, self.runs.slopes(self.runs.low + u * width, self._scaled) * width
+                )
 
             if (wanted.method or "COBYQA") == "COBYQA":
                 options = {"maxfev": most, "final_tr_radius": wanted.accuracy, "initial_tr_radius": 0.1}
                 constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends)] if self.limits else []
-                slopes = {}
+                first = {}
             else:
                 options = {"maxiter": most, "ftol": wanted.accuracy**2}
                 constraints = (
-                    [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: jacobian(u)[1:])] if self.limits else []
+                    [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: slopes(u)[1:])] if self.limits else []
                 )
-                slopes = {"jac": lambda u: jacobian(u)[0]}
+                first = {"jac": lambda u: slopes(u)[0]}
             return minimize(
                 lambda u: whole(u)[0],
                 start,
@@ -269,7 +272,7 @@ class _Searching:
                 bounds=[(0.0, 1.0)] * len(start),
                 constraints=constraints,
                 options=options,
-                **slopes,
+                **first,
             )
 
         return solve

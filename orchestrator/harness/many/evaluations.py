@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import cached_property
 from pathlib import Path
 from signal import Signals
 from typing import Unpack
 
 import numpy as np
 
+from ...derivatives.along import PointDerivatives
 from ...interrupts import Interrupted, interruptible
 from ...scene.names import place_of
 from ...scene.scene import Scene
@@ -19,7 +21,7 @@ from ..journal import Stopped
 from ..sweep import Sweep, collected_sweep, points_directory
 from .columns import check_columns
 from .execute import Computing, WorkerOptions
-from .measures import Row, Task, check_analysis
+from .measures import Row, Task, check_analysis, row_of_result
 from .plan import Column, Points, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store, StoredPlan
@@ -54,8 +56,8 @@ def evaluations(
         check_analysis(own.with_changes({name: getattr(bounds, end) for name, bounds in vary.items()}))
     observe = how.get("observe", lambda n: None)
     computing = Computing(task, how.get("jobs", 1), how.get("cluster", ""), lambda rows: observe(computing.computed))
-    with points_directory(directory, "cosimo-search-") as folder, computing:
-        runs = Evaluations(scene, vary, task, computing, folder, directory is not None)
+    with points_directory(directory, "cosimo-search-") as folder, computing, ExitStack() as stack:
+        runs = Evaluations(scene, vary, task, computing, folder, directory is not None, stack)
         try:
             with interruptible():
                 yield runs
@@ -67,10 +69,18 @@ class Evaluations:
     """names, low, high: of the parameters, (n,).  scene: that is run."""
 
     def __init__(
-        self, scene: Scene, vary: Mapping[str, RangeSettings], task: Task, computing: Computing, folder: Path, kept: bool
+        self,
+        scene: Scene,
+        vary: Mapping[str, RangeSettings],
+        task: Task,
+        computing: Computing,
+        folder: Path,
+        kept: bool,
+        stack: ExitStack,
     ):
         self.scene, self._own, self._vary, self._task = task.scene(), scene, vary, task
         self._computing, self._folder, self._kept = computing, folder, kept
+        self._stack = stack
         self._store = Store.of(task, folder)
         self._asked: dict[int, np.ndarray] = {}  # points by digest, in the order in which they were asked for first
         self.names = list(vary)
@@ -102,6 +112,17 @@ class Evaluations:
         if (missing := stored.missing()).size and (stopped := self._computing(stored, missing)) is not None:
             raise self.stopped(stopped)
         return list(stored.rows(range(len(points))).values())
+
+    @cached_property
+    def derivatives(self) -> PointDerivatives:
+        """Those that the scene has; nothing is made for them before."""
+        return PointDerivatives(self.scene, self.names, self._stack)
+
+    def slopes(self, p: np.ndarray, numbers: Callable[[Row], np.ndarray]) -> np.ndarray:
+        """Exact derivatives of numbers (m,) of a row, (m, n), at parameters p (n,); NaN, or no rows, where there are none."""
+        if self._task.keep.functions:  # they may look at all of a run
+            return np.full((0, len(self.names)), np.nan)
+        return self.derivatives(self.values(p), lambda result: numbers(row_of_result(result, self._task)))
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
         """Rows at points that were run, with half of every step, None where that is too much work; and what this changes."""

@@ -27,7 +27,7 @@ from .evaluations import Evaluations, SearchOptions, evaluations
 from .measures import Row
 from .plan import other_starts, read_settings
 from .repetition import OF_DEVIATION
-from .searches import Ask, differences, run_searches
+from .searches import Ask, jacobian, run_searches
 
 SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another than this are one
 
@@ -35,7 +35,8 @@ SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another
 @dataclass(frozen=True)
 class SceneFit:
     """Fitted parameters of a scene. fit: in the parameters' own units.  units: of measure by name.  charts: measured and fitted.
-    scene: with the fitted values.  runs: that the search asked for, `computed` of them by this call.  sweep: all of them."""
+    scene: with the fitted values.  runs: that the search asked for, `computed` of them by this call.  sweep: all of them.
+    derivatives: of each parameter whether its column of the Jacobian was exact, at how many of the `jacobians` points, and why not."""
 
     fit: Fit
     units: Mapping[str, str]
@@ -45,11 +46,14 @@ class SceneFit:
     targets: tuple[tuple[str, float, float, float], ...]  # quantity, measured, its deviation, fitted
     runs: int
     computed: int
+    jacobians: int
+    derivatives: Mapping[str, str]
     sweep: Sweep | None = None
 
     def __repr__(self) -> str:
         """A line a parameter, with its standard deviation."""
-        lines = [f"<SceneFit of {self.scene.name}: {'converged' if self.fit.converged else 'not converged'}, {self.runs} runs>"]
+        state = "converged" if self.fit.converged else "not converged"
+        lines = [f"<SceneFit of {self.scene.name}: {state}, {self.runs} runs, {self.jacobians} with derivatives beside them>"]
         for name, value, deviation, *_ in self.fit.rows():
             lines.append(f"{name}: {value:.6g} ± {deviation:.2g} {self.units[name] if self.units[name] != '1' else ''}".rstrip())
         return "\n".join([*lines, *self.fit.messages])
@@ -64,10 +68,11 @@ class SceneFit:
             "low (95 %)",
             "high (95 %)",
             "start",
+            "derivatives",
             *(f"correlation with {n}" for n in self.fit.names),
         ]
         rows = [
-            (n, self.units[n], v, s, low, high, self.start[n], *self.fit.correlation[k].tolist())
+            (n, self.units[n], v, s, low, high, self.start[n], self.derivatives[n], *self.fit.correlation[k].tolist())
             for k, (n, v, s, low, high) in enumerate(self.fit.rows())
         ]
         return write_table(directory, "fit.csv", header, rows)
@@ -174,6 +179,8 @@ class _Fitting:
             targets,
             runs.asked,
             runs.computed,
+            runs.derivatives.points,
+            {n: runs.derivatives.how(n) for n in names},
             runs.sweep(),
         )
 
@@ -203,13 +210,17 @@ class _Fitting:
                 p = [self.low + u * self.width for u in points]
                 return [self._residuals(x, row) for x, row in zip(p, ask(p), strict=True)]
 
+            def exact(u: np.ndarray) -> np.ndarray:
+                p = self.low + u * self.width
+                return self.runs.slopes(p, lambda row: self._residuals(p, row)) * self.width
+
             return least_squares(
                 lambda u: values([u])[0],
                 dict(zip(names, start.tolist(), strict=True)),
                 dict.fromkeys(names, (0.0, 1.0)),
                 noise_known=known,
                 most=wanted.evaluations,
-                jacobian=lambda u: differences(values, u, wanted.step, names),
+                jacobian=lambda u: jacobian(values, u, wanted.step, names, exact(u)),
             )
 
         return search

@@ -71,30 +71,38 @@ def _question(place: int, questions: SimpleQueue[Any], result: Future[Any]) -> d
     return {}
 
 
-def differences(
-    values: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]], u: np.ndarray, step: float, names: Sequence[str]
+def jacobian(
+    values: Callable[[Sequence[np.ndarray]], Sequence[np.ndarray]],
+    u: np.ndarray,
+    step: float,
+    names: Sequence[str],
+    exact: np.ndarray,
 ) -> np.ndarray:
-    """Derivatives (m, n) of values (m,) at a point u (n,) of the unit cube by differences to one side, of the size `step`.
+    """Derivatives (m, n) of values (m,) at a point u (n,) of the unit cube.
 
-    The n + 1 points are asked for together. Forward, but backward at the upper bound and where the run ahead has failed (its
-    values are not finite). Raises `BadInput` where the runs on both sides fail.
+    exact: (m, n), NaN in columns that are not known, which follow from differences to one side, of the size `step`. Their points are
+    asked for together. Forward, but backward at the upper bound and where the run ahead has failed (its values are not finite).
+    Raises `BadInput` where the runs on both sides fail.
     """
+    missing = [k for k in range(u.size) if not (exact.shape[0] and np.isfinite(exact[:, k]).all())]
+    if not missing:
+        return exact
     shift = np.where(u + step <= 1.0, step, -step)
-    first, *others = values([u, *(u + shift * e for e in np.eye(u.size))])
-    failed = [k for k, v in enumerate(others) if not np.isfinite(v).all()]
-    if failed:
-        shift[failed] *= -1.0
-        inside = (u + shift >= 0.0) & (u + shift <= 1.0)
-        again = values([u + shift * e for k, e in enumerate(np.eye(u.size)) if k in failed and inside[k]])
-        for k, v in zip([k for k in failed if inside[k]], again, strict=True):
-            others[k] = v
-    for name, v in zip(names, others, strict=True):
+    unit = np.eye(u.size)
+    first, *some = values([u, *(u + shift[k] * unit[k] for k in missing)])
+    others = dict(zip(missing, some, strict=True))
+    failed = [k for k, v in others.items() if not np.isfinite(v).all()]
+    shift[failed] *= -1.0
+    inside = [k for k in failed if 0.0 <= u[k] + shift[k] <= 1.0]
+    if inside:
+        others |= zip(inside, values([u + shift[k] * unit[k] for k in inside]), strict=True)
+    for k, v in others.items():
         if not np.isfinite(v).all():
             raise BadInput(
-                f"search: {name}",
+                f"search: {names[k]}",
                 "runs that fail on both sides of a point",
                 "runs that come to their end",
                 "Give narrower bounds.",
             )
     moved = (u + shift) - u
-    return np.stack([(v - first) / h for v, h in zip(others, moved, strict=True)], axis=1)
+    return np.stack([(others[k] - first) / moved[k] if k in others else exact[:, k] for k in range(u.size)], axis=1)

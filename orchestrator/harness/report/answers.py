@@ -178,13 +178,13 @@ def for_fit(answer: SceneFit, directory: str | Path) -> Path:
     """`report.html`: parameters with their intervals, measured and fitted curves, correlations."""
     names = answer.fit.names
     rows = [
-        (n, answer.units[n], number(v), number(s), number(low), number(high), number(answer.start[n]))
+        (n, answer.units[n], number(v), number(s), number(low), number(high), number(answer.start[n]), answer.derivatives[n])
         for n, v, s, low, high in answer.fit.rows()
     ]
     blocks: list[Block] = [
         Cells(
             "Parameters",
-            ("parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "start"),
+            ("parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "start", "derivatives"),
             rows,
             right=frozenset(range(2, 7)),
         )
@@ -204,7 +204,8 @@ def for_fit(answer: SceneFit, directory: str | Path) -> Path:
         blocks.append(Cells("Correlations", ("", *names), cells, right=frozenset(range(1, 1 + len(names)))))
     lead = (
         ", ".join(f"{n} = {number(v)} ± {number(s)}" for n, v, s, _, _ in answer.fit.rows())
-        + f" (standard deviations); {answer.runs} runs, root mean square residual {number(answer.fit.rms)}."
+        + f" (standard deviations); {answer.runs} runs, {answer.jacobians} with derivatives; "
+        f"root mean square residual {number(answer.fit.rms)}."
     )
     return _page(f"Fit of {answer.scene.name}", lead, blocks, list(answer.fit.messages), answer.scene, directory)
 

@@ -6,14 +6,16 @@ import sys
 import threading
 import time
 
+import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.evaluations import evaluations
 from cosimo.orchestrator.harness.many.fitting import fit
-from cosimo.orchestrator.harness.many.searches import differences, run_searches
+from cosimo.orchestrator.harness.many.searches import jacobian, run_searches
 from cosimo.orchestrator.interrupts import Interrupted
 from cosimo.orchestrator.settings.answers import RangeSettings
 from cosimo.orchestrator.settings.plan import KeepSettings
@@ -48,6 +50,34 @@ def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
     assert one.fit.covariance.tobytes() == two.fit.covariance.tobytes()
     assert one.runs == one.computed == two.computed == len(one.sweep.outcomes)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
+
+
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_a_fit_has_exact_jacobians_where_the_scene_has_derivatives():
+    """Its own numbers are found to the last of their digits, with a run a step, and with rows that are not those of macro steps."""
+    scene = OSCILLATOR.with_changes({"record.interval": 0.007})
+    true = {"spring.stiffness": 120.0, "mass.mass": 1.2}
+    kept = cosimo.gradient(
+        scene.with_changes(true), of=["mass.base_x, maximum", "mass.base_velocity_x, minimum"], halved=False, by="mass.mass"
+    )
+    targets = [{"quantity": s.figure, "value": s.value, "deviation": 1e-3} for s in kept.slopes]
+    vary = {"spring.stiffness": {"low": 100.0, "high": 200.0}, "mass.mass": {"low": 1.0, "high": 2.0}}
+    found = fit(scene, {"vary": vary, "targets": targets}, verify=False)
+    assert dict.fromkeys(vary, "exact") == found.derivatives
+    steps = found.fit.evaluations
+    assert 0 < found.jacobians <= steps <= found.runs <= steps + 1  # the start is one of them, but for rounding
+    assert found.fit.values == pytest.approx(list(true.values()), rel=1e-8)
+    step = vary | {"mass.substep": {"low": 1e-4, "high": 2e-3}}
+    other = fit(scene, {"vary": step, "targets": [*targets, targets[0]], "evaluations": 2}, verify=False)
+    assert other.derivatives["mass.mass"] == "exact"
+    assert other.derivatives["mass.substep"].startswith("differences (it sets the numerical error alone")
+    assert other.runs > other.jacobians
+    by_runs = fit(
+        scene.with_changes({"master.algorithm": "iterative"}), {"vary": vary, "targets": targets, "evaluations": 1}, verify=False
+    )
+    assert "iterative" in by_runs.derivatives["mass.mass"]
+    assert by_runs.jacobians == 0
+    assert by_runs.runs >= 3
 
 
 def test_the_runs_of_a_fit_are_kept_with_their_signals(tmp_path):
@@ -100,13 +130,20 @@ def test_differences_stay_within_bounds_and_go_around_failed_runs():
         return values
 
     def found(failed, u, v):
-        return differences(values_unless(failed), np.array([u, v]), 1e-3, ["u", "v"])
+        return jacobian(values_unless(failed), np.array([u, v]), 1e-3, ["u", "v"], np.empty((0, 2)))
 
     np.testing.assert_allclose(found(lambda u, v: False, 0.5, 1.0), [[1.001, 0.0], [1.0, 0.5]], rtol=1e-9)
     np.testing.assert_allclose(found(lambda u, v: u > 0.5, 0.5, 0.3), [[0.999, 0.0], [0.3, 0.5]], rtol=1e-9)
     with pytest.raises(BadInput, match="search: v"):
         found(lambda u, v: v != 0.3, 0.5, 0.3)
     assert all(p.min() >= 0.0 and p.max() <= 1.0 for p in asked)
+    asked.clear()
+    exact = np.array([[1.0, np.nan], [0.3, np.nan]])  # columns that are known are taken, and no run is asked for
+    mixed = jacobian(values_unless(lambda u, v: False), np.array([0.5, 0.3]), 1e-3, ["u", "v"], exact)
+    np.testing.assert_allclose(mixed, [[1.0, 0.0], [0.3, 0.5]], atol=1e-12)
+    assert len(asked) == 2
+    exact[:, 1] = 0.0, 0.5
+    assert jacobian(values_unless(lambda u, v: False), np.array([0.5, 0.3]), 1e-3, ["u", "v"], exact) is exact
 
 
 def test_searches_ask_together_and_a_failed_one_ends_all():
