@@ -310,8 +310,8 @@ class Component:
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise BadInput(
                 self.name,
-                "parameters or inputs of which something cannot be computed",
-                "numbers of a usual size",
+                "the initial state overflows or is singular",
+                "parameters and inputs of a usual size",
                 f"Check the largest and the smallest of them ({type(error).__name__}: {error}).",
             ) from error
         self._check(status)

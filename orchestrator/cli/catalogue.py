@@ -85,7 +85,7 @@ def _print_names(listed: dict[str, list[dict[str, Any]]]) -> None:
                     break_long_words=False,
                 )
             )
-    print("titles: cosimo list KIND, cosimo list SYSTEM, cosimo list WORD; more of one: cosimo show NAME")
+    print("With titles: cosimo list KIND | SYSTEM | WORD. Details: cosimo show NAME")
 
 
 def _everything() -> dict[str, list[dict[str, Any]]]:

@@ -126,7 +126,9 @@ def sensitivity(
     plan: PlanFile,
     quantity: Quantities = None,
     method: Annotated[str, Option(help="sobol: shares of the variance; morris: cheap, which matter at all.")] = "sobol",
-    samples: Annotated[int, Option(help="Blocks of as many runs as parameters, and 2 (sobol) or 1 more.")] = 128,
+    samples: Annotated[
+        int, Option(help="Number of sample blocks; with d parameters a block has d + 2 runs (sobol) or d + 1 runs (morris).")
+    ] = 128,
     output: Output = Path("sensitivity"),
 ) -> None:
     """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
@@ -212,7 +214,7 @@ def fit(runs: Runs, plan: PlanFile, output: Output = Path("fit")) -> None:
 def design(
     runs: Runs, plan: PlanFile, limits: Limits = "", condition: Conditions = None, output: Output = Path("design")
 ) -> None:
-    """Parameters for small or large quantities within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
+    """Optimize parameters under constraints. Example: cosimo design scene.toml --plan design.toml -o out"""
     from ..harness.many.limits import recalled
     from ..harness.many.repetition import shown
     from ..harness.report import answers

@@ -186,7 +186,7 @@ class Comparison:
             for one in different[:most]
         ]
         header = ("signal", *(f"{name}, {kind}" for name in others for kind in ("rms", "largest")))
-        caption = f"In parts of the signal's standard deviation, from {self.names[0]}, over the time that both runs have."
+        caption = f"Difference from {self.names[0]}, as a share of the signal's standard deviation, over the common time span."
         if not rows:
             caption = "All signals are the same."
         elif left := len(different) - len(rows):
@@ -227,7 +227,9 @@ def compared(results: Sequence[Result], names: Sequence[str]) -> Comparison:
     tables = [result.summary if result.rows > 1 else SummaryTable() for result in results]
     figures = _figures(tables)
     if not common and not any(isfinite(one.share) for one in figures):
-        raise BadInput("compare", "runs without a signal or a figure in common", "runs of one scene, or of like ones")
+        raise BadInput(
+            "compare", "The runs have no common signal and no common key result. Compare runs of the same or a similar scene.", ""
+        )
     return Comparison(
         _different(names),
         tuple(results),

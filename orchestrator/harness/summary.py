@@ -156,8 +156,9 @@ def verification_text(verification: Mapping[str, Any]) -> str:
         )
     shorter = "half of it" if verification["runs"] == 2 else "half and a quarter of it"
     text = (
-        f'± and "error" are estimated discretization errors, from {runs} with a macro step of {2.0 * step:g} s, {shorter}'
-        f"{', internal steps likewise' if verification.get('inside') else ''}. Errors of signals: rms, in % of the standard deviation."
+        f'± and "error" are estimated discretization errors, from {runs} with a macro step of {2.0 * step:g} s and {shorter}'
+        f"{'; internal steps are halved too' if verification.get('inside') else ''}. Errors of signals: rms, in % of "
+        "the standard deviation."
     )
     parts = [
         f"{place}: {100.0 * part['difference']:.2g} % of {part['signal']}"
@@ -175,8 +176,10 @@ def covered_text(mesh: Mapping[str, Any]) -> str:
     if places := mesh.get("places"):
         name, most = max(mesh["signals"].items(), key=lambda one: one[1])
         before = ", measured before" if mesh.get("kept") else ""
-        text = f"The errors include the mesh ({', '.join(places)}), from a mesh with half as many "
-        f"elements{before}: {100.0 * most:.2g} % of {name}. "
+        text = (
+            f"The errors include the mesh ({', '.join(places)}), estimated with half as many elements{before}: "
+            f"{100.0 * most:.2g} % of {name}. "
+        )
     for reason in dict.fromkeys(mesh.get("not_covered", {}).values()):
         names = ", ".join(name for name, why in mesh["not_covered"].items() if why == reason)
         text += f"The errors exclude the mesh ({names}): {reason}. "

@@ -83,8 +83,8 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         meshes = ", ".join(verification.mesh.places)
         finer = ", ".join(f"{name} = {m.value / 2.0 if m.by_length else 2.0 * m.value:g}" for name, m in meshes_of(scene).items())
         texts.append(
-            f"the mesh ({meshes}) is too coarse for {worst}: a mesh with half as many elements shows an error of about "
-            f"{_percent(error)} of the standard deviation (rms). Set {finer} for about half of it"
+            f"the mesh ({meshes}) is too coarse for {worst}. Error, estimated with half as many elements: {_percent(error)} rms (in % of "
+            f"the standard deviation). Set {finer} for about half of this error"
         )
     for place, why in verification.not_refined.items():
         texts.append(f"the errors exclude the error due to {place}, which could not be refined: {why}")

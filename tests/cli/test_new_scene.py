@@ -75,7 +75,7 @@ def test_nothing_passes_by_a_table_of_a_scenes_own_figures_until_a_row_has_a_sou
     run = ("run", "lumped-catenary", "--in-process", "--no-verify", "--limits", limits)
     assert exit_code(*run) == 0
     rows = limits.read_text(encoding="utf-8").count("[[rows]]")
-    assert f"No pass: {rows} of {rows} rows not judged" in capsys.readouterr().out
+    assert f"Not assessed: {rows} of {rows} rows without a range" in capsys.readouterr().out
     text = limits.read_text(encoding="utf-8")
     first = 'standing = "missing"  # 116.391 in one run of lumped-catenary'
     for ends, standing, source, told in (

@@ -148,7 +148,7 @@ class Overloaded(Boat):
 
 @pytest.mark.parametrize("load", [0.0, 1.0, 1e300])
 def test_numbers_that_cannot_be_computed_with_are_bad_input(load):
-    with pytest.raises(BadInput, match=r"boat: .*numbers of a usual size"):
+    with pytest.raises(BadInput, match=r"boat: .*parameters and inputs of a usual size"):
         Overloaded(parameters={"load": load}, name="boat").initialize(0.0)
 
 

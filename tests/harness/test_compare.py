@@ -102,7 +102,7 @@ def test_bad_input_is_one_message(arguments, message, two, capsys):
 
 
 def test_runs_of_other_scenes_have_nothing_in_common(two):
-    with pytest.raises(BadInput, match="in common"):
+    with pytest.raises(BadInput, match="no common signal"):
         cosimo.compare(
             two[0], cosimo.load_scene("ball-bearing-clearance").with_changes({"stop_time": 0.01, "analysis.transient": 0.0})
         )

@@ -62,7 +62,7 @@ def _check_control(master: MasterSettings, interfaces: Mapping[str, Interface], 
         raise BadInput(
             f"{where}.method",
             repr(control.method),
-            "connections whose values change inside a step; there are none, and so no error to go by",
+            "a connection whose value changes within a step, for the estimate of the step error; this scene has none",
             "Remove master.control.",
         )
 

@@ -323,6 +323,6 @@ def _check_rate(name: str, scene: SceneSettings) -> None:
         raise BadInput(where, actual, f"1 with {master.algorithm}; {able} can step units at rates of their own")
     for option in ("control", "events"):
         if getattr(master, option):
-            raise BadInput(where, actual, f"1 with master.{option}; a step that changes has no n-th one")
+            raise BadInput(where, actual, f"1 with master.{option}, which changes the macro step")
     if master.step * scene.units[name].every > scene.duration * (1.0 + 1e-9):
         raise BadInput(where, actual, f"at most the steps of the run, {scene.duration / master.step:.0f}")

@@ -23,6 +23,7 @@ from .windows import fault_windows, shaded
 
 if TYPE_CHECKING:
     from ...run.results import Result
+    from ...scene.scene import Scene
     from ..sweep import Sweep
     from ..system import Systems
     from ..validation.case import CaseResult, ClaimResult
@@ -30,10 +31,10 @@ if TYPE_CHECKING:
 MOST_NUMBERS = 12  # of the summary at the top of a page; the table below them has all
 FIRST_NUMBERS = 4  # where the system does not say which of them a run is judged by
 PROVENANCE = (
-    "Every range has its provenance: verbatim (read in a public source), computed (independent solver or closed form), "
-    "inferred, recalled (from memory of the literature, not re-read; hatched).",
-    "± is the numerical error of a number: what half of every step changes, twice. Where an end of the range lies "
-    "within it, the row is undecided. A number without ± is unchanged by half of every step, or not repeated, as it says.",
+    "Provenance of each range: verbatim = copied from a public source; computed = from a closed form or an independent solver; "
+    "inferred = derived from other published values; recalled = quoted from memory, not checked against the source (hatched).",
+    "± is the estimated numerical error: twice the change when all steps are halved. A row is undecided if an end of its range lies "
+    "within ±. A number without ± did not change with halved steps, or its run was not repeated, as the row says.",
 )
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
@@ -43,9 +44,15 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     scene = result.scene
     blocks: list[Block] = []
     if result.outcome != "done":
-        blocks.append(Text([f"This run {_ENDED[result.outcome]} and is shown as far as it went: {result.message}"], "warning"))
+        blocks.append(
+            Text(
+                [f"This run {_ENDED[result.outcome]} and . The report shows the results up to that point. {result.message}"],
+                "warning",
+            )
+        )
     warnings = result.info.get("warnings", ())
-    for texts, tone in (([s for s in warnings if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
+    doubts = [_sentence(text, scene) for text in warnings if text not in scene.remarks]
+    for texts, tone in ((doubts, "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
     judged = judge(result, result.summary) if result.scene.limits is not None else None
     answer = _answer(result, systems, judged[1] if judged else {})
@@ -60,13 +67,20 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     badge = judged[0].outcome if judged else result.outcome
     sections = [Section("Run", blocks, badge=badge)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
-    sections += [Section("How far these numbers can be trusted", trust.blocks(result))] if "verification" in result.info else []
+    sections += [Section("Numerical errors", trust.blocks(result))] if "verification" in result.info else []
     sections += [Section("How it was computed", computed)] if computed else []
     how = Text([generic.run_line(result)], "settings")
     sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
     title = scene.title or scene.name
     lead = f"{judged[0].case.title}. {judged[0].verdict} {_verdict(result)}" if judged else _verdict(result)
     return write_page(Page(title, lead, sections, PROVENANCE if judged else ()), Path(directory) / "report.html")
+
+
+def _sentence(warning: str, scene: Scene) -> str:
+    """A warning with a capital, unless it begins with a name, and a full stop."""
+    first = warning.partition(" ")[0]
+    begin = warning[:1] if first in scene.units or not first.isalpha() else warning[:1].upper()
+    return f"{begin}{warning[1:]}{'' if warning.endswith(('.', '?', '!')) else '.'}"
 
 
 def _limits(case: CaseResult) -> list[Block]:
@@ -102,7 +116,7 @@ def _answer(result: Result, systems: Systems, answers: Mapping[str, str]) -> lis
         (_shown(row), ", ".join(filter(None, (row.text, row.name.rpartition(".")[0]))), answers.get(row.name, ""))
         for row in (first or (whole or rows)[:FIRST_NUMBERS])[:MOST_NUMBERS]
     ]
-    unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
+    unknown = Text(["These numbers have no error estimate; the section on numerical errors says why."], "note")
     known = any(np.isfinite(row.error) for row in rows)
     return [Answer(numbers), _all_figures(rows), *([] if known else [unknown])]
 
@@ -132,7 +146,7 @@ def _all_figures(rows: Sequence[SummaryRow]) -> Cells:
         lines.setdefault((row.text, "" if row.unit == "1" else row.unit), {})[row.name.rpartition(".")[0]] = _shown(row, False)
     cells = [(text, unit, *(values.get(name, "") for name in units)) for (text, unit), values in lines.items()]
     right = frozenset(range(2, 2 + len(units)))
-    return Cells("All figures of this run", ("quantity", "unit", *units), cells, right=right, folded=True)
+    return Cells("All key results", ("quantity", "unit", *units), cells, right=right, folded=True)
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
@@ -146,7 +160,7 @@ def _of_system(result: Result, systems: Systems) -> list[Block]:
     try:
         return [*(machine.motion(result) for machine in systems[system].motions(result)), *systems[system].figures(result)]
     except BadInput as error:
-        return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
+        return [Text([f"No charts of system = {system!r}: {error}"], "warning")]
 
 
 def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems: Systems) -> Path:
@@ -158,7 +172,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
     count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "undecided", "recalled")}
     lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + "."
     if count["recalled"]:
-        lead += " “Recalled”: not all ranges were read in a source, so that being inside them is no pass."
+        lead += " “Recalled”: some ranges are quoted from memory, so a result inside them does not count as passed."
     if len(case_results) == 1:
         lead = case_results[0].verdict
     if len(case_results) == 1:
@@ -184,11 +198,11 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
         blocks.append(draw_chart(chart))
     ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
     lead = (
-        f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that does not vary is as "
-        f"in: {scene.title or scene.name}."
+        f"{len(sweep.outcomes)} runs of the scene {scene.name}. The file sweep.csv contains all numbers. Parameters that do not vary "
+        f"have the values of the scene: {scene.title or scene.name}."
     )
     settings: list[Block] = [Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
-    trusted = Section("How far these numbers can be trusted", sweeps.trust(sweep))
+    trusted = Section("Numerical errors", sweeps.trust(sweep))
     title = f"Sweep of {', '.join(ranges)}"
     sections = [Section("Sweep", blocks), trusted, Section("Settings", settings)]
     return write_page(Page(title, lead, sections), Path(directory) / "report.html")
@@ -224,7 +238,12 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
         rows = [r for r in plain if r.reference.condition == label]
         blocks: list[Block] = []
         if run.outcome != "done":
-            blocks.append(Text([f"This run {_ENDED[run.outcome]} and is shown as far as it went: {run.message}"], "warning"))
+            blocks.append(
+                Text(
+                    [f"This run {_ENDED[run.outcome]} and . The report shows the results up to that point. {run.message}"],
+                    "warning",
+                )
+            )
         if not rows and (numbers := _summary(run, systems)):
             blocks.append(_all_figures(numbers))
         of_system = special(run, rows) if special and run.outcome == "done" else []
@@ -243,12 +262,12 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
 def _claims_table(claims: Sequence[ClaimResult]) -> Cells:
     """One line a claim."""
     rows = [(c.claim.number, c.claim.announced, c.claim.kind, c.measured, c.verdict) for c in claims]
-    header = ("claim", "announced", "kind", "measured", "verdict")
+    header = ("claim", "announced", "kind", "simulated", "verdict")
     return Cells(
-        "What the abstract announces, and what is shown here",
+        "Statements of the abstract and their reproduction",
         header,
         rows,
-        "Criteria were derived before the runs; no number is one of the paper's own tables.",
+        "The criteria were fixed before the runs. No criterion uses a number from the paper's own tables.",
     )
 
 

@@ -144,7 +144,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
     if answer.limits:
         blocks.append(
             Cells(
-                "Probability of keeping the limits",
+                "Probability that the limits are met",
                 LIMIT_COLUMNS,
                 limit_rows(answer.limits),
                 "95 %: interval of the probability, from independent samples.",
@@ -239,10 +239,10 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         kind = "largest" if answer.maximise[0] else "least"
         lead = f"{answer.quantity} = {number(best.quantity)}, the {kind} of {len(y)} runs."
     else:
-        lead = f"None of {len(y)} runs keeps all limits."
+        lead = f"None of {len(y)} runs meets all limits."
     notes = [*answer.messages, *recalled(answer.constraints)]
     notes.append(
-        "A local search: another start may lead to a better place."
+        "The search is local: another start may lead to a better design."
         if answer.starts == 1
         else f"{answer.starts} local searches from points spread over the bounds: there may be a better place still."
     )
@@ -276,7 +276,7 @@ def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
         panels.append(
             Panel(table.label(second), tuple(s for s in series if len(s.x)), table.bands(second), x_label=table.label(first))
         )
-    text = "Every run; of a point of the front, no other run is better in one aim without being worse in another."
+    text = "Each dot is a run. On the Pareto front, no other run improves one aim without worsening another."
     blocks: list[Block] = [draw_chart(Chart("Front", "", tuple(panels), text, columns=min(2, len(panels)), height=380))]
     if front.size:
         shown = np.unique(np.linspace(0, front.size - 1, MOST_ROWS).round().astype(int))
@@ -295,11 +295,11 @@ def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
         ways = ", ".join(f"{'large' if m else 'small'} {n}" for n, m in zip(answer.quantities, answer.maximise, strict=True))
         lead = f"{front.size} of {len(answer.steps)} runs make the front of {ways}."
     else:
-        lead = f"None of {len(answer.steps)} runs keeps all limits."
+        lead = f"None of {len(answer.steps)} runs meets all limits."
     notes = [
         *answer.messages,
         *recalled(answer.constraints),
-        "The front of these runs: NSGA-II has no proof that there is none beyond.",
+        "The Pareto front of these runs. NSGA-II does not prove that no better design exists.",
     ]
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 

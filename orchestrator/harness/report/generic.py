@@ -125,7 +125,7 @@ def time_series(result: Result) -> list[Figure]:
             [
                 f"{rest} more signals are in result.csv." if rest > 0 else "",
                 f"Constant: {still}{' and others' if len(constant) > SHOWN_SIGNALS else ''}." if constant else "",
-                "Drawn with fewer points than recorded; extremes are kept, zoom in for the rest." if thinned else "",
+                "The chart has fewer points than the recording but all extremes; zoom in for all points." if thinned else "",
             ],
         )
     )
@@ -161,7 +161,7 @@ def effect_rows(effects: Mapping[str, Any]) -> list[tuple[str, str]]:
 def run_blocks(result: Result) -> list[Facts]:
     """The run's effects, settings, counters and versions, as run.json holds them."""
     titles = {
-        "settings": "Settings of the master",
+        "settings": "Co-simulation settings",
         "units": "Units and their parameters",
         "counters": "Work done",
         "timing": "Time taken, s",

@@ -123,7 +123,7 @@ def map_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart | None:
         picture = Picture(levels[first], levels[second], values, "" if unit == "1" else unit, "range", limits)
         panels.append(Panel(table.label(second), (), title=name, picture=picture))
     where = "; ".join(f"{n} = {table.varied[n][0]}" for n in fixed)
-    text = "Lines are the limits of the plan. " if any(n in table.limits for n in table.measured) else ""
+    text = "Lines: limits of the plan. " if any(n in table.limits for n in table.measured) else ""
     text += f"At {where}." if where else ""
     return Chart("Maps over two parameters", table.label(first), tuple(panels), text, columns=min(2, len(panels)), height=300)
 
@@ -146,7 +146,7 @@ def scatter_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart:
                 )
             )
     more = len(numeric) - len(names)
-    text = f"A point for each run.{f' {more} more parameters are in the table.' if more else ''}"
+    text = f"One point per run.{f' {more} more parameters: see the table.' if more else ''}"
     return Chart("Measures over parameters", "", tuple(panels), text, columns=len(names), height=230)
 
 
@@ -168,9 +168,7 @@ def parallel(table: Table) -> Figure:
     figure = layout(430, margin={"l": 80, "r": 90, "t": 130, "b": 30})
     few = f" {LINES} of {n} runs, chosen by chance." if n > LINES else ""
     return Figure(
-        "Parallel coordinates",
-        {"data": [data], "layout": figure},
-        f"A line for each run; drag along an axis to see only the runs that pass there.{few}",
+        "Parallel coordinates", {"data": [data], "layout": figure}, f"One line per run. Drag along an axis to select runs.{few}"
     )
 
 

@@ -31,7 +31,7 @@ def blocks(result: Result) -> list[Block]:
     """The facts of the run as a table, the length of its macro steps, and its energy account; none where none applies."""
     parts: list[Block] = []
     if rows := list(_rows(result)):
-        parts.append(Facts("Facts of the run", rows))
+        parts.append(Facts("Solver statistics", rows))
     if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
         parts.append(steps)
     parts += _pacing(result)
@@ -124,7 +124,7 @@ def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
 def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
     """Length of the macro steps over time, where every one is recorded; said where it is not. None for a run without steps."""
     if result.scene.record.interval is not None:
-        return Text(["The length of the macro steps is drawn where every one is recorded, without record.interval."], "note")
+        return Text(["For a chart of the macro step length, remove record.interval: every step must be recorded."], "note")
     lengths = np.diff(result.time)
     if not lengths.size:
         return None

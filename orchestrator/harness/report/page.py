@@ -27,7 +27,7 @@ from .embed import SAMPLES_BESIDE, SAMPLES_INSIDE, embedded, lost_samples
 
 # what limits say of a figure: class of its badge, and the badge's text
 BADGES = {"in": "passed", "out": "failed", "undecided": "undecided", "recalled": "recalled"}
-LIMITS_WORDS = {"in": "within", "out": "outside", "undecided": "undecided", "recalled": "within recalled"}
+LIMITS_WORDS = {"in": "within", "out": "outside", "undecided": "undecided", "recalled": "within recalled (unconfirmed) limits"}
 CDN = "https://cdn.plot.ly/plotly-{}.min.js"
 
 

@@ -88,7 +88,7 @@ def trust(sweep: Sweep) -> list[Block]:
                 "Errors of columns",
                 ("column", "±", "unit", "share", "at"),
                 rows,
-                "±: twice what half of every step changes at the repeated points, the largest of them. Share: "
+                "±: twice the largest change at the repeated points when all steps are halved. Share: "
                 "of the column's largest size; of a signal's statistics, of the largest of them. The points of a "
                 f"section have no error.{rest}",
                 frozenset({1, 3}),

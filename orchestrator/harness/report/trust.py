@@ -43,25 +43,25 @@ def _table(verification: Mapping[str, Any], result: Result) -> Cells:
         )
         for name in worst[:SHOWN]
     ]
-    rest = f" The other {len(worst) - SHOWN} signals have smaller ones." if len(worst) > SHOWN else ""
+    rest = f" The other {len(worst) - SHOWN} signals have smaller errors." if len(worst) > SHOWN else ""
     if missing := len({*result.columns, *result.texts} - {*signals}):  # windows show what units exchange
-        rest += f" The errors of {missing} recorded signals, which no unit reads, are not known."
+        rest += f" {missing} recorded signals, which no unit reads, have no error estimate."
     orders = any(order for *_, order, _ in rows)
     return Cells(
         "Errors of signals",
         ("signal", "error, rms", "largest", *(["order"] if orders else []), ""),
         rows if orders else [(*row[:3], row[4]) for row in rows],
-        "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
-        f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}."
-        f"{' Order: how the difference fell with the step, where three runs were made.' if orders else ''}{rest}",
+        "Errors in % of the signal's standard deviation. Nearly constant signals: in % of their magnitude. Flags and modes: share of "
+        f"the time with different values. Above {percent(WARN)} cosimo warns and suggests the step for {percent(AIM)}."
+        f"{' Order: observed order of convergence of the three runs.' if orders else ''}{rest}",
         frozenset({1, 2, 3} if orders else {1, 2}),
     )
 
 
 def _kind(error: Mapping[str, Any]) -> str:
     if error.get("parted"):
-        return "chaotic: histories part, statistics agree"
-    return "jumps at other instants" if error.get("shifted") else ""
+        return "chaotic: trajectories diverge, statistics agree"
+    return "switches at other instants" if error.get("shifted") else ""
 
 
 def percent(share: float | None) -> str:
@@ -76,13 +76,13 @@ def percent(share: float | None) -> str:
 def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
     name = given["signal"]
     unit = result.measures.get(name, "")
-    lines = (Series("half the steps", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
+    lines = (Series("repetition, half the steps", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
     measure = f", {unit}" if unit not in ("", "1") else ""
     difference = Series("difference", given["time"], np.subtract(given["run"], given["finer"]))
     return Chart(
-        "Where the two runs differ most",
+        "Largest difference between the run and its repetition",
         "time, s",
         (Panel(name + measure, lines), Panel("difference" + measure, (difference,))),
-        "The signal with the largest error, about the instant of its largest difference: this run, the one with half the "
-        f"steps, a macro step of {step:g} s, and what this run has more.",
+        "The signal with the largest error, near the instant of its largest difference: this run, its repetition with half the steps "
+        f"(macro step {step:g} s), and this run minus the repetition.",
     )

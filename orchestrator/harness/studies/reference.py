@@ -61,7 +61,7 @@ class Solution:
 
 @dataclass(frozen=True)
 class Reference:
-    """What errors are measured against. shares: see `Solution`.
+    """Reference solution. shares: see `Solution`.
 
     second: other solutions of the scene by their methods, their errors by quantity, of the quantities that they have.
     By quantity, mesh_error: of the mesh that it has; between_samples: of an extreme that falls between two samples.

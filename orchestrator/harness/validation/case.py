@@ -256,8 +256,8 @@ class CaseResult:
         return [
             f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
             if not r.inside
-            else f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: its "
-            f"range ends {r.margin:.2g} away"
+            else f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: a "
+            f"limit is {r.margin:.2g} away"
             for r in self.findings.rows
             if (r.reference.standing == "recalled" and not r.inside) or r.undecided
             for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]
@@ -280,14 +280,16 @@ class CaseResult:
                 parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}{undecided}")
         missing = sum(r.missing for r in rows)
         if missing:
-            parts.append(f"{missing} of {len(rows)} rows not judged, as their ranges are missing")
+            parts.append(f"{missing} of {len(rows)} rows without a range")
         text = {
             "passed": "Passed",
             "failed": "Failed",
-            "undecided": "No pass" if missing else "Undecided, as errors reach beyond a range",
-            "recalled": "No pass, as not every range was read or computed",
+            "undecided": "Not assessed" if missing else "Undecided: the error interval of a result crosses a limit",
+            "recalled": "Not assessed: some ranges are recalled or inferred, not read in a source",
         }
-        return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."
+        counted = ", ".join(parts) or "no row was compared"
+        why = text[self.outcome]
+        return f"{why}; {counted}." if ":" in why else f"{why}: {counted}."
 
     def to_json(self) -> dict[str, Any]:
         """The case of the machine-readable output."""

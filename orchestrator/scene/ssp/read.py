@@ -98,7 +98,7 @@ def _times(document: Document, flat: Flat, given: Collection[str], remarks: list
 
 
 def _master(document: Document, flat: Flat, length: float, given: Collection[str], remarks: list[str]) -> dict[str, Any]:
-    """Settings of the master for a system of another tool; length: of the run, s."""
+    """Co-simulation settings for a system of another tool; length: of the run, s."""
     for node in document.root.iter("{*}" + "FixedStepAlgorithm", "{*}FixedStepMaster"):
         step = number(node, STEPS[etree.QName(node).localname], 0.0, document.where)
         return {"step": min(step, length), "algorithm": "jacobi"} | ({"extrapolation": 0} if flat.connections else {})

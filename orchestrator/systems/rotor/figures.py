@@ -104,7 +104,7 @@ def history_chart(record: RotorRecord, begin: float, who: str = "") -> Chart:
     panels: tuple[Panel, ...] = (Panel("displacement, µm", motion, x_marks=mark),)
     if np.ptp(record.signals["speed"]) > 0.0:
         panels += (Panel("speed, rpm", (Series("speed", record.time, RPM * record.signals["speed"]),), x_marks=mark),)
-    text = "Displacement of the watched place of the shaft, x horizontal, y upwards."
+    text = "Shaft displacement at the measurement plane, x horizontal, y upwards."
     return Chart(f"{who}Time history", "time, s", panels, text + (" Thin vertical line: end of the transient." if mark else ""))
 
 
@@ -122,8 +122,8 @@ def run_up_chart(record: RotorRecord, begin: float, critical: np.ndarray, who: s
         Panel("phase lag, degrees", lag, lines=lines, y_range=(-100.0, 310.0)),
     )
     text = (
-        f"Part of the motion that turns with the shaft (once a turn), over windows of {FOLLOWED} turns a turn apart; phase lag "
-        "behind the rotor's angle. Beats: free vibration that is not yet damped away."
+        f"Synchronous (1X) component of the displacement, from windows of {FOLLOWED} turns, one per turn. Phase lag: relative to the "
+        "rotor's angle (Bode plot). Beats: free vibration that has not decayed yet."
     )
     return Chart(f"{who}Run-up: synchronous motion", "speed, rpm" + (" (backward)" if backward else ""), panels, text, height=260)
 

@@ -155,7 +155,7 @@ def thrusts_chart(vehicle: Vehicle, who: str = "") -> Chart:
             Panel("share of wrench, 1", (Series("given of what is wanted", vehicle.time, vehicle.scale),), y_range=(-0.05, 1.1))
         )
     elif vehicle.scale is not None:
-        text += " The limits of the thrusters kept nothing back of what the controller wanted."
+        text += " No thruster saturated."
     return Chart(f"{who}Thrusts", "time, s", tuple(panels), text, height=190)
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...run.results import Result
 
 TEXTS = {
-    "way": ("m", "way through the water or over ground, as recorded"),
+    "way": ("m", "distance travelled, through the water or over ground, as recorded"),
     "position_error_rms": ("m", "root mean square of the position's error, after the transient"),
     "position_error_max": ("m", "largest error of the position, after the transient"),
     "attitude_error_rms": ("rad", "root mean square of the attitude's error, after the transient"),

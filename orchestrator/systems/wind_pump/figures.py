@@ -168,7 +168,7 @@ def course_chart(shown: Sequence[Shown]) -> Chart:
     text = f"{shown[0].averaged} Gaps in the ratio: the turbine stands (below {shown[0].standstill:g} rad/s)."
     if events:
         text += " Thin vertical lines: the pump starts or stops." if few else " The pump's starts and stops are in the table."
-    return Chart("Course of the run", f"time, {unit}", tuple(panels), text.strip(), height=200)
+    return Chart("Time histories", f"time, {unit}", tuple(panels), text.strip(), height=200)
 
 
 def water_chart(shown: Sequence[Shown]) -> Chart | None:
@@ -225,7 +225,7 @@ def branches_chart(shown: Sequence[Shown], followed: Sequence[tuple[str, slice]]
                 marks.setdefault(f"{s.who}pump {word}", []).append((wind, f"{wind:.2f}"))
     lines = tuple(Lines(name, tuple(at)) for name, at in marks.items())
     both = {word for s in shown for word, _, _ in s.marks} == {"starts", "stops"}
-    why = "the pump starts at a higher wind than it stops at: hysteresis" if both else "inertia is behind the wind"
+    why = "the pump starts at a higher wind than it stops at: hysteresis" if both else "the rotor speed lags the wind"
     text = shown[0].averaged
     text += f" Where the branches part, {why}." if len({way for way, _ in followed}) == 2 else ""
     return Chart("Against the wind", "", _panels(shown, lines_of, lines), text.strip(), columns=2, height=260)

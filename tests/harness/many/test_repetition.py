@@ -172,7 +172,7 @@ def test_the_command_prints_which_points_were_repeated(tmp_path, capsys):
     _ends_well(command)
     assert "3 of 3 points, at the ends and at random, repeated with half of every step" in capsys.readouterr().out
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "How far these numbers can be trusted" in page
+    assert "Numerical errors" in page
     _ends_well([*command, "--no-verify"])
     assert "no point was repeated" in capsys.readouterr().out
 

@@ -21,7 +21,7 @@ def block(result, kind, title):
 
 
 def facts(result):
-    return dict(block(result, "facts", "Facts of the run").rows)
+    return dict(block(result, "facts", "Solver statistics").rows)
 
 
 def alone(**master):
@@ -127,12 +127,12 @@ def test_warnings_and_remarks_are_shown_apart(tmp_path):
     scene = read_scene(two_masses())
     object.__setattr__(scene, "_remarks", ("a remark",))
     result = run(scene, in_process=True)
-    result.info["warnings"].append("a warning")
+    result.info["warnings"].append("the warning")
     html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert re.search(r'class="text note"><p>a remark</p></div>', html)
     warned = re.search(r'class="text warning">(.*?)</div>', html, re.DOTALL)
     assert warned
-    assert "<p>a warning</p>" in warned[1]
+    assert "<p>The warning.</p>" in warned[1]
 
 
 def test_lead_tells_of_controlled_steps():

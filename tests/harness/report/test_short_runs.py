@@ -49,7 +49,7 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("stop", "there", "not_there"), [
     (2.0, "Uplift of the contact wire", "Shape of the contact wire"),
-    (4.0, "Shape of the contact wire", "All figures of this run"),
+    (4.0, "Shape of the contact wire", "All key results"),
 ])  # fmt: skip
 def test_a_run_that_ends_before_or_in_its_window_shows_what_there_is(stop, there, not_there, tmp_path):
     html = page(run(load_scene("en50318-2002").with_changes({"stop_time": stop}), in_process=True), tmp_path)

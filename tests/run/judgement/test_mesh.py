@@ -1,6 +1,7 @@
 """Errors of meshes from a coarser one: against closed forms, whatever the declaration, and said wherever a run is."""
 
 import json
+import re
 
 import cosimo
 import numpy as np
@@ -133,6 +134,7 @@ def test_what_no_repetition_covers_is_named(monkeypatch):
     said = verification_text(run.info["verification"])
     assert "the number of random parts, of which each number has others (a.chance.parts)" in said
     assert "a seed (a.chance.seed)" in said
+    assert re.search(r"The errors include the mesh \(.+\), estimated with half as many elements: .+ % of ", said)
     assert "modelling errors" in said
     json.dumps(run.info["verification"])
     monkeypatch.setattr(work, "BUDGET", 0.0)

@@ -164,5 +164,5 @@ def test_without_a_limit_in_reach_no_share_is_drawn():
     result = vehicle_run()
     result.columns["control.scale"] = np.ones_like(result.time)
     block = next(b for b in SYSTEMS["rov"].figures(result) if b.title == "Thrusts")
-    assert "kept nothing back" in block.caption
+    assert "No thruster saturated" in block.caption
     assert not any(t["name"] == "given of what is wanted" for t in block.figure["data"])

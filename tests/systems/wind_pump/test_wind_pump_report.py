@@ -39,7 +39,7 @@ def test_every_figure_is_valid_and_every_axis_has_its_unit(shown):
 
 
 def test_a_wind_that_rises_and_falls_has_its_branches(shown):
-    assert list(figures(shown)) == ["Course of the run", "Against the wind", "Water"]
+    assert list(figures(shown)) == ["Time histories", "Against the wind", "Water"]
     assert list(tables(shown)) == ["Starts and stops", "Energy along the chain"]
     figure = figures(shown)["Against the wind"]
     pump = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and a["title"]["text"] == "pump speed, rad/s")
@@ -89,7 +89,7 @@ def test_a_run_that_begins_and_ends_outside_the_record_has_no_marks():
 
 def test_a_gusty_wind_is_shown_in_bins_and_in_hours():
     by_title = figures(SYSTEMS["wind_pump"].figures(gusty_run()))
-    course, against = by_title["Course of the run"], by_title["Against the wind"]
+    course, against = by_title["Time histories"], by_title["Against the wind"]
     assert any(a["title"]["text"] == "time, h" for k, a in course["layout"].items() if k.startswith("xaxis"))
     lines = [t for t in against["data"] if t["name"] == "bins of 0.5 m/s"]
     x, y = (numbers(lines[0][k]) for k in "xy")  # turbine speed: 1 rad/s at 1 m/s
@@ -121,7 +121,7 @@ def test_the_ripple_of_a_piston_is_drawn_as_its_mean():
     t, wind = triangle()
     result = run_of(t, wind, np.full(t.size, True), ripple=1.0, analysis={"average": 2.0})
     (chain,) = chains(result)
-    figure = figures(SYSTEMS["wind_pump"].figures(result))["Course of the run"]
+    figure = figures(SYSTEMS["wind_pump"].figures(result))["Time histories"]
     drawn = next(x for x in figure["data"] if x["name"] == "pump" and max(numbers(x["y"])) > 50.0)
     assert max(numbers(drawn["y"])) < 0.6 * chain.powers["hydraulic"].max()
     shares = {stage: share for stage, _, share in efficiencies(chain)}
@@ -133,7 +133,7 @@ def test_the_mean_power_coefficient_is_that_of_the_mean_powers():
     t, wind = triangle()
     result = run_of(t, wind, np.full(t.size, True), analysis={"average": 40.0})
     result.columns["turbine.power_coefficient"] = np.where(wind < 0.2, -1e4 * (0.2 - wind), CP)
-    figure = figures(SYSTEMS["wind_pump"].figures(result))["Course of the run"]
+    figure = figures(SYSTEMS["wind_pump"].figures(result))["Time histories"]
     panel = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and "Cp" in a["title"]["text"])
     drawn = numbers(next(x for x in figure["data"] if x["yaxis"] == panel.replace("axis", ""))["y"])
     middle = slice(drawn.size // 4, 3 * drawn.size // 4)
@@ -149,7 +149,7 @@ def test_two_chains_are_told_apart():
     result.scene = read_scene(scene)
     result.columns["second.speed"] = 0.5 * result.columns["gear.speed"]
     blocks = SYSTEMS["wind_pump"].figures(result)
-    names = {t["name"] for t in figures(blocks)["Course of the run"]["data"]}
+    names = {t["name"] for t in figures(blocks)["Time histories"]["data"]}
     assert {"gear: pump", "second: pump", "gear: turbine"} <= names
     assert {row[0] for row in tables(blocks)["Starts and stops"].rows} == {"gear", "second"}
 

@@ -48,7 +48,7 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
     sections = [
         Section("What accuracy costs", [Text(_advice(measured)), *figures]),
         Section("Settings", [front_cells(measured, SHOWN), _all_points(measured)]),
-        Section("Reference", [Facts("What errors are measured against", _reference(measured))]),
+        Section("Reference", [Facts("Reference solution", _reference(measured))]),
     ]
     return write_page(Page(measured.title, _lead(measured), sections), Path(directory) / "report.html")
 
@@ -56,8 +56,8 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
 def _lead(measured: Accuracy) -> str:
     done = sum(p.outcome == "done" for p in measured.points)
     return (
-        f"{done} of {len(measured.points)} settings gave a result. An error is the largest of those of all quantities, "
-        "over the range of its signal, with the reference's own error added."
+        f"{done} of {len(measured.points)} settings gave a result. The error of a setting is the largest error of all quantities, "
+        "relative to the range of the signal. It includes the error of the reference solution."
     )
 
 
