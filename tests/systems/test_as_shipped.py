@@ -1,18 +1,24 @@
 """Every shipped scene and case once by its command, with the default packaging and its report, as a reader of the README does.
 
-The short run has a case of each system, in process.
+The short run has a case of each system, in process. What a run of a few steps has to show follows here, where all kernels are in
+memory.
 """
 
 import json
+from contextlib import suppress
 
 import pytest
+from cosimo import BadInput
+from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.validation.case import outcome
 from cosimo.orchestrator.harness.validation.questions import Options
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import cases
+from cosimo.orchestrator.run.run import run
+from cosimo.orchestrator.systems import SYSTEMS, cases, load_scene, summary
 from cosimo.tests.commands import exit_code
+from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
 
+SHORTEST = min(shipped_scenes(), key=lambda name: price(shipped_scenes()[name]))
 UNDECIDED = ("passed", "recalled", "undecided")
 SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
 WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its steps
@@ -36,7 +42,7 @@ def done(command, name, folder, *options):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", sorted(scene_files()))
+@pytest.mark.parametrize("name", shipped_scenes())
 def test_a_scene_runs_by_its_command_and_raises_no_alarm(name, tmp_path, capsys):
     done("run", name, tmp_path)
     assert (tmp_path / "report.html").stat().st_size > 10_000
@@ -45,6 +51,32 @@ def test_a_scene_runs_by_its_command_and_raises_no_alarm(name, tmp_path, capsys)
     assert info["verification"]["done"], info["verification"]
     printed = capsys.readouterr()
     assert "Traceback" not in printed.out + printed.err
+
+
+@pytest.mark.parametrize(
+    ("name", "steps"),
+    full_but(
+        ((SHORTEST, 1), (SHORTEST, 10)),
+        [*((name, 1) for name in shipped_scenes()), *((name, 10) for name in sorted({SHORTEST, *FIRST_OF_SYSTEM.values()}))],
+    ),
+)
+def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
+    if steps > 1:  # natural frequencies are of the scene, however long it runs
+        monkeypatch.setattr("cosimo.orchestrator.systems.rotor.figures.whirl", lambda result, record: None)
+    scene = load_scene(name)
+    step = scene.master.step
+    snapshots = {"record.snapshot_interval": step} if scene.record.snapshots else {}
+    every = {"record.interval": None, "faults": []}  # faults come later in a run, and a scene whose faults never come is refused
+    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots, **every}), in_process=True)
+    assert result.time.size == steps + 1
+    html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
+    with suppress(BadInput):  # where the statistics' window or transient is beyond these few steps
+        names = [row.name for row in summary(result)]
+        assert len(set(names)) == len(names)
+        assert all(name.partition(".")[0] in {u.partition(".")[0] for u in scene.units} | {"links"} for name in names)
+    assert "Recorded signals" in html
+    if scene.analysis.system:  # figures of the system, or why there are none
+        assert "<figure" in html.partition("Recorded signals")[0] or "There are no figures of system" in html
 
 
 @pytest.mark.parametrize("name", SHORT)

@@ -1,50 +1,19 @@
 """A report of a run that ended early shows what there is, and says what there is not."""
 
-from contextlib import suppress
 from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import FINER, uniform
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene, summary
-from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
+from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.tests.support import two_masses
-
-SHORTEST = min(shipped_scenes(), key=lambda name: price(shipped_scenes()[name]))
 
 
 def page(result, directory):
     return report.for_run(result, directory, SYSTEMS).read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("name", "steps"),
-    full_but(
-        ((SHORTEST, 1), (SHORTEST, 10)),
-        [*((name, 1) for name in shipped_scenes()), *((name, 10) for name in sorted({SHORTEST, *FIRST_OF_SYSTEM.values()}))],
-    ),
-)
-def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
-    if steps > 1:  # natural frequencies are of the scene, however long it runs
-        monkeypatch.setattr("cosimo.orchestrator.systems.rotor.figures.whirl", lambda result, record: None)
-    scene = load_scene(name)
-    step = scene.master.step
-    snapshots = {"record.snapshot_interval": step} if scene.record.snapshots else {}
-    every = {"record.interval": None, "faults": []}  # faults come later in a run, and a scene whose faults never come is refused
-    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots, **every}), in_process=True)
-    assert result.time.size == steps + 1
-    html = page(result, tmp_path)
-    with suppress(BadInput):  # where the statistics' window or transient is beyond these few steps
-        names = [row.name for row in summary(result)]
-        assert len(set(names)) == len(names)
-        assert all(name.partition(".")[0] in {u.partition(".")[0] for u in scene.units} | {"links"} for name in names)
-    assert "Recorded signals" in html
-    if scene.analysis.system:  # figures of the system, or why there are none
-        assert "<figure" in html.partition("Recorded signals")[0] or "There are no figures of system" in html
 
 
 @pytest.mark.parametrize(("stop", "there", "not_there"), [
