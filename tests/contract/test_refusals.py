@@ -1,4 +1,4 @@
-"""Components refuse parameters that cannot be, in words: (component, effects, parameters, words), in plain Python.
+"""Components refuse parameters that cannot be, in words, and their steps inputs that cannot be, in plain Python.
 
 Refusals that are as sharp as what is accepted beside them are hard cases of the component.
 """
@@ -6,14 +6,18 @@ Refusals that are as sharp as what is accepted beside them are hard cases of the
 import math
 
 import pytest
-from cosimo import BadInput, component_class
+from cosimo import BadInput, StepFailed, component_class
 from cosimo.tests.contract.configurations import in_plain_python
 
 RK4 = "limit of RK4"
 BESIDE = ("disks", "linear_supports", "bearing_b")
 WIND = ("gusts", "dropper_slackening")
 SHORT = {"spans": 1, "element": 5.0}
-REFUSED = [
+CROSS = r"axes that cross at a sine of .* one motion instead of two"
+RIGID = {"constraint.kind": "rigid"} | {f"constraint.off_axis[{j}]": 0.0 for j in range(1, 6)}
+NO_INERTIA = {"transverse_inertia": 0.0, "axial_inertia": 0.0, "morphology.row_offset": 0.0}
+LINKS = ("crank", "coupler", "rocker", "ground")
+REFUSED = [  # component, effects, parameters, words
     ("BallBearing", ("cage_fault",), {"cage_fault.offset": 0.5}, "half the distance of two of 8 balls"),
     ("BallBearing", ("cage_fault",), {"cage_fault.ball": 9}, "four or more balls"),
     ("AngularContactConductance", ("ring_walls",), {"ring_walls.bore": 47e-3}, "walls around"),
@@ -23,9 +27,6 @@ REFUSED = [
     ("DeepGrooveBearing", ("ball_defect",), {"ball_defect.ball": 10}, "ball"),
     ("TorqueMotor", ("inductance",), {"inductance.inductance": 1e-6}, RK4),
     *(("FrictionWheels", (law,), {"creep": 100.0}, f"creep = 100 N.s/m with '{law}'") for law in ("lugre_slip", "exact_slip")),
-    ("ServoController", (), {"layout": "skewed", "angle": 0.0}, "The rotation is lost"),
-    ("ServoController", (), {"layout": "skewed_free_rollers", "angle": 1e-4}, "The rotation is lost"),
-    ("ServoController", (), {"layout": "skewed", "angle": 0.5 * math.pi}, "The feed is lost"),
     *(
         (name, (), {"layout": "orthogonal", "angle": 0.4}, r"angle = 0\.4 rad in the layout 'orthogonal'")
         for name in ("ServoController", "FrictionWheels", "FrictionDrive")
@@ -102,14 +103,134 @@ REFUSED = [
     ("ServoController", ("reference",), {"reference.time[3]": 0.2}, "times that do not decrease"),
     ("LumpedCatenary", (), {"harmonic[1]": 1.2}, "positive"),
     ("ForearmTendons", (), {"rise_time": 1e-3, "substep": 5e-3}, RK4),
+    *(
+        ("ForearmTendons", ("programme",), {f"programme.{name}": value for name, value in wrong.items()}, r"programme\.time")
+        for wrong in ({"time[1]": 0.3, "time[2]": 0.1, "time[3]": 0.2}, {"time[1]": 0.3, "fcu[2]": 0.1})
+    ),
+    *(
+        (component, effects, {f"{prefix}proximal_tilt": tilts[0], f"{prefix}distal_tilt": tilts[1]}, CROSS)
+        for component, effects, prefix in (("Wrist", ("morphology",), "morphology."), ("LigamentBundle", (), ""))
+        for tilts in ((0.0, 0.0), (0.4, -0.4), (0.005, 0.005), (0.5 * math.pi, 0.5 * math.pi))
+    ),
+    *(
+        (component, effects, {"coupling_model": "opensim_half", tilt: 0.3}, "tilts with the coupling model 'rules' only")
+        for component, effects, tilt in (
+            ("Wrist", ("morphology",), "morphology.proximal_tilt"),
+            ("LigamentBundle", (), "proximal_tilt"),
+        )
+    ),
+    ("Wrist", ("interaction",), {"interaction.stiffness": 1e6}, "Reduce substep"),
+    (
+        "Wrist",
+        ("interaction",),
+        {"interaction.contact_lower": 0.5, "interaction.contact_upper": 0.2},
+        "limits of contact at 0.5 and 0.2 rad",
+    ),
+    *(("Wrist", ("morphology",), NO_INERTIA | {name: 0.0}, "mass matrix is singular") for name in ("hand_mass", "hand_distance")),
+    ("Wrist", ("morphology",), {"flexion_stiffness": 2.0, "coupling_stiffness": 1.5}, r"at most 1\.414"),
+    ("Wrist", ("morphology",), {"hand_mass": 1e308, "hand_distance": 1e10}, None),
+    *(
+        ("Wrist", ("morphology", "constraint"), RIGID | wrong, words)
+        for wrong, words in (
+            ({"constraint.prestrain": 0.01}, "apart at the start"),
+            ({"start_proximal_angle": 0.1, "constraint.off_axis[1]": 1e-3}, "apart at the start"),
+            ({"start_proximal_rate": 0.1, "constraint.off_axis[1]": 1e-3}, "of a row that rigid ligaments hold"),
+            ({"coupling_model": "opensim_half"}, "every length depends on both angles"),
+            ({"constraint.toe": 0.01}, "rigid ligaments have none"),
+            ({"constraint.stiffness[3]": 1e6}, "rigid ligaments have none"),
+        )
+    ),
+    *(
+        ("FourBar", (), dict(zip(LINKS, lengths, strict=True)) | word, words)
+        for lengths, word, words in (
+            ((0.02, 0.02, 0.02, 0.07), {}, "longest link"),
+            ((0.02, 0.02, 0.03, 0.07), {}, "longest link"),  # in one line for ever
+            ((0.03, 0.04, 0.04, 0.03), {"change_point": "through"}, "whatever the crank does"),
+            ((0.02, 0.05, 0.02, 0.05), {}, "change point at the crank angle 0 and 180 degrees"),
+            ((0.02, 0.05, 0.04, 0.055), {"change_point": "fold"}, "no effect"),
+        )
+    ),
+    *(
+        (
+            "GimbalBody",
+            (),
+            {"axis_orientation": way, "frame_inertia": 0.0, none: 0.0},
+            r"(?s)falls to 0 kg\.m2.*Give the frame inertia",
+        )
+        for way in ("vertical", "horizontal")
+        for none in ("cross_inertia", "axial_inertia")
+    ),
+    *(
+        ("ServoController", (), {"layout": layout, "angle": angle}, rf"(?s)(?=.*'{layout}').*The {lost} is lost")
+        for layout in ("skewed", "skewed_free_rollers")
+        for angle, lost in ((0.0, "rotation"), (1e-4, "rotation"), (0.5 * math.pi, "feed"))
+    ),
+    ("RovController", (), {"priority[1]": 0.0}, r"Weight of an axis's error .* per N\.m\."),
 ]
 
 
 @pytest.mark.parametrize(("component", "effects", "parameters", "words"), in_plain_python(REFUSED))
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.uncompiled
 def test_parameters_that_cannot_be_are_refused(component, effects, parameters, words):
     with pytest.raises(BadInput, match=words):
         component_class(component)(effects, parameters).initialize(0.0)
+
+
+FAILED = [  # component, effects, parameters, inputs, length of a step, words
+    ("InertialConverter", (), {"crank_inertia": 1.0}, {"turbine_speed": 400.0}, 1.0, "range"),
+    ("AveragedConverter", (), {"largest_turbine_speed": 5.0}, {"turbine_speed": 5.1}, 0.1, "range"),
+    (
+        "PlanetaryTransmission",
+        ("centrifugal_brake",),
+        {"centrifugal_brake.largest_speed": 5.0, "centrifugal_brake.coefficient": 1e-3, "third_damping": 0.1},
+        {"turbine_speed": 4.0, "load_torque": 1e3},
+        5.0,
+        "range",
+    ),
+    *(
+        (component, (), {}, {name: value}, 0.01, None)
+        for component, name in (
+            ("WindTurbine", "torque"),
+            ("FixedTransmission", "turbine_speed"),
+            ("AveragedConverter", "turbine_speed"),
+            ("PlanetaryTransmission", "turbine_speed"),
+            ("PistonPump", "speed"),
+            ("CentrifugalPump", "head"),
+            ("WaterPipe", "flow"),
+        )
+        for value in (math.inf, math.nan)
+        if (component, value) != ("PistonPump", math.inf)  # of which Python's own sine makes an error
+    ),
+    *(
+        ("RollingPipeRobot", ("harmonic_force", "tow", "route"), {}, {name: value}, 1e-3, "contact")
+        for name, value in (
+            ("diameter", 0.2041),
+            ("diameter", 0.16),
+            ("route.friction_factor", -0.1),
+            ("harmonic_force.frequency", 3000.0),
+        )
+    ),
+    *(("GimbalBody", (), {}, {"outer_torque": torque}, 0.01, "not finite") for torque in (1e300, math.inf, math.nan)),
+    # equal moments: nothing is stiff, but a substep is two radians
+    ("GimbalBody", (), {"axial_inertia": 0.03, "start_outer_rate": 2e3}, {}, 0.01, "radian"),
+    *(
+        ("ForearmTendons", ("fibres", "force_velocity", "varying_arms"), {}, {name: math.nan}, 1e-3, "ForearmTendons")
+        for name in ("excitation[3]", "flexion", "deviation_rate")
+    ),
+]
+
+
+@pytest.mark.parametrize(("component", "effects", "parameters", "inputs", "h", "words"), in_plain_python(FAILED))
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.uncompiled
+def test_steps_that_cannot_be_made_are_refused(component, effects, parameters, inputs, h, words):
+    made = component_class(component)(effects, parameters)
+    made.initialize(0.0)
+    for name, value in inputs.items():
+        made.set(name, value)
+    with pytest.raises(StepFailed, match=words):
+        made.step(0.0, h)
 
 
 ACCEPTED = [

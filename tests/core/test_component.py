@@ -12,7 +12,6 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import choice, input_, integer, output, parameter
 from cosimo.components.railway.catenary import Catenary
-from cosimo.components.rov.controller import RovController
 
 
 class Wind(Effect):
@@ -150,11 +149,6 @@ class Overloaded(Boat):
 def test_numbers_that_cannot_be_computed_with_are_bad_input(load):
     with pytest.raises(BadInput, match=r"boat: .*parameters and inputs of a usual size"):
         Overloaded(parameters={"load": load}, name="boat").initialize(0.0)
-
-
-def test_units_keep_their_letters_in_messages():
-    with pytest.raises(BadInput, match=r"Weight of an axis's error .* per N\.m\."):
-        RovController(parameters={"priority[1]": 0.0})
 
 
 def test_unit_strings_are_checked_where_they_are_declared():

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo import DONE, BadInput
-from cosimo.components.friction_drive.controller import ServoController
 from cosimo.components.friction_drive.kinematics import (
     FREE_ROLLERS,
     LAYOUTS,
@@ -13,7 +11,6 @@ from cosimo.components.friction_drive.kinematics import (
     SKEWED,
     condition,
     directions,
-    lost_motion,
     sleeve_rates,
     wheel_rates,
 )
@@ -55,15 +52,6 @@ def test_mean_of_plain_wheels_lies_between_their_surfaces():
     first = np.array([feed - WHEEL * 20.0 * c1, SLEEVE * turn - WHEEL * 20.0 * s1])
     second = np.array([feed - WHEEL * 5.0 * c2, SLEEVE * turn - WHEEL * 5.0 * s2])
     assert first == pytest.approx(-second, rel=1e-13)
-
-
-@pytest.mark.parametrize(("angle", "lost"), [(0.0, "rotation"), (1e-4, "rotation"), (0.5 * math.pi, "feed")])
-@pytest.mark.parametrize("layout", [SKEWED, FREE_ROLLERS])
-def test_parallel_wheels_are_refused_where_both_motions_are_asked_for(layout, angle, lost):
-    with pytest.raises(BadInput, match=f"The {lost} is lost") as refused:
-        ServoController((), {"layout": LAYOUTS[layout], "angle": angle}).initialize(0.0)
-    assert LAYOUTS[layout] in str(refused.value)
-    assert lost_motion(ORTHOGONAL, angle) == DONE
 
 
 @pytest.mark.parametrize("angle", [1e-2, 1e-4, 1e-8])

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.program import ExciterProgram
 
 pytestmark = pytest.mark.interpreted
@@ -21,8 +20,3 @@ def test_there_and_back_along_straight_lines():
     t = np.linspace(0.0, 12.0, 25)
     share = np.interp(t, [1.0, 5.0, 6.0, 10.0], [0.0, 1.0, 1.0, 0.0])
     np.testing.assert_allclose(outputs, np.stack([40.0 + 60.0 * share, 5.0 + 0.0 * t, 20.0 - 20.0 * share], axis=1), rtol=1e-14)
-
-
-def test_it_does_not_go_back_before_it_has_arrived():
-    with pytest.raises(BadInput, match=r"return_time = 4 s.*at least 5 s"):
-        ExciterProgram(parameters={**GIVEN, "return_time": 4.0}).initialize(0.0)

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import StepFailed
 from cosimo.components.pipe_robot.rolling import RollingPipeRobot, ring_stiffness, rolling_derivatives
 from cosimo.components.pipe_robot.route import PipeRoute
 from scipy.integrate import quad, solve_ivp
@@ -163,14 +162,3 @@ def test_the_stable_step_is_that_of_both_masses_on_the_spring():
     """Roots of (k + c s) (1 / m1 + 1 / m2) + s², with the body as light as it slides."""
     largest = np.abs(np.roots([1.0, 5.0 * (1.0 + 2.0), 2000.0 * (1.0 + 2.0)])).max()
     assert started().stable_step() == pytest.approx(2.61 / largest, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [("diameter", 0.2041), ("diameter", 0.16), ("route.friction_factor", -0.1), ("harmonic_force.frequency", 3000.0)],
-)
-def test_out_of_its_range_the_run_fails(name, value):
-    unit = started()
-    unit.set(name, value)
-    with pytest.raises(StepFailed, match="contact"):
-        unit.step(0.0, 1e-3)

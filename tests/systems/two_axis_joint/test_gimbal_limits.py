@@ -1,10 +1,8 @@
 """Hard cases of the gimbal: gimbal lock, vanishing inertia, turning points under friction, stiff nutation, stops, long steps."""
 
-import math
-
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.core.errors import StepFailed
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 
 pytestmark = pytest.mark.full
@@ -29,14 +27,6 @@ def gimbal(effects=(), inputs=None, **parameters) -> GimbalBody:
 
 
 # -- gimbal lock -------------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
-@pytest.mark.parametrize("vanishing", ["cross_inertia", "axial_inertia"])
-def test_a_body_that_nothing_holds_about_the_outer_axis_is_refused(orientation, vanishing):
-    with pytest.raises(BadInput, match="Give the frame inertia") as refused:
-        gimbal(axis_orientation=orientation, frame_inertia=0.0, **{vanishing: 0.0})
-    assert "falls to 0 kg.m2" in str(refused.value)
-
-
 def test_the_frame_or_the_body_may_be_without_inertia():
     gimbal(frame_inertia=0.0).step(0.0, 0.1)
     gimbal(**SLENDER).step(0.0, 0.1)
@@ -77,22 +67,6 @@ def test_after_a_failure_a_saved_state_goes_on():
     assert body["inner_angle"] == angle
     body.step(0.05, 0.01)
     assert body["inner_angle"] < angle
-
-
-def test_turning_faster_than_the_substep_is_refused():
-    with pytest.raises(BadInput, match="limit of RK4"):
-        gimbal(start_outer_rate=1e4)
-    body = gimbal(axial_inertia=0.03, start_outer_rate=2e3)  # equal moments: nothing is stiff, but a substep is two radians
-    with pytest.raises(StepFailed, match="radian"):
-        body.step(0.0, 0.01)
-
-
-@pytest.mark.parametrize("torque", [1e300, math.inf, math.nan])
-def test_a_torque_beyond_all_numbers_ends_the_run(torque):
-    body = gimbal()
-    body.u[0, 0] = torque
-    with pytest.raises(StepFailed, match="not finite"):
-        body.step(0.0, 0.01)
 
 
 # -- dry friction --------------------------------------------------------------------------------------------------------------

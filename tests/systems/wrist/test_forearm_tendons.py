@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.components.wrist.tendons import COUNT, MUSCLES, ForearmTendons
 
 pytestmark = pytest.mark.interpreted
@@ -170,15 +169,6 @@ def test_a_jump_in_the_programme_holds_from_its_time_on():
     assert made["activation[1]"] == 0.0
     made.step(0.098, 0.102)
     assert made["activation[1]"] > 0.99
-
-
-def test_times_that_go_back_are_refused():
-    for wrong in (
-        {"programme.time[1]": 0.3, "programme.time[2]": 0.1, "programme.time[3]": 0.2},
-        {"programme.time[1]": 0.3, "programme.fcu[2]": 0.1},
-    ):
-        with pytest.raises(BadInput, match=r"programme\.time"):
-            tendons(("programme",), parameters=wrong)
 
 
 def test_names_of_the_muscles_are_those_of_the_programme():

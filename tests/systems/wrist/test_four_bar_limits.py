@@ -66,22 +66,6 @@ def test_a_start_beyond_the_toggle_is_refused():
         four_bar(ROCKER_DRIVES, math.nan)
 
 
-def test_lengths_that_close_nowhere_are_refused():
-    with pytest.raises(BadInput, match="longest link"):
-        four_bar((0.02, 0.02, 0.02, 0.07), 1.0)
-    with pytest.raises(BadInput, match="longest link"):
-        four_bar((0.02, 0.02, 0.03, 0.07), 1.0)  # in one line for ever
-    with pytest.raises(BadInput, match="whatever the crank does"):
-        four_bar((0.03, 0.04, 0.04, 0.03), 1.0, change_point="through")
-
-
-def test_a_change_point_wants_a_word_and_a_word_wants_a_change_point():
-    with pytest.raises(BadInput, match="change point at the crank angle 0 and 180 degrees"):
-        four_bar(PARALLELOGRAM, 1.0)
-    with pytest.raises(BadInput, match="no effect"):
-        four_bar((0.020, 0.050, 0.040, 0.055), 1.0, change_point="fold")
-
-
 @pytest.mark.parametrize("assembly", ["open", "crossed"])
 @pytest.mark.parametrize("name", CHANGE_POINTS)
 def test_through_a_change_point_without_a_kink(name, assembly):
