@@ -119,6 +119,16 @@ BAD = [
     ("analysis", {"system": "rotor", "orbit_windows": [[2.0, 1.0]]}, ["analysis", "orbit_windows", "[2, 1]"]),
     ("analysis", {"system": "rotor", "critical_speeds": "abc"}, ["analysis.critical_speeds", "'abc'", "list"]),
     ("analysis", {"system": "rotor", "bearing": "x"}, ["analysis", "'bearing'", "system = 'bearings'"]),
+    ("analysis", {"system": "friction_drive", "average": 1.0}, ["'average'", "system = 'wind_pump'"]),
+    ("analysis", {"system": "friction_drive", "feed_band": 0.0}, ["analysis.feed_band", "0"]),
+    ("analysis", {"system": "wind_pump", "averge": 2.0}, ["averge", "'average'"]),
+    ("analysis", {"system": "wind_pump", "average": -1.0}, ["analysis.average", "-1"]),
+    ("analysis", {"system": "wind_pump", "standstill": 0.0}, ["analysis.standstill", "0"]),
+    ("analysis", {"system": "wrist", "posture": [1.0]}, ["posture", "'postures'"]),
+    ("analysis", {"system": "wrist", "postures": [-1.0]}, ["analysis.postures", "-1"]),
+    ("analysis", {"system": "wrist", "postures": 2.0}, ["analysis.postures", "2.0", "list"]),
+    ("analysis", {"system": "pipe_robot", "detail": [2.0, 1.0]}, ["analysis.detail", "end after the start"]),
+    ("analysis", {"system": "pipe_robot", "standstill": 1.0}, ["'standstill'"]),
     ("sweep", {"a.m": [True]}, ["sweep.a.m", "True", "number"]),
     ("sweep", {"a.m": ["a"]}, ["sweep.a.m", "'a'", "number"]),
     ("sweep", {"a.m": {"from": 0.0, "to": INF, "points": 3}}, ["sweep", "a.m", "from"]),
@@ -147,10 +157,25 @@ def test_bad_scenes_give_one_message_that_names_the_fault(place, value, named):
     assert "pydantic" not in message
 
 
-@pytest.mark.parametrize("missing", ["stop_time", "units", "master"])
-def test_what_is_missing_is_named(missing):
-    with pytest.raises(BadInput, match=f"{missing}: got nothing, expected a value. Add {missing} = "):
-        read_scene({k: v for k, v in GOOD.items() if k != missing})
+ALONE = {**GOOD, "units": {"p": PROBE}, "connections": []}
+DELAYED = {**GOOD["master"], "feedthrough": "delayed"}
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        *(
+            ({k: v for k, v in GOOD.items() if k != missing}, f"{missing}: got nothing, expected a value. Add {missing} = ")
+            for missing in ("stop_time", "units", "master")
+        ),
+        ({**ALONE, "master": {"step": 0.1, "extrapolation": 1}}, "master.extrapolation"),
+        ({**ALONE, "master": {"step": 0.1, "feedthrough": "immediate"}}, "master.feedthrough"),
+        ({**GOOD, "connections": ["b.force -> a.force"], "master": DELAYED}, r"master\.feedthrough"),  # nothing depends directly
+    ],
+)
+def test_scenes_that_lack_something_are_refused(data, words):
+    with pytest.raises(BadInput, match=words):
+        read_scene(data)
 
 
 def test_a_star_connects_all_of_the_same_name():
@@ -160,17 +185,6 @@ def test_a_star_connects_all_of_the_same_name():
     units = {"a": {"component": "cosimo.tests.support:Probe"}, "b": {"component": "cosimo.tests.scene.test_scene:Shelf"}}
     links = resolve_coupling(read_scene({**GOOD, "units": units, "connections": ["a.prof* -> b.prof*"]})).links
     assert [(k.source[1], k.target[1]) for k in links] == [(f"profile[{i}]", f"profile[{i}]") for i in (1, 2, 3)]
-
-
-@pytest.mark.parametrize("option", [{"extrapolation": 1}, {"feedthrough": "immediate"}])
-def test_options_without_connections_are_refused(option):
-    with pytest.raises(BadInput, match=f"master.{next(iter(option))}"):
-        read_scene({**GOOD, "units": {"p": PROBE}, "connections": [], "master": {"step": 0.1, **option}})
-
-
-def test_stale_without_direct_dependence_is_refused():
-    with pytest.raises(BadInput, match=r"master\.feedthrough"):
-        read_scene({**GOOD, "connections": ["b.force -> a.force"], "master": {**GOOD["master"], "feedthrough": "delayed"}})
 
 
 def test_changes_are_checked_and_leave_the_scene_alone():

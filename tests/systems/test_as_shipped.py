@@ -41,11 +41,20 @@ def done(command, name, folder, *options):
     assert exit_code(command, name, "-o", str(folder), *options) == 0
 
 
+def assert_figures(scene, html):
+    """Of the system, or why there are none, before the signals."""
+    assert "Recorded signals" in html
+    if scene.analysis.system:
+        assert "<figure" in html.partition("Recorded signals")[0] or "There are no figures of system" in html
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_a_scene_runs_by_its_command_and_raises_no_alarm(name, tmp_path, capsys):
     done("run", name, tmp_path)
-    assert (tmp_path / "report.html").stat().st_size > 10_000
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert len(page) > 10_000
+    assert_figures(load_scene(name), page)
     info = json.loads((tmp_path / "run.json").read_text())
     assert info["outcome"] == "done"  # and not "unstable"
     assert info["verification"]["done"], info["verification"]
@@ -74,9 +83,7 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
         names = [row.name for row in summary(result)]
         assert len(set(names)) == len(names)
         assert all(name.partition(".")[0] in {u.partition(".")[0] for u in scene.units} | {"links"} for name in names)
-    assert "Recorded signals" in html
-    if scene.analysis.system:  # figures of the system, or why there are none
-        assert "<figure" in html.partition("Recorded signals")[0] or "There are no figures of system" in html
+    assert_figures(scene, html)
 
 
 @pytest.mark.parametrize("name", SHORT)

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.component import Component
-from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
@@ -100,13 +99,3 @@ def test_the_component_is_left_at_the_end_of_the_run():
     for k in range(20):
         other.step(k * 0.1, 0.1)
     assert mass.save() == other.save()
-
-
-@pytest.mark.parametrize(
-    ("states", "scales", "intervals"), [((0,), (1.0, 1.0), 3), ((0,), (0.0,), 3), ((), (), 3), ((0,), (1.0,), 0)]
-)
-def test_nonsense_is_refused(states, scales, intervals):
-    mass = Mass()
-    mass.initialize(0.0)
-    with pytest.raises(BadInput, match="Lyapunov"):
-        lyapunov_spectrum(mass, states, scales, interval=0.1, intervals=intervals)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.recurrence import (
     embed,
     line_survival,
@@ -173,20 +172,3 @@ def test_standardised_states_are_centred_and_of_one_size_and_a_still_one_is_zero
     assert z.mean(axis=0) == pytest.approx(0.0, abs=1e-8)  # one rounding of 3.0 over 2e-6, and its mean
     assert z[:, :2].std(axis=0) == pytest.approx(1.0, abs=SAME)
     assert (z[:, 2] == 0.0).all()
-
-
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: recurrence_matrix(np.zeros((5, 1)), 0.0),
-        lambda: recurrence_matrix(np.zeros((5, 1)), 1.0, "manhattan"),
-        lambda: recurrence_matrix(np.full((5, 1), np.nan), 1.0),
-        lambda: quantify(np.triu(np.ones((4, 4), dtype=bool))),
-        lambda: quantify(np.eye(4, dtype=bool), theiler=4),
-        lambda: quantify(np.eye(4, dtype=bool), shortest=1),
-        lambda: embed(np.zeros(4), 3, 2),
-    ],
-)
-def test_what_makes_no_sense_is_refused(call):
-    with pytest.raises(BadInput):
-        call()

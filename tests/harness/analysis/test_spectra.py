@@ -12,7 +12,6 @@ from cosimo.orchestrator.harness.analysis.spectra import (
     peak,
     resonance_band,
     turns_steadily,
-    unwrapped,
     waterfall,
 )
 
@@ -111,13 +110,6 @@ def test_forward_and_backward_whirl_are_told_apart(sense):
     assert forward.lag == pytest.approx(0.4, abs=1e-3)
     assert follow(TIME, angle, z, -1.0).amplitude == pytest.approx(1.0, abs=1e-3)
     assert follow(TIME, angle, z.real - 1.0 * np.cos(angle)).lag == pytest.approx(0.4, abs=1e-3)
-
-
-def test_an_angle_recorded_too_rarely_is_refused():
-    with pytest.raises(BadInput, match="Record more often"):
-        unwrapped((3.0 * np.arange(100)) % (2 * np.pi))
-    with pytest.raises(BadInput, match="order tracking"):
-        follow(TIME[:100], 50.0 * TIME[:100], TIME[:100])
 
 
 def test_steady_turning_is_told_from_standing_and_turning_back():

@@ -5,8 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.systems import SYSTEMS, read_scene
+from cosimo.orchestrator.systems import SYSTEMS
 from cosimo.orchestrator.systems.friction_drive.records import at_rest, drives, energies, moves, standing
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers, tables
 from cosimo.tests.systems.friction_drive.drive_runs import AT, RATE, STEP, TURN, drive_run
@@ -91,11 +90,3 @@ def test_a_run_without_a_drive_has_no_figures():
     result = drive_run()
     del result.columns["wheels.feed"]
     assert SYSTEMS["friction_drive"].figures(result) == []
-
-
-def test_keys_that_nothing_reads_are_refused():
-    data = {"stop_time": 1.0, "units": {"motor": {"component": "ServoMotor"}}, "master": {"step": 1e-3}}
-    read_scene({**data, "analysis": {"system": "friction_drive", "feed_band": 1e-3}}, "kept")
-    for wrong in ({"average": 1.0}, {"feed_band": 0.0}):
-        with pytest.raises(BadInput, match=next(iter(wrong))):
-            read_scene({**data, "analysis": {"system": "friction_drive", **wrong}}, "refused")

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.pipe_robot.figures import ways
 from cosimo.orchestrator.systems.pipe_robot.records import (
@@ -114,14 +113,6 @@ def test_the_detail_is_the_part_that_was_asked_for():
     figure = figures(SYSTEMS["pipe_robot"].figures(run_of({"robot": moving()}, analysis={"detail": [1.0, 1.2]})))["In detail"]
     x = numbers(drawn(figure, "body")[0]["x"])
     assert (x[0], x[-1]) == pytest.approx((1.0, 1.2))
-
-
-def test_keys_of_others_and_details_that_do_not_rise_are_refused():
-    scene = {"stop_time": 1.0, "units": {"robot": {"component": "PipeRobot"}}, "master": {"step": 0.1}}
-    with pytest.raises(BadInput, match="end after the start"):
-        read_scene({**scene, "analysis": {"system": "pipe_robot", "detail": [2.0, 1.0]}})
-    with pytest.raises(BadInput, match="standstill"):
-        read_scene({**scene, "analysis": {"system": "pipe_robot", "standstill": 1.0}})
 
 
 def test_a_run_without_robots_has_no_blocks():

@@ -4,8 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import accumulated
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wind_pump.records import branches, chains, efficiencies, moving_mean, runnings
@@ -158,14 +156,3 @@ def test_without_a_pump_speed_there_is_nothing_to_show():
     result = hysteresis_run()
     del result.columns["gear.speed"]
     assert SYSTEMS["wind_pump"].figures(result) == []
-
-
-def test_keys_that_nothing_reads_are_refused():
-    for key, value in (("averge", 2.0), ("average", -1.0), ("standstill", 0.0)):
-        with pytest.raises(BadInput):
-            read_scene(hysteresis_run({key: value}).scene.model_dump(exclude_unset=True), "made-up")
-
-
-def test_the_page_is_written(tmp_path):
-    html = report.for_run(hysteresis_run(), tmp_path, SYSTEMS).read_text(encoding="utf-8")
-    assert html.count('<div class="plot"') >= 3

@@ -5,8 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wrist.records import bundles, direction, follows_rule, linkages, muscles, postures, wrists
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, tables
@@ -144,18 +142,3 @@ def test_without_recorded_angles_there_is_nothing_to_show():
     run = wrist_run()
     run.columns = {"wrist.flexion": run.columns["wrist.flexion"]}
     assert SYSTEMS["wrist"].figures(run) == []
-
-
-def test_keys_that_nothing_reads_are_refused():
-    for key, value in (("posture", [1.0]), ("postures", [-1.0]), ("postures", 2.0)):
-        with pytest.raises(BadInput):
-            read_scene(
-                wrist_run(analysis={"postures": []}).scene.model_dump(exclude_unset=True)
-                | {"analysis": {"system": "wrist", key: value}},
-                "made-up",
-            )
-
-
-def test_the_page_is_written(tmp_path):
-    html = report.for_run(wrist_run(), tmp_path, SYSTEMS).read_text(encoding="utf-8")
-    assert html.count('<div class="plot"') >= 5
