@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.monolith import FrictionDrive, drive_derivatives, motor_place
 from cosimo.components.friction_drive.wheels import FrictionWheels
+from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
 from scipy.linalg import expm
 
@@ -140,7 +141,7 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
     drive = drive_at(effects, **({"preload_loss.first": 0.0} if effects is FULL else {}))
     _, p, e = drive.arguments
     shaft, lugre, exact, trocar = e.shaft_friction, e.lugre_slip, e.exact_slip, e.trocar_friction
-    at, rate = motor_place(lugre, exact, trocar), np.zeros_like(drive.x)
+    at = motor_place(lugre, exact, trocar)
     for trial in range(30):
         drive.x[:4] = random.normal(0.0, [0.1, 1.0, 0.2, 20.0])
         drive.x[at : at + 4] = random.normal(0.0, 10.0, 4)
@@ -153,13 +154,8 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
             drive.x[at + 6 : at + 8] = modes
             drive.x[at + 2 : at + 4] *= modes != 0.0
         drive.refresh()
-        drive_derivatives(0.0, drive.x, drive.u[0], rate, *drive.arguments)
-        state, h, energies = drive.x.copy(), 1e-7, []
-        for sign in (1.0, -1.0):
-            drive.x[:] = state + sign * h * rate
-            energies.append(drive.energy())
-        drive.x[:] = state
-        rates = state[at + 2 : at + 4]
+        change, rate = energy_rate(drive, drive_derivatives, 1e-7)
+        rates = drive.x[at + 2 : at + 4]
         currents = np.array([drive["first_current"], drive["second_current"]])
         power = (
             drive["electrical_power"]
@@ -169,10 +165,10 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
         power -= p.resistance * currents @ currents + p.gear_ratio**2 * p.damping * rates @ rates + drive["contact_power"]
         if shaft is not None:
             power -= float((shaft.level + shaft.gear_loss * np.abs(TORQUE * currents)) @ np.abs(rates))
-            power += 6.0 / exact.deflection * float(state[4:8] @ rate[4:8])
+            power += 6.0 / exact.deflection * float(drive.x[4:8] @ rate[4:8])
             v = np.array([drive["feed_rate"], 0.005 * drive["rotation_rate"]])
             power -= trocar.level / trocar.deflection * trocar.damping_time * float(v @ v)
-        assert (energies[0] - energies[1]) / (2.0 * h) == pytest.approx(power, rel=1e-6, abs=1e-5)
+        assert change == pytest.approx(power, rel=1e-6, abs=1e-5)
 
 
 SOFT = {"exact_slip.deflection": 0.1, "trocar_friction.level": 0.01, "resistance": 0.1}

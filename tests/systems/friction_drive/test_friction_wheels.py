@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.friction_drive.sleeve import DEFLECTIONS, FEED_RATE, MODES, ROTATION_RATE
 from cosimo.components.friction_drive.wheels import FrictionWheels, wheels_derivatives
+from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
 from cosimo.tests.systems.friction_drive.closed_forms import load_share, loaded_feed
 from scipy.linalg import expm
@@ -228,7 +229,6 @@ def test_energy_changes_by_power_and_losses(effects, layout):
     given = {"preload_loss.start": 0.0, "preload_loss.duration": 1.0, "preload_loss.second": 0.3} if effects is FULL else {}
     wheels = wheels_at(effects, layout=layout, **given)
     wheels.t = 0.4
-    rate = np.zeros_like(wheels.x)
     t1, t2 = np.array([math.cos(math.pi / 6.0), 0.5]), np.array([math.cos(math.pi / 6.0), -0.5])
     for trial in range(40):
         wheels.x[:4] = random.normal(0.0, [0.1, 1.0, 0.2, 20.0])
@@ -249,14 +249,7 @@ def test_energy_changes_by_power_and_losses(effects, layout):
         if "trocar_friction" in effects:
             wheels.x[-3:] = *random.normal(0.0, 1e-4, 2), 0.0
         wheels.refresh()
-        wheels_derivatives(wheels.t, wheels.x, wheels.u[0], rate, *wheels.arguments)
-        state, h = wheels.x.copy(), 1e-7
-        energies = []
-        for sign in (1.0, -1.0):
-            wheels.x[:], wheels.t = state + sign * h * rate, 0.4 + sign * h
-            energies.append(wheels.energy())
-        wheels.x[:], wheels.t = state, 0.4
-        change = (energies[0] - energies[1]) / (2.0 * h)
+        change, rate = energy_rate(wheels, wheels_derivatives, 1e-7)
         power = (
             wheels["first_torque"] * wheels["first_rate"]
             + wheels["second_torque"] * wheels["second_rate"]
@@ -270,7 +263,7 @@ def test_energy_changes_by_power_and_losses(effects, layout):
         if effects[:1] == ("exact_slip",):
             slips = [[wheels[f"{n}_slip_axial"], wheels[f"{n}_slip_around"]] for n in ("first", "second")]
             slides = [
-                wheels.x[MODES + i] and np.dot(slips[i], state[DEFLECTIONS + 2 * i : DEFLECTIONS + 2 * i + 2]) < 0.0
+                wheels.x[MODES + i] and np.dot(slips[i], wheels.x[DEFLECTIONS + 2 * i : DEFLECTIONS + 2 * i + 2]) < 0.0
                 for i in range(2)
             ]
             assert lost >= -1e-12 or any(slides)  # a deflection against the slip: the mode has ended

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.rov.hull import AXES, WATER, RovHull
 from cosimo.components.rov.hull_equations import hull_derivatives
+from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
@@ -312,13 +313,8 @@ def test_energy_changes_by_the_power_of_thrust_loads_and_drag():
         power += sum(hull[f"tether.force_{w}"] * hull[f"tether.velocity_{w}"] for w in ("north", "east", "down"))
         power += hull.u[0, hull.input_positions(n for n in hull.inputs if n.startswith("external."))] @ nu
         power -= nu @ (D * nu + DD * np.abs(nu) * nu)
-        x, dx = hull.x.copy(), np.zeros(hull.x.size)
-        hull_derivatives(0.0, x, hull.u[0], dx, *hull.arguments)
-        energies = []
-        for s in (1e-5, -1e-5):  # the energy is quadratic in most of the state: the difference is nearly exact
-            hull.x[:] = x + s * dx
-            energies.append(hull.energy())
-        assert (energies[0] - energies[1]) / 2e-5 == pytest.approx(power, rel=1e-6, abs=1e-5)
+        rate, dx = energy_rate(hull, hull_derivatives, 1e-5)  # the energy is quadratic in most of the state: nearly exact
+        assert rate == pytest.approx(power, rel=1e-6, abs=1e-5)
         np.testing.assert_allclose(hull.y[-6:], dx[7:13], rtol=1e-12)  # accelerations told are those that are integrated
 
 

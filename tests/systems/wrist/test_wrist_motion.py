@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.wrist.kinematics import DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, small_angle_matrix
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import gyroscopic, hand_of, mass_matrix, wrist_derivatives, wrist_pose
+from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
 from scipy.linalg import expm
 from scipy.optimize import minimize
@@ -159,15 +160,8 @@ def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
         x = np.r_[random.uniform(-0.6, 0.6, 2), random.uniform(-3.0, 3.0, 2)]
         for name in made.inputs:
             made.set(name, random.uniform(-2.0, 2.0))
-        dx, d = np.zeros(4), 1e-6
-        wrist_derivatives(0.0, x, made.u[0], dx, *made.arguments)
-
-        def energy(state):
-            made.x[:] = state
-            return made.energy()
-
-        rate = (energy(x + d * dx) - energy(x - d * dx)) / (2.0 * d)
         made.x[:] = x
+        rate, _ = energy_rate(made, wrist_derivatives)
         made.refresh()
         ports = {
             "tau_flexion": "flexion_rate",
