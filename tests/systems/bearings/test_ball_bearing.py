@@ -10,9 +10,9 @@ from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.dimensionless import DimensionlessBallBearing, dimensionless, scales
 from cosimo.components.bearings.two_dof import bearing_derivatives, elastic_force
 from cosimo.components.core.errors import BadInput
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import slope
 from cosimo.tests.support import RPM, ball_bearing
+from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
 

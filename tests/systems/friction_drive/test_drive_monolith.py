@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.monolith import FrictionDrive, drive_derivatives, motor_place
 from cosimo.components.friction_drive.wheels import FrictionWheels
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
+from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 
 pytestmark = pytest.mark.full

@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.friction_drive.sleeve import DEFLECTIONS, FEED_RATE, MODES, ROTATION_RATE
 from cosimo.components.friction_drive.wheels import FrictionWheels, wheels_derivatives
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
+from cosimo.tests.systems.energy import energy_rate
 from cosimo.tests.systems.friction_drive.closed_forms import load_share, loaded_feed
 from scipy.linalg import expm
 

@@ -6,8 +6,8 @@ from itertools import product
 import numpy as np
 import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot, robot_derivatives
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
+from cosimo.tests.systems.energy import energy_rate
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.pantograph import Pantograph, pantograph_derivatives
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import slope
+from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
 

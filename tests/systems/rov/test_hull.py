@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from cosimo.components.rov.hull import AXES, WATER, RovHull
 from cosimo.components.rov.hull_equations import hull_derivatives
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
+from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk, lambertw

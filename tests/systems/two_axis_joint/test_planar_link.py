@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.compliant_joint import CompliantJoint
 from cosimo.components.two_axis_joint.link import LOADS, PlanarLink, link_derivatives
-from cosimo.tests.energy import energy_rate
+from cosimo.tests.systems.energy import energy_rate
 from cosimo.tests.systems.two_axis_joint.exact_motions import pendulum_motion
 from scipy.integrate import solve_ivp
 

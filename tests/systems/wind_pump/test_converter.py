@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.converter import FREE, MODE, RATE, SPEED, VELOCITY, InertialConverter, converter_derivatives
 from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import slope
+from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
 # the example of the cycle averages: m = 4 kg, m_y = 0.05 kg, a = 2, b = 1, r = 30 mm, rho = 50 mm

@@ -10,8 +10,8 @@ from cosimo.components.wind_pump.averaged import AveragedConverter
 from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING, shaft_guard, shaft_mode
 from cosimo.components.wind_pump.fixed import FixedTransmission
 from cosimo.components.wind_pump.planetary import SHAFTS, PlanetaryTransmission
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import slope
+from cosimo.tests.systems.energy import energy_rate
 
 pytestmark = pytest.mark.interpreted
 

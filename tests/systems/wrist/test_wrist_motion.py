@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.wrist.kinematics import DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, small_angle_matrix
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import gyroscopic, hand_of, mass_matrix, wrist_derivatives, wrist_pose
-from cosimo.tests.energy import energy_rate
 from cosimo.tests.slopes import orders
+from cosimo.tests.systems.energy import energy_rate
 from scipy.linalg import expm
 from scipy.optimize import minimize
 
