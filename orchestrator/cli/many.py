@@ -191,12 +191,13 @@ def uncertainty(
 @many_runs
 def fit(runs: Runs, plan: PlanFile, output: Output = Path("fit")) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
+    from ..harness.many.fitting import FITTED
     from ..harness.report import answers
     from ..systems import many
 
     with _search() as observe:
         answer = many.fit(runs.scene, plan, output, observe=observe, **runs.how)
-        written = [answer.save(output), answers.for_fit(answer, output)]
+        written = [answer.save(output), output / FITTED, answers.for_fit(answer, output)]
     print_table(
         "",
         ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)", "derivatives"],

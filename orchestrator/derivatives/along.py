@@ -15,16 +15,11 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ...components.core.kernels import COMPILED
 from ..run.results import Result
-from ..scene.names import displaced
+from ..scene.names import NUMERICAL, displaced
 from ..scene.scene import Scene
 
 ALONG = 1e-5  # length of differences in the space of signals, relative to the largest value of the signal that moves most
 AGREE = 1e-3  # relative: two derivatives are one number
-NUMERICAL = {
-    "substep": "it sets the numerical error alone",
-    "tolerance": "it sets the numerical error alone",
-    "period": "the instants of samples move, and with them the steps that they fall into",
-}
 Values = Callable[[Result], np.ndarray]  # (m,) numbers of a run
 
 

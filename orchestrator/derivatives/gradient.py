@@ -20,11 +20,11 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ..output import write_table
 from ..run.results import Result
 from ..run.run import run
-from ..scene.names import place_of
+from ..scene.names import NUMERICAL, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
 from ..session.open_scene import OpenScene
-from .along import AGREE, NUMERICAL, along, length
+from .along import AGREE, along, length
 from .tangent_run import Rows, TangentScene
 
 STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
@@ -122,11 +122,11 @@ def gradient(
         refused = {n: reason for n in names if (reason := NUMERICAL.get(n.rpartition(".")[2]))}
         names = [n for n in names if n not in refused]
         at = {n: tangents.value(n) for n in names}
-        slopes = _slopes(scene, tangents, figures, names, at)
+        slopes = slopes_of(_run(scene), tangents, figures, names, at)
     if halved and names:
         finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
         with ExitStack() as stack:
-            again = _slopes(finer, TangentScene(finer, stack), figures, names, at)
+            again = slopes_of(_run(finer), TangentScene(finer, stack), figures, names, at)
         slopes = {key: replace(s, error=abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
     return Gradient(scene, _sorted(slopes.values()), refused)
 
@@ -163,16 +163,21 @@ def _figures(of: Sequence[str] | None) -> Figures:
 
 def _run(scene: Scene) -> Result:
     """A run in this process; raises `StepFailed` where it does not come to its end."""
-    result = run(scene, in_process=True)
+    result = run(scene, in_process=True).unless_stopped()
     if result.outcome != "done":
         raise StepFailed(scene.name, result.end if result.rows else scene.start_time, result.message)
     return result
 
 
-def _slopes(
-    scene: Scene, tangents: TangentScene, figures: Figures, names: Sequence[str], at: Mapping[str, float]
+def slopes_of(
+    base: Result, tangents: TangentScene, figures: Figures, names: Sequence[str], at: Mapping[str, float]
 ) -> dict[tuple[str, str], Slope]:
-    base, rows = _run(scene), tangents.run(names)
+    """Derivatives of figures of a run, (figure, parameter) -> `Slope`; at: values of the parameters.
+
+    Raises `StepFailed`, and `BadInput` for figures that are not of signals alone.
+    """
+    base = _of_signals(base, figures)
+    scene, rows = base.scene, tangents.run(names)
     recorded = _recorded(base, tangents, rows)
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
@@ -191,6 +196,19 @@ def _slopes(
                 figure, unit, float(value), name, at[name], float(derivative) if known else nan, float(error), how
             )
     return slopes
+
+
+def _of_signals(base: Result, figures: Figures) -> Result:
+    """The run without its snapshots, which have no tangents; raises `BadInput` where figures depend on them."""
+    bare = replace(base, snapshots={})
+    try:
+        alone = not base.snapshots or repr(figures(bare)) == repr(figures(base))
+    except (BadInput, KeyError):
+        alone = False
+    if not alone:
+        where = f"gradient of {base.scene.name}"
+        raise BadInput(where, "figures of snapshots", "figures of signals, which have derivatives", "Or differences = 1e-4.")
+    return bare
 
 
 def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.ndarray]:
@@ -259,16 +277,21 @@ def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, sh
     """By runs on either side, whatever the units of the scene are; the error by half the distance."""
     if not by:
         raise BadInput(f"gradient of {scene.name}", "no parameters", "their names, where differences of runs are asked for")
-    values = figures(_run(scene))
-    slopes = []
-    for name in by:
+    steps = {name: share * (abs(_value(scene, name)) or 1.0) for name in by}
+    return Gradient(scene, _sorted(by_differences(_run(scene), figures, steps).values()), {})
+
+
+def by_differences(base: Result, figures: Figures, steps: Mapping[str, float]) -> dict[tuple[str, str], Slope]:
+    """As `slopes_of`, by runs with each parameter so far on either side. Raises `BadInput`, `StepFailed`."""
+    scene, values, slopes = base.scene, figures(base), {}
+    for name, step in steps.items():
         at = _value(scene, name)
-        step = share * (abs(at) or 1.0)
         runs = [figures(_run(scene.with_changes({name: at + way * step}))) for way in (1.0, -1.0, 0.5, -0.5)]
         for figure, (value, unit) in values.items():
             whole, half = ((runs[k][figure][0] - runs[k + 1][figure][0]) / (width * step) for k, width in ((0, 2.0), (2, 1.0)))
-            slopes.append(Slope(figure, unit, float(value), name, at, float(half), float(abs(half - whole)), DIFFERENCES))
-    return Gradient(scene, _sorted(slopes), {})
+            error = float(abs(half - whole))
+            slopes[figure, name] = Slope(figure, unit, float(value), name, at, float(half), error, DIFFERENCES)
+    return slopes
 
 
 def _value(scene: Scene, parameter: str) -> float:

@@ -15,7 +15,8 @@ from ...components.core.errors import BadInput, nearest
 class SummaryRow:
     """One number of a run. name: "unit.quantity", unique in a run.  text: what it is, with how it was made where that matters.
 
-    error: its numerical error, in the same unit; NaN where the run was not verified, or the error is not known.
+    error: its numerical error, in the same unit; NaN where the run was not verified, or the error is not known.  covers: what makes it.
+    parameters: its standard deviation by the tolerances of the scene's parameters; NaN without any, or where it is not known.
     part: of what is judged as a whole only, such as one wire of two: never what a run is judged by.
     """
 
@@ -25,11 +26,13 @@ class SummaryRow:
     text: str
     error: float = nan
     part: bool = False
+    covers: str = "steps"
+    parameters: float = nan
 
     @property
     def shown(self) -> str:
-        """The number as it is printed, with its error where that is known."""
-        return with_error(self.value, self.error)
+        """The number as it is printed, with its errors where these are known."""
+        return with_errors_of(self.value, self.error, self.parameters, self.covers)
 
     def to_json(self) -> dict[str, Any]:
         """The row of summary.json; a number that is not finite is null."""
@@ -39,6 +42,7 @@ class SummaryRow:
             "unit": self.unit,
             "text": self.text,
             **({"part": True} if self.part else {}),
+            **({"parameters": self.parameters} if isfinite(self.parameters) else {}),
         }
 
 
@@ -64,6 +68,16 @@ def with_error(value: float, error: float) -> str:
     return f"{value:.{-digit}f} ± {shown:.{-digit}f}"
 
 
+def with_errors_of(value: float, error: float, parameters: float, covers: str = "steps") -> str:
+    """ "116.0 ± 0.3 (steps) ± 4.2 (parameters)": a number with its numerical error, and where there is one its parameter error."""
+    text = with_error(value, error)
+    if not isfinite(parameters):
+        return text
+    digit = floor(log10(parameters)) - 1 if parameters else 0
+    shown = f"{round(parameters, -digit):.{max(-digit, 0)}f}" if -9 < digit < 6 else f"{parameters:.2g}"
+    return f"{text}{f' ({covers})' if isfinite(error) else ''} ± {shown} (parameters)"
+
+
 Summary = tuple[SummaryRow, ...]
 PACING = {"duration": "duration of a step, without its wait", "lateness": "behind the clock at the end of a step"}
 
@@ -82,22 +96,23 @@ class SummaryTable(Summary):
         if not self:
             return "no figures: they are those of a system, which [analysis] of the scene names"
         width = max(len(row.name) for row in self)
-        return "\n".join(
-            f"{row.name:{width}}  {with_error(row.value, row.error)} {row.unit if row.unit != '1' else ''}".rstrip()
-            for row in self
-        )
+        return "\n".join(f"{row.name:{width}}  {row.shown} {row.unit if row.unit != '1' else ''}".rstrip() for row in self)
 
     def _repr_html_(self) -> str:
-        cells = "".join(
-            f"<tr><td>{escape(r.name)}<td>{with_error(r.value, r.error)}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self
-        )
+        cells = "".join(f"<tr><td>{escape(r.name)}<td>{r.shown}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self)
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 
 def with_errors(rows: Iterable[SummaryRow], info: Mapping[str, Any]) -> Summary:
     """The rows with the errors that verification found. info: of the result."""
-    errors = info.get("verification", {}).get("figures", {})
-    return tuple(row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in rows)
+    verification = info.get("verification", {})
+    errors = verification.get("figures", {})
+    rows = tuple(row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in rows)
+    if not (of_parameters := verification.get("parameters", {}).get("figures", {})):
+        return rows
+    covers = "steps, mesh" if verification.get("mesh", {}).get("places") else "steps"
+    known = {name: one["error"] for name, one in of_parameters.items() if one["error"] is not None}
+    return tuple(replace(row, parameters=known.get(row.name, nan), covers=covers) for row in rows)
 
 
 def rows(
@@ -137,11 +152,29 @@ COLUMNS = ("quantity", "value", "error", "unit", "text")
 def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, ...]]]:
     """(names of the columns, rows) of summary.csv; an empty cell is a number that is not known."""
     known = lambda number: number if isfinite(number) else ""  # noqa: E731
-    return COLUMNS, [(row.name, known(row.value), known(row.error), row.unit, row.text) for row in summary]
+    table = [(row.name, known(row.value), known(row.error), row.unit, row.text) for row in summary]
+    if not any(isfinite(row.parameters) for row in summary):
+        return COLUMNS, table
+    return (*COLUMNS, "parameter error"), [(*cells, known(row.parameters)) for cells, row in zip(table, summary, strict=True)]
 
 
 def verification_text(verification: Mapping[str, Any]) -> str:
     """How the errors of a run were found, or why there are none. verification: of run.json."""
+    return f"{_numerical_text(verification)}{_parameters_text(verification.get('parameters', {}))}"
+
+
+def _parameters_text(parameters: Mapping[str, Any]) -> str:
+    """What "(parameters)" is; nothing of a scene without tolerances."""
+    if not (deviations := parameters.get("deviations")):
+        return ""
+    beside = f", beside {parameters['samples']} samples" if parameters["samples"] else ", without samples beside it"
+    return (
+        f' "± ... (parameters)" is one standard deviation, by first order from the tolerances of {", ".join(deviations)} '
+        f"({parameters['how'].partition(' (')[0]} derivatives{beside})."
+    )
+
+
+def _numerical_text(verification: Mapping[str, Any]) -> str:
     if not verification.get("done"):
         return f"No error estimate: {verification.get('why') or 'cosimo did not repeat the run'}."
     step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"

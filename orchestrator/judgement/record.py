@@ -9,6 +9,7 @@ from typing import Any
 
 from .comparison import SURE, Difference, SignalError
 from .mesh import MeshError
+from .parameter_errors import ParameterErrors
 
 NOT_ASKED = "not asked for"
 STEPS = "steps"  # macro step and internal steps, as what makes an error
@@ -49,6 +50,7 @@ class Verification:
     unseen: Mapping[str, float] = field(default_factory=dict)
     inside: Mapping[str, float] = field(default_factory=dict)
     mesh: MeshError = field(default_factory=MeshError)
+    parameters: ParameterErrors | None = None  # of a scene with tolerances
     seconds: float = 0.0
     unstable: bool = False
     stopped: str = ""
@@ -77,8 +79,9 @@ class Verification:
 
     def to_json(self) -> dict[str, Any]:
         """The object `verification` of run.json."""
+        of_parameters = {} if self.parameters is None else {"parameters": self.parameters.to_json()}
         if not self.done:
-            return {"done": False, "why": self.why}
+            return {"done": False, "why": self.why, **of_parameters}
         windows = {
             "begins": list(self.windows),
             "length": self.length,
@@ -104,6 +107,7 @@ class Verification:
             "signals": {name: error.to_json() for name, error in self.errors.items()},
             "figures": _finite(self.figures),
             **{name: value for name, value in where_known.items() if value},
+            **of_parameters,
             "seconds": self.seconds,
         }
 

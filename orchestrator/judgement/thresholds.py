@@ -13,6 +13,12 @@ FEWEST_ROWS = 10  # that tell how a signal goes on between two
 NO_MATTER = 5e-3  # of a figure: what the ends of a run make of it may stay in its error
 NOTHING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
 
+# -- parameter errors, in `parameter_errors` -----------------------------------------------------------------------------------
+SECOND_ORDER = (
+    0.2  # of a figure's standard deviation, left out by first order, from which a run warns: a fifth shows in its digits
+)
+PARAMETER_SAMPLES = 6  # pairs on either side, which tell curvature from slope
+
 # -- budget ------------------------------------------------------------------------------------------------------------------
 BUDGET = 5e8  # counted work, see `work`, that repetitions of a run may take without being asked for: some 5 s of one core
 BUDGETS_OF_CASE = 2.0  # that a case may take, which has several runs

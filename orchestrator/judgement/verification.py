@@ -20,13 +20,14 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
 from ..interrupts import Interrupted, interruptible
 from ..run.results import Result
 from ..run.run import run as run_once
 from ..scene.scene import Scene
 from ..scene.shorter_steps import numbers_in_use, shorter, substeps
+from ..scene.tolerances import tolerances_of
 from ..units.fmu_messages import DEFAULT
 from . import work
 from .comparison import (
@@ -44,6 +45,7 @@ from .comparison import (
 )
 from .instability import unfollowed
 from .mesh import mesh_error
+from .parameter_errors import ParameterErrors, parameter_errors
 from .record import NOT_ASKED, STEPS, Verification
 from .sampling import between, of_parts, rows_of
 from .thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
@@ -90,6 +92,7 @@ def run(
     """
     if verify not in WISHES:
         raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
+    tolerances_of(scene)  # what cannot be is refused before the run
     wish = WindowsWish() if verify in ("auto", "steps") and work.as_repeated(scene, in_process) else None
     result = run_once(
         scene,
@@ -137,6 +140,7 @@ def verified_result(
                 verification = _repeated(whole, of_steps, in_process, distances or (lambda *_: {}))
             if verification.done and wish != "steps":
                 verification = _with_mesh(whole, verification, wish, distances)
+            verification = _with_parameters(whole, verification, wish)
     except BadInput as error:  # such as units that cannot be opened in this process
         verification = Verification(False, f"the run cannot be repeated: {error}")
     except MemoryError:
@@ -159,6 +163,23 @@ def _with_mesh(result: Result, verification: Verification, wish: Wish, distances
     }
     of_mesh = {", ".join(of_meshes.places): of_meshes.quantities} if of_meshes.quantities else {}
     return replace(verification, mesh=of_meshes, figures=figures, quantities={**verification.quantities, **of_mesh})
+
+
+def _with_parameters(result: Result, verification: Verification, wish: Wish) -> Verification:
+    """The verification with what tolerances make of the figures, where the scene has some."""
+    if (tolerances := tolerances_of(result.scene)) is None or not result.held or result.rows < 2:
+        return verification
+
+    def again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, str]:
+        moved, why = _again(scene, changes)
+        return moved, why.text
+
+    each = _work(result) if wish in ("auto", "steps") else 0.0
+    try:
+        errors = parameter_errors(result, tolerances, lambda times: work.allows(each, times), again)
+    except (BadInput, StepFailed) as error:
+        errors = ParameterErrors(str(error))
+    return replace(verification, parameters=errors)
 
 
 def _with_whole_paths(scene: Scene) -> Scene:
@@ -383,6 +404,8 @@ def _judged(result: Result, verification: Verification) -> Result:
             f"{grown:.2g} times that of a run with shorter steps. {suggestion(result.scene, verification, worst)}"
         )
     texts = warnings_of(result.scene, verification) if outcome == "done" else []
+    if outcome == "done" and verification.parameters is not None:
+        texts += verification.parameters.warnings
     if outcome == "done" and not verification.done:
         texts += unfollowed(result.info.get("missed"))
     info = {

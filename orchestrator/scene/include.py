@@ -40,6 +40,7 @@ def expanded(
     units: dict[str, Any] = {}
     added: dict[str, list[Any]] = {"connections": [], "contacts": []}
     remarks: list[str] = []
+    correlations: dict[str, Any] = {}
     for entry, unit in data["units"].items():
         entries = {entry: _located(unit, folder)}
         if isinstance(unit, Mapping) and "scene" in unit:
@@ -47,11 +48,15 @@ def expanded(
             entries = {f"{entry}.{n}": u for n, u in part["units"].items()}
             added["connections"] += (_prefixed(c, entry, part["units"], name) for c in part.get("connections", ()))
             added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
+            pairs = {", ".join(f"{entry}.{n.strip()}" for n in p.split(",")): r for p, r in part.get("correlations", {}).items()}
+            correlations |= pairs
             remarks += messages
         if twice := entries.keys() & units.keys():
             raise BadInput(f"{name}: units", f"two units {min(twice)!r}", "names that are unique")
         units |= entries
     joined = {key: [*own, *more] for key, more in added.items() if more and isinstance(own := data.get(key, []), list | tuple)}
+    if correlations:
+        joined["correlations"] = {**data.get("correlations", {}), **correlations}
     return {**data, **joined, "units": units}, tuple(remarks)
 
 

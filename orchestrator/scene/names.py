@@ -22,9 +22,15 @@ from ..units.fmu import declared_signals
 
 AnyScene = TypeVar("AnyScene", bound=SceneSettings)
 TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that are times, s
+NUMERICAL = {  # real parameters by which nothing has a derivative
+    "substep": "it sets the numerical error alone",
+    "tolerance": "it sets the numerical error alone",
+    "period": "the instants of samples move, and with them the steps that they fall into",
+}
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
 KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
-OF_A_KIND = {*KINDS, *TABLE_KEYS, "preset", "effects", "parameters"}  # what a whole unit does not take over from the one before
+# of units, what a whole one does not take over from the one before
+OF_A_KIND = {*KINDS, *TABLE_KEYS, "preset", "effects", "parameters", "tolerances"}
 
 
 class Place(NamedTuple):
@@ -55,10 +61,12 @@ def place_of(scene: SceneSettings, name: str) -> Place:
     within = path[len(unit) + 1 :]
     if head == "units":
         key, _, within = within.partition(".")
-        if key and (key not in UnitSettings.model_fields or (within and key != "parameters")):
+        if key and (key not in UnitSettings.model_fields or (within and key not in ("parameters", "tolerances"))):
             raise BadInput(where, repr(name), "a setting of the unit", nearest(key, UnitSettings.model_fields))
         if not within:
             return Place(("units", unit, key) if key else ("units", unit), unit)
+        if key == "tolerances":
+            return Place(("units", unit, key, within), unit)
     elif not within:
         raise BadInput(where, repr(name), '"unit.parameter"', f"As {f'units.{name}'!r} it is the whole unit.")
     elif scene.units[unit].component and within.startswith("effects."):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
+from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from ...components.catalogue import component_class
@@ -14,11 +15,15 @@ from ...components.core.variables import Causality
 from ..units.component import make
 from .meshes import coarser
 from .scene import Scene
+from .tolerances import tolerances_of
 
 P = ParamSpec("P")
 R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
 _coarser: ContextVar[int] = ContextVar("times the length of elements", default=1)
+_moves: ContextVar[Mapping[str, float]] = ContextVar(
+    "standard deviations that parameters are moved by", default=MappingProxyType({})
+)
 _noted: ContextVar[list[MadeRun] | None] = ContextVar("runs that were made", default=None)
 
 
@@ -137,6 +142,16 @@ def coarser_meshes(factor: int) -> Iterator[None]:
 
 
 @contextmanager
+def moved_parameters(moves: Mapping[str, float]) -> Iterator[None]:
+    """Every run inside has parameters, by "unit.parameter", moved by so many standard deviations of their tolerances, if it has these."""
+    token = _moves.set(moves)
+    try:
+        yield
+    finally:
+        _moves.reset(token)
+
+
+@contextmanager
 def made_runs() -> Iterator[list[MadeRun]]:
     """The runs that are made inside, those that `kept_runs` need not make again among them."""
     runs: list[MadeRun] = []
@@ -154,16 +169,19 @@ def note_runs(runs: Iterable[MadeRun]) -> None:
         noted += runs
 
 
-def asked() -> tuple[int, int]:
-    """In how many parts each step is, and how many times as long elements are."""
-    return _parts.get(), _coarser.get()
+def asked() -> tuple[int, int, tuple[tuple[str, float], ...]]:
+    """In how many parts each step is, how many times as long elements are, and by how many standard deviations parameters move."""
+    return _parts.get(), _coarser.get(), tuple(_moves.get().items())
 
 
 def asked_for(scene: Scene) -> Scene:
     """The scene as it is to be run: as it is, or with what `shorter_steps` and `coarser_meshes` ask for."""
-    parts, factor = asked()
+    parts, factor, moves = asked()
     changes = shorter(scene, parts, denser=False) if parts > 1 else {}
     changes |= coarser(scene, factor) if factor > 1 else {}
+    if moves and (tolerances := tolerances_of(scene)) is not None:
+        by_name = zip(tolerances.names, tolerances.values.tolist(), tolerances.deviations.tolist(), strict=True)
+        changes |= {name: value + dict(moves)[name] * deviation for name, value, deviation in by_name if name in dict(moves)}
     return scene.with_changes(changes) if changes else scene
 
 

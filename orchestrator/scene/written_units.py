@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,15 @@ import numpy as np
 from ...components.catalogue import component_class
 from ...components.core.columns import name_and_unit
 from ...components.core.component import TABLES
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import conversion_of, is_quantity, number_in, plain
+from ...components.core.variables import Causality, Kind
+from ..settings.model import flattened
 from ..settings.names import split_name
 from ..settings.units import TABLE_KEYS
 from ..units.fmu import declared_signals
 from ..units.signal_files import read_signals
-from .names import TIMES, declared, place_of
+from .names import NUMERICAL, TIMES, declared, place_of
 
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
@@ -56,7 +59,47 @@ def with_numbers(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
         changed["sweep"] = axes_with_numbers(axes, units, f"{scene}: sweep")
     if isinstance(study := data.get("study"), Mapping) and isinstance(axes := study.get("stability"), Mapping):
         changed["study"] = {**study, "stability": axes_with_numbers(axes, units, f"{scene}: study.stability")}
+    changed["units"] = {name: _with_tolerances(unit, f"{scene}: units.{name}") for name, unit in changed["units"].items()}
     return {**data, **changed}
+
+
+def _with_tolerances(unit: Any, where: str) -> Any:
+    """A unit with its tolerances as numbers in the units of the parameters; a share stays a text, "3 %"."""
+    given = unit.get("tolerances") if isinstance(unit, Mapping) else None
+    if not isinstance(given, Mapping) or not given:
+        return unit
+    if isinstance(component := unit.get("component"), str) and component:
+        variables: Mapping[str, Any] = component_class(component, where).variables
+    elif isinstance(path := unit.get("fmu"), str) and path:
+        variables = declared_signals(path, f"{where}.fmu")
+    else:
+        return unit
+    return {**unit, "tolerances": {n: tolerance_of(variables, n, t, f"{where}.tolerances.{n}") for n, t in flattened(given)}}
+
+
+def tolerance_of(variables: Mapping[str, Any], name: str, tolerance: Any, where: str) -> float | str:
+    """That of a parameter of a component or an FMU: a number in its unit, or a share as it is written. Raises `BadInput`.
+
+    variables: that it declares.
+    """
+    variable = variables.get(name)
+    if variable is None:
+        raise BadInput(where, repr(name), "a parameter", nearest(name, variables))
+    real = variable.kind in (Kind.REAL, Kind.REAL.value)
+    parameter = getattr(variable, "causality", Causality.PARAMETER) is Causality.PARAMETER
+    if not real or not parameter or getattr(variable, "structural", "") or name in NUMERICAL:
+        reason = NUMERICAL.get(name) or getattr(variable, "structural", "") or "nothing has a derivative by it"
+        raise BadInput(where, f"{name}: {reason}", "a real parameter that is not structural", "Remove it.")
+    number = tolerance
+    if is_quantity(tolerance):
+        share = tolerance.strip().endswith("%")
+        measure = (getattr(variable, "measure", None), True)
+        number = number_in(tolerance, "1", where) if share else number_in(tolerance, variable.unit or "1", where, *measure)
+    if isinstance(number, bool) or not isinstance(number, int | float) or not 0.0 <= number < inf:
+        raise BadInput(
+            where, repr(tolerance), f'a standard deviation of at least 0, in {variable.unit or "its unit"} or as "3 %"'
+        )
+    return tolerance if isinstance(tolerance, str) and tolerance.strip().endswith("%") else float(number)
 
 
 def axes_with_numbers(axes: Mapping[str, Any], units: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, Any]:

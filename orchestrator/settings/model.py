@@ -36,6 +36,11 @@ Parameters = Annotated[
     BeforeValidator(lambda table: dict(flattened(table)) if isinstance(table, Mapping) else table),
     WithJsonSchema({"type": "object", "additionalProperties": {"type": ["boolean", "number", "string", "array", "object"]}}),
 ]
+Tolerances = Annotated[
+    dict[str, float | str],
+    BeforeValidator(lambda table: dict(flattened(table)) if isinstance(table, Mapping) else table),
+    WithJsonSchema({"type": "object", "additionalProperties": {"type": ["number", "string", "array", "object"]}}),
+]
 Sweep = Annotated[
     dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]],
     BeforeValidator(lambda table: dict(ranged(table)) if isinstance(table, Mapping) else table),

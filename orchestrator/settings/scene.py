@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, SerializeAsAny, WithJsonSchema, field_serializer, model_validator
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, nearest
 from .analysis import AnalysisKeys
 from .explore import ExploreSettings
 from .master import MasterSettings
@@ -215,6 +215,10 @@ class SceneSettings(Model):
         default=InterfaceSettings(), description="inputs and outputs of the FMU that cosimo build --native makes of the scene"
     )
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
+    correlations: dict[str, Annotated[float, Field(strict=True, ge=-1.0, le=1.0)]] = Field(
+        default={},
+        description='correlations of tolerances: "unit.parameter, unit.parameter" = coefficient, as a fit gives; others are independent',
+    )
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     limits: RunLimits = Field(
         default=None,
@@ -260,6 +264,17 @@ class SceneSettings(Model):
         for label, interval in (("interval", record.interval), ("snapshot_interval", record.snapshot_interval)):
             if interval is not None and interval > length:
                 raise BadInput(f"record.{label}", f"{interval:g} s", f"at most the length of the run, {length:g} s")
+        return self
+
+    @model_validator(mode="after")
+    def _tolerances_correlate(self) -> Self:
+        known = [f"{unit}.{name}" for unit, settings in self.units.items() for name in settings.tolerances]
+        for pair in self.correlations:
+            names = [name.strip() for name in pair.split(",")]
+            if len(names) != 2 or names[0] == names[1] or not set(names) <= set(known):
+                raise BadInput(
+                    "correlations", repr(pair), '"unit.parameter, unit.parameter", two with tolerances', nearest(pair, known)
+                )
         return self
 
     @property

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_serializer, field_validator, model_validator
 
 from ...components.core.errors import BadInput
-from .model import Model, Parameters, Positive, Time
+from .model import Model, Parameters, Positive, Time, Tolerances
 
 TABLE_KEYS = ("interpolation", "outside", "start")  # of a table of signals: parameters, which are written as keys of the unit
 
@@ -42,6 +42,10 @@ class UnitSettings(Model):
     preset: str = Field(default="", description="published set of parameters of the component")
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
     parameters: Parameters = Field(default={}, description="parameters, and values of inputs that no connection drives")
+    tolerances: Tolerances = Field(
+        default={},
+        description='standard deviations of real parameters: "5 N", a number in the unit of the parameter, or "3 %" of it',
+    )
     every: Annotated[int, Field(strict=True, ge=1, le=1_000_000_000)] = Field(
         default=1, description="steps with every n-th macro step only, over all n of them; for slow units"
     )

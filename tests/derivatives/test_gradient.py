@@ -82,6 +82,23 @@ def test_settings_of_the_numerics_are_refused(scene):
     assert {s.parameter for s in study.slopes} == {"mass.mass"}
 
 
+def test_figures_of_snapshots_have_no_derivative():
+    """They are not signals, and nothing follows them; a run may have some where figures do not read them."""
+    scene = cosimo.load_scene("en50318-2002").with_changes({"stop_time": 0.05, "record.snapshot_interval": 0.01})
+    array = scene.record.snapshots[0]
+    signal = next(iter(".".join(end) for end in scene.coupling.signals))
+
+    def of_array(result):
+        return {"first": (float(result.snapshots[array].values[-1].sum()), "1")}
+
+    def of_signal(result):
+        return {"last": (float(result[signal][-1]), "N")}
+
+    with pytest.raises(BadInput, match="snapshots"):
+        cosimo.gradient(scene, of_array, "pantograph.static_force", halved=False)
+    assert cosimo.gradient(scene, of_signal, "pantograph.static_force", halved=False).slopes[0].how == "exact"
+
+
 def test_a_session_takes_its_parameters_along(scene):
     with cosimo.open(scene) as session:
         session["mass.mass"] = 2.0

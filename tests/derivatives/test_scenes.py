@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.kernels import COMPILED
-from cosimo.orchestrator.derivatives.gradient import NUMERICAL
+from cosimo.orchestrator.scene.names import NUMERICAL
 from cosimo.tests.derivatives.differences import verdict
 from cosimo.tests.derivatives.test_tangent_run import short
 

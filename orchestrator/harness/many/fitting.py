@@ -12,7 +12,8 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.names import measure_of
-from ...scene.scene import Scene
+from ...scene.scene import Scene, write_scene
+from ...scene.tolerances import with_tolerances
 from ...settings.answers import FitSettings, FittedCurve
 from ...settings.messages import validated
 from ...settings.plan import KeepSettings
@@ -29,14 +30,17 @@ from .plan import other_starts, read_settings
 from .repetition import OF_DEVIATION
 from .searches import Ask, jacobian, run_searches
 
+FITTED = "fitted.toml"
 SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another than this are one
 
 
 @dataclass(frozen=True)
 class SceneFit:
     """Fitted parameters of a scene. fit: in the parameters' own units.  units: of measure by name.  charts: measured and fitted.
-    scene: with the fitted values.  runs: that the search asked for, `computed` of them by this call.  sweep: all of them.
-    derivatives: of each parameter whether its column of the Jacobian was exact, at how many of the `jacobians` points, and why not."""
+    scene: with the fitted values, their standard deviations and correlations as its tolerances.  runs: that the search asked for,
+    `computed` of them by this call.  sweep: all of them.  derivatives: of each parameter whether its column of the Jacobian was exact,
+    at how many of the `jacobians` points, and why not.
+    """
 
     fit: Fit
     units: Mapping[str, str]
@@ -59,7 +63,7 @@ class SceneFit:
         return "\n".join([*lines, *self.fit.messages])
 
     def save(self, directory: str | Path) -> Path:
-        """Write fit.csv: a row a parameter, with its correlations with the others."""
+        """Write fitted.toml, the scene, and fit.csv: a row a parameter, with its correlations with the others; returns its path."""
         header = [
             "parameter",
             "unit",
@@ -75,6 +79,7 @@ class SceneFit:
             (n, self.units[n], v, s, low, high, self.start[n], self.derivatives[n], *self.fit.correlation[k].tolist())
             for k, (n, v, s, low, high) in enumerate(self.fit.rows())
         ]
+        write_scene(self.scene, Path(directory) / FITTED, ["Fitted values; tolerances are their standard deviations."])
         return write_table(directory, "fit.csv", header, rows)
 
 
@@ -173,7 +178,7 @@ class _Fitting:
         return SceneFit(
             replace(best, messages=tuple(messages)),
             {n: measure_of(self.scene, n) for n in names},
-            fitted,
+            with_tolerances(fitted, names, best.covariance),
             runs.values(first),
             tuple(charts),
             targets,

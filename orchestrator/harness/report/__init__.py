@@ -15,7 +15,7 @@ from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
 from ..many.failures import failure_groups
-from ..summary import Summary, SummaryRow, with_error, with_errors
+from ..summary import Summary, SummaryRow, with_errors
 from ..validation.limits_of_run import judge
 from . import generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
@@ -134,7 +134,7 @@ def _summary(result: Result, systems: Systems) -> Summary:
 
 def _shown(row: SummaryRow, with_unit: bool = True) -> str:
     """A number with its error and unit, as a page shows it."""
-    text = with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)
+    text = row.shown if np.isfinite(row.error) or np.isfinite(row.parameters) else number(row.value)
     return f"{text} {row.unit if with_unit and row.unit != '1' else ''}".rstrip()
 
 

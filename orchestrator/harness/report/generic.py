@@ -14,7 +14,6 @@ from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.signals import axis_of
 from ..charts.style import CYCLE, axis, dense_line, layout, number
-from ..summary import with_error
 
 if TYPE_CHECKING:
     from ...run.results import Result
@@ -56,7 +55,7 @@ def range_row(row: Row) -> RangeRow:
     return RangeRow(
         r.named,
         unit,
-        with_error(row.measured, row.error) if np.isfinite(row.error) else f"{number(row.measured, low, high)}, {row.repeated}",
+        row.shown if np.isfinite([row.error, row.parameters]).any() else f"{number(row.measured, low, high)}, {row.repeated}",
         text,
         margin,
         None if place is None else float(place),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,7 +14,6 @@ from ...judgement.warnings import not_verified
 from ...run.progress import tracked
 from ...scene.shorter_steps import made_runs
 from ..charts.chart import Chart, Grid
-from ..summary import with_error
 from .claims import CONSTRUCTION, ROLES, VERDICTS, Claim
 from .questions import Evidence, Options, Question, RunFailed
 from .reference import MISSING, Row, check_measured, compare, load_table
@@ -223,7 +223,7 @@ class CaseResult:
         """The verdict, and a line for each row or claim."""
         lines = [f"<{self.case.name}: {self.verdict}>"]
         lines += [
-            f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {r.reference.unit}; inside: {r.answer}"
+            f"{r.reference.quantity} ({r.reference.condition}): {r.shown} {r.reference.unit}; inside: {r.answer}"
             for r in self.findings.rows
         ]
         lines += [f"{c.claim.number} {c.verdict}: {c.claim.announced}" for c in self.findings.claims]
@@ -256,8 +256,7 @@ class CaseResult:
         return [
             f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
             if not r.inside
-            else f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: a "
-            f"limit is {r.margin:.2g} away"
+            else f"{r.reference.quantity} ({r.reference.condition}): {r.shown} {unit}is undecided: a limit is {r.margin:.2g} away"
             for r in self.findings.rows
             if (r.reference.standing == "recalled" and not r.inside) or r.undecided
             for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]
@@ -325,11 +324,13 @@ def _outside(row: Row) -> str:
 
 def to_table(results: list[CaseResult]) -> tuple[tuple[str, ...], list[tuple[str | float, ...]]]:
     """(names of the columns, rows) of validation.csv: every row of every case with the case's outcome and its own answer."""
-    columns = ("quantity", "condition", "unit", "measured", "error", "low", "high", "standing", "confidence", "source")
+    columns = ["quantity", "condition", "unit", "measured", "error", "low", "high", "standing", "confidence", "source"]
+    if any(math.isfinite(row.parameters) for result in results for row in result.findings.rows):
+        columns.insert(5, "parameters")
     rows = []
     for result in results:
         for row in result.findings.rows:
-            cells = row.to_json()
+            cells = {"parameters": None, **row.to_json()}
             rows.append(
                 (result.case.name, result.outcome, *("" if cells[c] is None else cells[c] for c in columns), row.answer, row.why)
             )

@@ -141,13 +141,15 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
     limits = result.scene.limits
     if limits is None:
         return None
-    errors = {row.name: row.error for row in numbers}
+    errors, parameters = ({row.name: getattr(row, key) for row in numbers} for key in ("error", "parameters"))
     try:
         judged, missing = judged_numbers(result, numbers) if result.time.size > 1 else ([], [])
     except BadInput as error:
         judged, missing = [], [str(error)]
     why = result.info.get("verification", {}).get("why", "") or "not repeated"
-    rows = tuple(Row(j.row, j.value, e := errors.get(j.name, nan), "" if isfinite(e) else why) for j in judged)
+    rows = tuple(
+        Row(j.row, j.value, e := errors.get(j.name, nan), "" if isfinite(e) else why, parameters.get(j.name, nan)) for j in judged
+    )
     answers: dict[str, str] = {}
     for j, row in ((j, row) for j, row in zip(judged, rows, strict=True) if not row.missing):
         answer = _answer(row)

@@ -16,6 +16,7 @@ from ....components.core.columns import Columns, read_table, table_of
 from ....components.core.errors import BadInput, nearest, pick
 from ...scene.files import shipped
 from ...settings.ranges import Range
+from ..summary import with_errors_of
 from .claims import CONSTRUCTION, ROLES, Claim, read_claims
 
 STANDINGS = {
@@ -33,6 +34,7 @@ PLACEHOLDER = (
 CONFIDENCES = ("high", "medium-high", "medium", "low")
 UNCHANGED = "unchanged"  # half of the steps give the same number, no run is in it, or its steps are what is asked about
 NOT_REPEATED = "not repeated"
+COVERAGE = 2.0  # standard deviations of a parameter error that a row is to be inside by: 95 % of a normal distribution
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
 NUMBERS = ("low", "high", "value", "tolerance")
 OPTIONAL = (*NUMBERS, "confidence", "claim", "role")
@@ -100,6 +102,7 @@ class Row:
     measured: float
     error: float = math.nan  # of the steps and meshes; NaN where it is not known
     why: str = ""  # why there is no error: `UNCHANGED`, or what kept the case from being repeated; "" where there is one
+    parameters: float = math.nan  # standard deviation by the tolerances of the scenes' parameters; NaN without any
 
     @property
     def missing(self) -> bool:
@@ -118,8 +121,13 @@ class Row:
 
     @property
     def undecided(self) -> bool:
-        """Whether an end of the range lies within the error of a number inside: with shorter steps it may be outside."""
-        return self.inside and bool(self.error > self.margin)
+        """Whether an end of the range lies within the error of a number inside, or within two standard deviations by parameters."""
+        return self.inside and bool(self.error > self.margin or COVERAGE * self.parameters > self.margin)
+
+    @property
+    def shown(self) -> str:
+        """The measured number with its errors where these are known."""
+        return with_errors_of(self.measured, self.error, self.parameters, "numerical")
 
     @property
     def repeated(self) -> str:
@@ -141,6 +149,7 @@ class Row:
             "measured": self.measured if math.isfinite(self.measured) else None,
             "error": self.error if math.isfinite(self.error) else None,
             "why": self.why or None,
+            **({"parameters": self.parameters} if math.isfinite(self.parameters) else {}),
             "low": r.low,
             "high": r.high,
             "standing": r.standing,

@@ -10,18 +10,21 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ....components.core.errors import BadInput, StepFailed
 from ...code_digests import components_digest
 from ...judgement import work
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
-from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE
+from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE, SECOND_ORDER
 from ...judgement.verification import NOT_ASKED, Wish, work_of
 from ...kept import Kept
 from ...run.checkpoint import digest
 from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
-from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, shorter_steps
+from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, moved_parameters, shorter_steps
+from ...scene.tolerances import tolerances_of
 from .case import Case, Findings, Row
 from .questions import Evidence, Options
 from .reference import UNCHANGED
@@ -38,6 +41,8 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     with made_runs() as runs:
         findings = case.findings(options, kept)
     findings = case.with_studies(findings, options)
+    if wish != "no" and findings.complete:
+        findings = _with_parameters(findings, case, options, kept, runs, wish)
     if wish == "no" or not findings.complete:
         return _unverified(findings, NOT_ASKED if wish == "no" else "a run did not reach its end")
     try:
@@ -50,6 +55,48 @@ def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
             findings, f"to repeat the case with half of its steps is much work ({amount}): ask with --verify whole"
         )
     return _with_errors(findings, case, replace(options, in_process=True), kept, runs)
+
+
+def _with_parameters(
+    findings: Findings, case: Case, options: Options, kept: dict[int, Evidence], runs: Sequence[MadeRun], wish: Wish
+) -> Findings:
+    """The findings with what tolerances of the scenes make of each row, by runs with each parameter a standard deviation on either
+    side. A parameter of the same name is the same in all runs."""
+    given = [tolerances for one in runs if (tolerances := tolerances_of(one.scene)) is not None]
+    names = list(dict.fromkeys(name for tolerances in given for name in tolerances.names))
+    if not names:
+        return findings
+    try:
+        counted = sum(work_of(*one) for one in runs) if wish == "auto" else 0.0
+        if not work.allows(counted, 2.0 * len(names), BUDGETS_OF_CASE):
+            raise BadInput(case.name, "much work", "less", "Ask with --verify whole.")
+        slopes, bends = zip(*(_of_parameter(findings, case, options, kept, name) for name in names), strict=True)
+    except (BadInput, StepFailed) as error:
+        return replace(findings, notes=(*findings.notes, f"The errors exclude the tolerances of parameters: {error}"))
+    correlation = np.eye(len(names))
+    for tolerances in given:
+        places = [names.index(name) for name in tolerances.names]
+        correlation[np.ix_(places, places)] = tolerances.correlation
+    errors = np.sqrt(np.maximum(np.einsum("ir,ij,jr->r", slopes, correlation, slopes), 0.0))
+    rest = np.abs(bends).sum(axis=0)
+    rows = tuple(replace(row, parameters=float(e)) for row, e in zip(findings.rows, errors, strict=True))
+    bent = [r.reference.quantity for r, b, e in zip(rows, rest, errors, strict=True) if b > SECOND_ORDER * e]
+    notes = [f"Parameter errors of {', '.join(bent)} are not of first order alone."] if bent else []
+    return replace(_with_rows(findings, rows), notes=(*findings.notes, *notes))
+
+
+def _of_parameter(
+    findings: Findings, case: Case, options: Options, kept: dict[int, Evidence], name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of each row half the difference of both sides, and how far their mean is from it."""
+    sides = []
+    for way in (1.0, -1.0):
+        with moved_parameters({name: way}):
+            moved = case.findings(replace(options, in_process=True), kept)
+        if not moved.complete or len(moved.rows) != len(findings.rows):
+            raise BadInput(case.name, f"a run with another {name} that does not come to its end", "runs that do")
+        sides.append(np.array([row.measured for row in moved.rows]))
+    return 0.5 * (sides[0] - sides[1]), 0.5 * (sides[0] + sides[1]) - np.array([row.measured for row in findings.rows])
 
 
 def _with_errors(

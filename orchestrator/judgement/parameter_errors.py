@@ -1,0 +1,166 @@
+"""What tolerances of parameters make of the figures of a run: to first order by derivatives, beside a few samples.
+
+    s² = gᵀ C g     g = df/dp,  C: covariance of the parameters
+
+(JCGM 100:2008, law of propagation of uncertainty, 5.1 and 5.2; recalled.) Samples of a normal distribution, in pairs on either side,
+tell what first order leaves out. A scene without tolerances has nothing of this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from math import ceil, inf, isfinite, nan
+from typing import Any
+
+import numpy as np
+
+from ...components.core.errors import BadInput
+from ..run.results import Result
+from ..scene.scene import Scene
+from ..scene.tolerances import Tolerances
+from .thresholds import PARAMETER_SAMPLES, SECOND_ORDER
+
+FIRST_ORDER = 8.0  # runs that eight exact derivatives take at most; differences by two parameters
+Again = Callable[[Scene, Mapping[str, Any]], tuple[Result | None, str]]
+
+
+@dataclass(frozen=True)
+class ParameterErrors:
+    """why: why there are none, "" else.  deviations: of the parameters.  how: "exact" or "differences", and why.
+
+    figures: name -> standard deviation, in its unit, NaN where it is not known.  rest: name -> what first order leaves out, as a
+    share of it; empty without samples.  largest: name -> the parameter that matters most.  refused: name -> why it has no first
+    order.  samples: that came to their end.
+    """
+
+    why: str = ""
+    deviations: Mapping[str, float] = field(default_factory=dict)
+    how: str = ""
+    figures: Mapping[str, float] = field(default_factory=dict)
+    rest: Mapping[str, float] = field(default_factory=dict)
+    largest: Mapping[str, str] = field(default_factory=dict)
+    refused: Mapping[str, str] = field(default_factory=dict)
+    samples: int = 0
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a user should know of them."""
+        if self.why:
+            return [f"parameter errors are not known: {self.why}"]
+        large = [name for name, share in self.rest.items() if share > SECOND_ORDER and name not in self.refused]
+        texts = []
+        if large:
+            worst = max(large, key=self.rest.__getitem__)
+            others = f" and {len(large) - 1} more" if len(large) > 1 else ""
+            share = f"{100.0 * self.rest[worst]:.2g} % of it" if isfinite(self.rest[worst]) else "all of it"
+            texts.append(
+                f"the parameter error of {worst}{others} is not of first order alone: {self.samples} samples differ from it by "
+                f"{share}. Run cosimo uncertainty"
+            )
+        for name, reason in list(self.refused.items())[:1]:
+            more = f", and of {len(self.refused) - 1} more," if len(self.refused) > 1 else ""
+            source = f"from {self.samples} samples" if self.samples else "not known"
+            texts.append(f"the parameter error of {name}{more} is {source}: {reason}")
+        if 0 < self.samples < PARAMETER_SAMPLES:
+            texts.append(
+                f"{PARAMETER_SAMPLES - self.samples} of {PARAMETER_SAMPLES} samples of the tolerances do not come to their end"
+            )
+        return texts
+
+    def to_json(self) -> dict[str, Any]:
+        """The object `parameters` of `verification` in run.json; what is not known is null."""
+        if self.why:
+            return {"why": self.why}
+        known = lambda number: number if isfinite(number) else None  # noqa: E731
+        figures = {
+            name: {
+                "error": known(error),
+                "rest": known(self.rest.get(name, nan)),
+                "largest": self.largest.get(name),
+                **({"why": self.refused[name]} if name in self.refused else {}),
+            }
+            for name, error in self.figures.items()
+        }
+        return {"deviations": dict(self.deviations), "how": self.how, "samples": self.samples, "figures": figures}
+
+
+def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[float], bool], again: Again) -> ParameterErrors:
+    """Of the figures of a run. allows: whether so many more runs may be made.  again: the run with changes, or None and why not.
+
+    Raises `StepFailed` where a run with derivatives fails.
+    """
+    names, values = list(tolerances.names), figures_of(result)
+    if not values:
+        return ParameterErrors("the run has no key results, which are those of a system in [analysis]")
+    first = FIRST_ORDER * ceil(len(names) / 8)
+    if not allows(first):
+        return ParameterErrors("they are much work: ask with --verify whole")
+    slopes, how = _slopes(result, tolerances)
+    derivatives = np.array([[slopes[figure, name].derivative for name in names] for figure in values]).reshape(-1, len(names))
+    refused = {f: s.how for f in values for n in names if not isfinite((s := slopes[f, n]).derivative)}
+    errors = np.sqrt(np.maximum(np.einsum("fi,ij,fj->f", derivatives, tolerances.covariance, derivatives), 0.0))
+    parts = np.abs(derivatives) * tolerances.deviations
+    largest = {
+        f: names[int(np.argmax(part))] for f, part in zip(values, parts, strict=True) if np.isfinite(part).all() and part.any()
+    }
+    moves, changes = _samples(result, values, tolerances, again) if allows(first + PARAMETER_SAMPLES) else (None, None)
+    rest: dict[str, float] = {}
+    if moves is not None and len(moves):
+        beside = np.sqrt(np.mean((changes - moves @ derivatives.T) ** 2, axis=0))
+        whole = np.sqrt(np.mean(changes**2, axis=0))
+        for k, figure in enumerate(values):
+            rest[figure] = float(beside[k] / errors[k]) if errors[k] else inf if beside[k] > 1e-9 * abs(values[figure]) else 0.0
+            if not rest[figure] <= 1.0:  # also where there is no first order
+                errors[k] = whole[k]
+    return ParameterErrors(
+        "",
+        dict(zip(names, tolerances.deviations.tolist(), strict=True)),
+        how,
+        dict(zip(values, errors.tolist(), strict=True)),
+        rest,
+        largest,
+        refused,
+        0 if moves is None else len(moves),
+    )
+
+
+def figures_of(result: Result) -> dict[str, float]:
+    """The numbers of the summary by name."""
+    return {row.name: row.value for row in result.summary}
+
+
+def _slopes(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, str], Any], str]:
+    """Derivatives of the figures, exact or by runs with every parameter a standard deviation on either side, and which."""
+    from ..derivatives.gradient import by_differences, slopes_of
+
+    def figures(run: Result) -> dict[str, tuple[float, str]]:
+        return {row.name: (row.value, row.unit) for row in run.summary}
+
+    names = tolerances.names
+    try:
+        from ..derivatives.tangent_run import TangentScene
+
+        with ExitStack() as stack:
+            scene = TangentScene(result.scene, stack)
+            return slopes_of(result, scene, figures, names, {n: scene.value(n) for n in names}), "exact"
+    except (BadInput, ImportError) as error:
+        steps = dict(zip(names, tolerances.deviations.tolist(), strict=True))
+        return by_differences(result, figures, steps), f"differences ({error})"
+
+
+def _samples(result: Result, values: Mapping[str, float], tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:
+    """(moves (k, n) of the parameters, changes (k, f) of the figures), of those samples that come to their end."""
+    power, basis = np.linalg.eigh(tolerances.covariance)
+    half = np.random.default_rng(0).standard_normal((PARAMETER_SAMPLES // 2, len(tolerances.names)))
+    moves = np.concatenate([half, -half]) @ (basis * np.sqrt(np.maximum(power, 0.0))).T
+    runs = [_moved(result.scene, tolerances, move, again) for move in moves]
+    changes = [[sample.get(f, nan) - v for f, v in values.items()] for sample in runs if sample]
+    return moves[[bool(sample) for sample in runs]], np.array(changes).reshape(-1, len(values))
+
+
+def _moved(scene: Scene, tolerances: Tolerances, move: Sequence[float] | np.ndarray, again: Again) -> dict[str, float]:
+    """Figures with moved parameters; none where there is no such run."""
+    result, _ = again(scene, dict(zip(tolerances.names, (tolerances.values + move).tolist(), strict=True)))
+    return figures_of(result) if result is not None else {}
