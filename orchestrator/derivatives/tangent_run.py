@@ -19,7 +19,7 @@ from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
 from ..engine.algorithms import Master
-from ..engine.algorithms.records import GIVEN
+from ..engine.algorithms.records import GIVEN, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..run.results import Result
@@ -226,6 +226,18 @@ class TangentScene:
         self._ask("step", whole=1, steps=steps, **{k: arena.address + CELL * v for k, v in addresses.items()})
         self._call(self._steps, 0.0, h)
         return slice(rows, rows + steps * len(self.signals))
+
+    def follow(self, t: float, outputs: np.ndarray) -> None:
+        """Let the outputs of all units follow at an instant, t, s; outputs: cells of the signals in the blocks of their units."""
+        cells, read = self._arena.cells, slice(self._first_signal, self._first_signal + len(self.signals))
+        for unit in self.layout.units:
+            entry = self._code.entry(f"layout{unit.layout}_outputs", 1)
+            if entry(cells[self._cell("units", unit.node.called, "time")], *self._arena.given(unit.first)):
+                raise StepFailed(unit.name, t, "its outputs have no derivatives")
+        cells[read], self._arena.tangents[read] = cells[outputs], self._arena.tangents[outputs]
+        cells.view(np.int64)[[self._cell("units", k, "ends") for k in range(len(self._ends))]] = UNKNOWN
+        self._ask("follow", whole=0, steps=1, updated=0)
+        self._call(self._steps, t, 0.0)
 
     def at_tie(self) -> np.ndarray:
         """Of each direction whether a decision has stood at its boundary, (WIDTH,)."""
