@@ -44,10 +44,10 @@ class CoupledStep:
     steps: macro steps that units with rates of their own and controllers have in common.
     """
 
-    def __init__(self, tangents: TangentScene, h: float | None = None):
-        """h: that of the scene, if not another one. Raises `BadInput` where rates have no common period."""
+    def __init__(self, tangents: TangentScene, h: float | None = None, steps: int | None = None):
+        """h, steps: others than those of the scene. Raises `BadInput` where rates have no common period."""
         self.tangent_scene, self.h = tangents, tangents.scene.master.step if h is None else h
-        self.steps = common_steps(tangents.scene, self.h)
+        self.steps = common_steps(tangents.scene, self.h) if steps is None else steps
         self._arena, self._n = tangents._arena, tangents.layout.cells
         self._own = tangents._arena.tangents[: self._n]
         self._where = f"linearization of {tangents.scene.name}"

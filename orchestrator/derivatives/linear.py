@@ -7,18 +7,17 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from math import ceil, isnan, nan, pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eig
 from scipy.sparse.csgraph import connected_components
 
 from ...components.core.errors import BadInput, nearest
+from ..engine.algorithms import Master
+from ..scene.scene import Scene
 from .coupled_step import SAMPLES, CoupledStep, blocks_of
 from .tangent_run import WIDTH, TangentScene
-
-if TYPE_CHECKING:
-    from ..session.session import Session
 
 VANISHING = 1e-4  # eigenvalues below: what is left of samples, whose Jordan blocks rounding spreads
 AGREE = 1e-9  # relative: an output is a function of the state
@@ -174,15 +173,13 @@ def _kind(factor: complex, shares: dict[str, float]) -> str:
     return COUPLING if len(shares) > 1 else UNIT
 
 
-def linearize(session: Session, inputs: Sequence[str] = (), outputs: Sequence[str] = (), steps: int | None = None) -> Linear:
-    """The scene of a session where it stands; as `Session.linearize`."""
-    scene = session.scene
+def linearize(
+    scene: Scene, master: Master, t: float, inputs: Sequence[str] = (), outputs: Sequence[str] = (), steps: int | None = None
+) -> Linear:
+    """A scene where an opening of it stands, at t, s; the rest as of `Session.linearize`."""
     with ExitStack() as stack:
-        tangents = TangentScene(scene, stack)
-        step = CoupledStep(tangents)
-        if steps is not None:
-            step.steps = steps
-        step.take(session._master, session.time)
+        step = CoupledStep(TangentScene(scene, stack), steps=steps)
+        step.take(master, t)
         return _Linearization(step, inputs, outputs).result()
 
 

@@ -363,7 +363,7 @@ class Session:
         from ..derivatives.linear import linearize
 
         self._started("linearize()")
-        return linearize(self, inputs, outputs, steps)
+        return linearize(self._scene, self._master, self.time, inputs, outputs, steps)
 
     # -- states ------------------------------------------------------------------------------------------------------
     def save(self) -> State:
