@@ -9,11 +9,9 @@ from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from numpy import linspace
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, pick
-from ..scene.written_units import axes_with_numbers
 from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
 from .completion import anything, scenes
 from .options import (
@@ -364,8 +362,11 @@ def modes(
 
     The linear system is exact for scenes of kernels; it is written as linear.npz and linear.mat.
     """
+    from numpy import linspace
+
     from ..derivatives.modes import modes as find
     from ..harness.report.studies.modes import for_modes, mode_cells
+    from ..scene.written_units import axes_with_numbers
 
     loaded = scene_of(scene, values, presets)
     varied = axes_with_numbers(ranges_of(over), loaded.settings()["units"], "--over")
