@@ -376,13 +376,13 @@ def modes(
         ((n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()), None
     )
     with status_spinner("derivatives"):
-        found = find(loaded, at, axis, listed("--inputs", inputs), listed("--outputs", outputs))
-    written = [*found.save(output), for_modes(found, output)]
+        measured = find(loaded, at, axis, listed("--inputs", inputs), listed("--outputs", outputs))
+    written = [*measured.save(output), for_modes(measured, output)]
     if as_json:
-        print(json.dumps(found.to_json(), indent=2))
+        print(json.dumps(measured.to_json(), indent=2))
         return
-    print_cells(mode_cells(found))
-    warn(list(dict.fromkeys(text for _, linear in found.points for text in linear.remarks)))
-    for value, reason in found.refused:
-        print(f"{found.parameter} = {value:g}: {reason}")
+    print_cells(mode_cells(measured))
+    warn(list(dict.fromkeys(text for _, linear in measured.points for text in linear.remarks)))
+    for value, reason in measured.refused:
+        print(f"{measured.parameter} = {value:g}: {reason}")
     print_written(written)

@@ -132,7 +132,7 @@ class Linear:
         return Linear(**{**vars(self), **parts})
 
     def to_control(self) -> Any:
-        """As a `control.StateSpace` in discrete time (`pip install cosimo[control]`)."""
+        """As a state space of python-control in discrete time (`pip install cosimo[control]`)."""
         try:
             import control
         except ImportError:
