@@ -32,14 +32,14 @@ def dry_run(scene: Scene, in_process: bool, output: Path | None) -> None:
     except StepFailed as error:
         raise fail(error) from None
     coupling = scene.coupling
-    for table in tables(scene, coupling, advice):
+    for table in tables(scene, coupling):
         print_table(*table)
     for line in lines(scene, coupling, advice, in_process=in_process):
         print(line)
     if closed:
         print(
-            f"left out: the longest stable step, the cost, and the first part of the run; {why_not_executed(closed)}. --isolate executes "
-            "FMUs in a sandbox, for a dry run as well"
+            f"left out: the stability of the coupling, the cost, and the first part of the run; {why_not_executed(closed)}. "
+            "--isolate executes FMUs in a sandbox, for a dry run as well"
         )
         warn(scene.remarks)
     else:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, pick
-from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
+from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
 from .completion import anything, scenes
 from .options import (
     COMPONENT,
@@ -202,13 +202,10 @@ def stability(
     ] = False,
     over: Over = None,
     algorithm: Annotated[
-        list[str] | None, Option(metavar="NAME[,...]", help="Algorithms to test. Default: all that the scene allows.")
+        list[str] | None, Option(metavar="NAME[,...]", help="Algorithms to test. Default: jacobi and gauss-seidel.")
     ] = None,
     extrapolation: Annotated[
         list[int] | None, Option(min=0, max=2, help="Degree of extrapolation to test. May be repeated.")
-    ] = None,
-    steps: Annotated[
-        int | None, Option(help="Steps per run; more steps show slower growth. Default: 1000, 600 for a component.")
     ] = None,
     effects: ComponentEffects = None,
     output: Output = Path("stability"),
@@ -224,7 +221,7 @@ def stability(
     """
     of_scenes = {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation}
     if hard:
-        other = {**of_scenes, "--steps": steps, "--effects": effects, "--preset": presets, "--set": values}
+        other = {**of_scenes, "--effects": effects, "--preset": presets, "--set": values}
         refuse(other, "no effect for hard cases, which have their own")
         _hard_cases(names or [], output, resume)
         return
@@ -238,11 +235,11 @@ def stability(
     what = names[0]
     if what.startswith(COMPONENT):
         refuse(of_scenes, "no effect for a component alone")
-        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), steps, output, resume)
+        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), output, resume)
         return
     refuse({"--effects": effects}, "no effect for a scene, which sets its own")
     from ..harness.report.studies.stability import for_stability, limit_cells
-    from ..harness.studies.stability import STEPS, schemes_of
+    from ..harness.studies.stability import schemes_of
     from ..harness.studies.stability import stability as measure
     from ..settings.algorithms import ALGORITHMS
 
@@ -251,7 +248,7 @@ def stability(
     for name in algorithms:
         pick(name, ALGORITHMS, "--algorithm", "one of " + ", ".join(ALGORITHMS))
     with study(output, resume):  # the directory now, not after a long study
-        measured = measure(scene, schemes_of(scene, algorithms, extrapolation or []), steps=steps or STEPS, progress=True)
+        measured = measure(scene, schemes_of(algorithms, extrapolation or []), progress=True)
         written = [measured.save(output), for_stability(measured, output)]
     print(scene.title or scene.name)
     print_cells(limit_cells(measured))
@@ -261,15 +258,15 @@ def stability(
 
 
 def _internal_steps(
-    name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path, resume: bool
+    name: str, effects: list[str] | None, values: list[str] | None, preset: str, output: Path, resume: bool
 ) -> None:
     from ..harness.report.studies.stability import for_internal_steps, step_cells
-    from ..harness.studies.internal_steps import STEPS, internal_steps
+    from ..harness.studies.internal_steps import internal_steps
 
     on = listed("--effects", effects) if effects else None
     parameters = parameters_of(values)
     with study(output, resume):
-        measured = internal_steps(name, effects=on, parameters=parameters, preset=preset, steps=steps or STEPS, progress=True)
+        measured = internal_steps(name, effects=on, parameters=parameters, preset=preset, progress=True)
         written = [measured.save(output), for_internal_steps(measured, output)]
     print(measured.title)
     print_cells(step_cells(measured))
@@ -340,49 +337,4 @@ def gradient(
         print_cells(gradient_cells([s for s in measured.slopes if s.figure == figure]))
     for name, reason in measured.refused.items():
         print(f"{name}: no derivative: {reason}")
-    print_written(written)
-
-
-@app.command()
-@reports
-def modes(
-    scene: SceneName,
-    at: Annotated[float | None, Option("--at", metavar="SECONDS", help="Time of the instant. Default: the start.")] = None,
-    over: Over = None,
-    inputs: Annotated[list[str] | None, Option(metavar="UNIT.INPUT[,...]", help="Free inputs, for frequency responses.")] = None,
-    outputs: Annotated[
-        list[str] | None, Option(metavar="UNIT.OUTPUT[,...]", help="Their outputs. Default: those that are recorded.")
-    ] = None,
-    output: Output = Path("modes"),
-    values: Changes = None,
-    presets: Presets = None,
-    as_json: AsJson = False,
-) -> None:
-    """Find eigenvalues about an instant, with frequency, damping and units. Example: cosimo modes mass-on-spring -o out
-
-    The linear system is exact for scenes of kernels; it is written as linear.npz and linear.mat.
-    """
-    from numpy import linspace
-
-    from ..derivatives.modes import modes as find
-    from ..harness.report.studies.modes import for_modes, mode_cells
-    from ..scene.written_units import axes_with_numbers
-
-    loaded = scene_of(scene, values, presets)
-    varied = axes_with_numbers(ranges_of(over), loaded.settings()["units"], "--over")
-    if len(varied) > 1:
-        raise BadInput("--over", ", ".join(varied), "one parameter")
-    axis = next(
-        ((n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()), None
-    )
-    with status_spinner("derivatives"):
-        measured = find(loaded, at, axis, listed("--inputs", inputs), listed("--outputs", outputs))
-    written = [*measured.save(output), for_modes(measured, output)]
-    if as_json:
-        print(json.dumps(measured.to_json(), indent=2))
-        return
-    print_cells(mode_cells(measured))
-    warn(list(dict.fromkeys(text for _, linear in measured.points for text in linear.remarks)))
-    for value, reason in measured.refused:
-        print(f"{measured.parameter} = {value:g}: {reason}")
     print_written(written)

@@ -18,7 +18,7 @@ from ...components.core.errors import BadInput
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
 from ..scene.shorter_steps import numbers_in_use
-from .tangent_run import CHUNK, WIDTH, TangentScene
+from .tangent_run import CHUNK, TangentScene
 
 SAMPLES = "present", "before", "earlier"  # of a link, the newest first
 MOST = 2000  # cells of a state whose Jacobian is computed
@@ -44,10 +44,10 @@ class CoupledStep:
     steps: macro steps that units with rates of their own and controllers have in common.
     """
 
-    def __init__(self, tangents: TangentScene, h: float | None = None, steps: int | None = None):
-        """h, steps: others than those of the scene. Raises `BadInput` where rates have no common period."""
+    def __init__(self, tangents: TangentScene, h: float | None = None):
+        """h: that of the scene, if not another one. Raises `BadInput` where rates have no common period."""
         self.tangent_scene, self.h = tangents, tangents.scene.master.step if h is None else h
-        self.steps = common_steps(tangents.scene, self.h) if steps is None else steps
+        self.steps = common_steps(tangents.scene, self.h)
         self._arena, self._n = tangents._arena, tangents.layout.cells
         self._own = tangents._arena.tangents[: self._n]
         self._where = f"linearization of {tangents.scene.name}"
@@ -57,14 +57,15 @@ class CoupledStep:
     def begin(self) -> None:
         """At the start of the scene, and on until there are as many samples as inputs are extrapolated from."""
         self.tangent_scene.start()
-        self._stand(self.tangent_scene.scene.start_time)
+        self.stand(self.tangent_scene.scene.start_time)
 
     def take(self, master: Master, t: float) -> None:
         """Where another opening of the scene stands, at t, s, and on as `begin`."""
         self.tangent_scene.take(master)
-        self._stand(t)
+        self.stand(t)
 
-    def _stand(self, t: float) -> None:
+    def stand(self, t: float) -> None:
+        """Where the scene of tangents stands, at t, s, and on as `begin`."""
         self.tangent_scene.end_at(inf)
         self._from, self._taken = t, 0
         self._clear = self._own.copy()  # the addresses of derivatives
@@ -88,13 +89,13 @@ class CoupledStep:
             self._taken, steps, self._cells = self._taken + some, steps - some, None
 
     def seed(self, cells: np.ndarray, directions: np.ndarray) -> None:
-        """Tangents of cells, (n, d) with d up to `WIDTH`; all others are zero."""
+        """Tangents of cells, (n, d) with d up to the width; all others are zero."""
         self._own[:] = self._clear
         self._own[cells, : directions.shape[1]] = directions
         self._arena.ties[0] = 0
 
     def tangents(self, cells: np.ndarray) -> np.ndarray:
-        """The present ones, (n, `WIDTH`)."""
+        """The present ones, (n, width)."""
         return self._own[cells]
 
     # -- which cells are the state -----------------------------------------------------------------------------------
@@ -113,7 +114,7 @@ class CoupledStep:
         """Cells that tangents of the states reach behind whole periods: neither parameters nor tables, counters, addresses."""
         rng, hit = np.random.default_rng(0), np.zeros(self._n, dtype=bool)
         before = self._save()
-        self.seed(self._declared, rng.standard_normal((self._declared.size, WIDTH)))
+        self.seed(self._declared, rng.standard_normal((self._declared.size, self.tangent_scene.width)))
         for _ in range(3):
             self.advance(self.steps)
             hit |= (self._own != self._clear).any(axis=1)
@@ -134,41 +135,34 @@ class CoupledStep:
         if cells.size > 4 * MOST:
             self._refuse(cells.size)
         columns = self._columns(cells, self.steps)
-        ties = self.at_tie
         kept = np.flatnonzero(np.abs(columns).max(axis=0) > 0.0)
         while (read := np.abs(columns[np.ix_(kept, kept)]).max(axis=0, initial=0.0) > 0.0).sum() < kept.size:
             kept = kept[read]
         if kept.size > MOST:
             self._refuse(kept.size)
-        self._cells, self._jacobian, self.ties = cells[kept], columns[np.ix_(kept, kept)], ties[kept]
+        self._cells, self._jacobian = cells[kept], columns[np.ix_(kept, kept)]
 
     def _refuse(self, size: int) -> None:
         remedy = "CoupledStep.products gives products with the Jacobian, for SciPy."
         raise BadInput(self._where, f"a state of {size} numbers", f"{MOST} at most", remedy)
 
     # -- the derivative ----------------------------------------------------------------------------------------------
-    def products(self, directions: np.ndarray, steps: int | None = None) -> np.ndarray:
-        """The Jacobian of some macro steps times directions, (n, d); default: the common period. It stays where it is."""
-        return self.derivative(self.cells, directions, self.cells, steps)
-
-    def derivative(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray, steps: int | None = None) -> np.ndarray:
-        """Of cells `of` behind some macro steps when cells `by`, (n,), move along directions, (n, d); (k, d).
-
-        `at_tie` has then, (d,), along which ones a decision has stood at its boundary.
-        """
-        known, before, results, ties = self._cells, self._save(), [np.zeros((of.size, 0))], [np.zeros(0, dtype=bool)]
-        for k in range(0, directions.shape[1], WIDTH):
-            some = directions[:, k : k + WIDTH]
-            self.seed(by, some)
+    def products(self, directions: np.ndarray, steps: int | None = None, cells: np.ndarray | None = None) -> np.ndarray:
+        """The derivative of some macro steps times directions, (n, d): of the state, or of other cells. It stays where it is."""
+        cells = self.cells if cells is None else cells
+        known, width = self._cells, self.tangent_scene.width
+        before, results = self._save(), []
+        for k in range(0, directions.shape[1], width):
+            some = directions[:, k : k + width]
+            self.seed(cells, some)
             self.advance(self.steps if steps is None else steps)
-            results.append(self.tangents(of)[:, : some.shape[1]])
-            ties.append(self.tangent_scene.at_tie()[: some.shape[1]])
+            results.append(self.tangents(cells)[:, : some.shape[1]])
             self._restore(before)
-        self._cells, self.at_tie = known, np.concatenate(ties)
+        self._cells = known
         return np.concatenate(results, axis=1)
 
     def _columns(self, cells: np.ndarray, steps: int) -> np.ndarray:
-        values = self.derivative(cells, np.eye(cells.size), cells, steps)
+        values = self.products(np.eye(cells.size), steps, cells)
         if not np.isfinite(values).all():
             place = cells[np.flatnonzero(~np.isfinite(values).all(axis=0))[0]]
             raise BadInput(self._where, f"an infinite derivative by {self.name(place)} at t = {self.time:g} s", "a smooth state")

@@ -19,7 +19,7 @@ from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
 from ..engine.algorithms import Master
-from ..engine.algorithms.records import GIVEN, UNKNOWN
+from ..engine.algorithms.records import GIVEN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..run.results import Result
@@ -48,13 +48,13 @@ class Rows(NamedTuple):
 class TangentScene:
     """An open scene with the derivatives of its kernels; `run` takes directions, as many as wanted."""
 
-    def __init__(self, scene: Scene, stack: ExitStack, follow: bool = True):
-        """`stack` closes the units.
+    def __init__(self, scene: Scene, stack: ExitStack, follow: bool = True, width: int = WIDTH):
+        """`stack` closes the units.  width: directions at once.
 
         follow: outputs follow inputs even where these have moved by rounding alone, for their tangents may have moved; without it
         the numbers are bit-identical to those of a run. Raises `BadInput` for what has no derivatives.
         """
-        self.scene, self._where = scene, f"derivatives of {scene.name}"
+        self.scene, self.width, self._where = scene, width, f"derivatives of {scene.name}"
         reasons = in_python(scene)
         reasons += ["faults"] * bool(scene.faults) + ["signals that jump"] * bool(jump_times(scene))
         self._refuse(reasons)
@@ -72,10 +72,10 @@ class TangentScene:
         numbers[self._ends] = scene.stop_time
         if follow:
             numbers[self._changes] = -np.inf
-        self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), WIDTH)
+        self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), width)
         try:
             master = [compile_entries(source) for source in layout.sources if source.prefix == "master"]
-            self._code = Compiled(self._texts(), WIDTH, without_ties=master)  # it looks whether numbers stand; that is no kink
+            self._code = Compiled(self._texts(), width, without_ties=master)  # it looks whether numbers stand; that is no kink
         except Unsupported as error:
             raise BadInput(self._where, str(error), "instructions that have a derivative") from None
         self._places = {name: cell for unit in layout.units for name, cell in self._places_of(unit).items()}
@@ -132,7 +132,7 @@ class TangentScene:
     def run(self, parameters: Sequence[str]) -> Rows:
         """All macro steps, with the derivatives of all signals by each parameter; raises `StepFailed`."""
         cells = [self._place_of(parameter) for parameter in parameters]
-        batches = [self._pass(cells[k : k + WIDTH]) for k in range(0, len(cells), WIDTH)] or [self._pass([])]
+        batches = [self._pass(cells[k : k + self.width]) for k in range(0, len(cells), self.width)] or [self._pass([])]
         time, values = batches[0].time, batches[0].values
         return Rows(
             time, values, np.concatenate([p.tangents for p in batches], axis=2), np.concatenate([p.at_tie for p in batches])
@@ -184,7 +184,7 @@ class TangentScene:
                 some = self.take_steps(at[:-1], h)
                 times.append(at[1:])
                 values.append(arena.cells[some].reshape(steps, S).copy())
-                tangents.append(arena.tangents[some].reshape(steps, S, WIDTH).copy())
+                tangents.append(arena.tangents[some].reshape(steps, S, self.width).copy())
                 tick += steps * length
         return Rows(
             np.concatenate(times),
@@ -227,22 +227,12 @@ class TangentScene:
         self._call(self._steps, 0.0, h)
         return slice(rows, rows + steps * len(self.signals))
 
-    def follow(self, t: float, outputs: np.ndarray) -> None:
-        """Let the outputs of all units follow at an instant, t, s; outputs: cells of the signals in the blocks of their units."""
-        cells, read = self._arena.cells, slice(self._first_signal, self._first_signal + len(self.signals))
-        for unit in self.layout.units:
-            entry = self._code.entry(f"layout{unit.layout}_outputs", 1)
-            if entry(cells[self._cell("units", unit.node.called, "time")], *self._arena.given(unit.first)):
-                raise StepFailed(unit.name, t, "its outputs have no derivatives")
-        cells[read], self._arena.tangents[read] = cells[outputs], self._arena.tangents[outputs]
-        cells.view(np.int64)[[self._cell("units", k, "ends") for k in range(len(self._ends))]] = UNKNOWN
-        self._ask("follow", whole=0, steps=1, updated=0)
-        self._call(self._steps, t, 0.0)
-
     def at_tie(self) -> np.ndarray:
-        """Of each direction whether a decision has stood at its boundary, (WIDTH,)."""
+        """Of each direction whether a decision has stood at its boundary, (width,)."""
         bits = int(self._arena.ties[0])
-        return np.array([any(bits >> k & 1 for k in range(direction, 64, WIDTH)) for direction in range(WIDTH)], dtype=bool)
+        return np.array(
+            [any(bits >> k & 1 for k in range(direction, 64, self.width)) for direction in range(self.width)], dtype=bool
+        )
 
     @property
     def _room(self) -> int:

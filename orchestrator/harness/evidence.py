@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from math import ceil, inf, isfinite
+from math import ceil, inf, isfinite, isnan
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,13 @@ import numpy as np
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, StepFailed
 from ...fmus.evidence import Evidence, Step
+from ..judgement.growth import limit_text
 from ..scene.scene import Scene
 from ..scene_fmu.variables import names_of
 from .studies.accuracy import versions
 from .studies.component_accuracy import SHARE, WAVES, integrated, parabolas, waves
 from .studies.quantities import Quantity, TimeHistory, errors, quantities_to_judge, recording
-from .studies.stability import limit_text, stability
+from .studies.stability import stability
 from .studies.trial import trial
 
 FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # of the step
@@ -105,7 +106,9 @@ def _stable(scene: Scene) -> str:
     try:
         (limit,) = stability(scene.with_changes({"study.stability": {}}), [scheme]).limits
     except BadInput as error:
-        return f"Longest stable macro step: not measured ({error.actual})."
+        return f"Longest stable macro step: not examined ({error.actual})."
+    if isnan(limit.longest):
+        return f"Longest stable macro step: not examined ({limit.seen})."
     return f"Longest stable macro step: {limit_text(limit.longest, limit.tried)} s."
 
 

@@ -1,5 +1,5 @@
 """What a run will need, before it is started: `cosimo run --dry-run`."""
 
-from .probing import Advice, PairLimit, advise
+from .advice import Advice, advise
 
-__all__ = ["Advice", "PairLimit", "advise"]
+__all__ = ["Advice", "advise"]

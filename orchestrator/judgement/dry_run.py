@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf, isinf
 from typing import Any, NamedTuple
 
 from ..engine.coupling import Coupling, Link
@@ -13,13 +12,13 @@ from ..engine.stepping.loop import obstacles
 from ..scene.scene import Scene
 from ..session.open_scene import started
 from . import work
-from .probing import Advice, PairLimit
+from .advice import Advice, Stability
 from .thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
-NOTHING_PROBED = Advice((), (), 0, 0.0, 0.0, 0.0)
+NOTHING_PROBED = Advice(Stability(), 0, 0.0, 0.0, 0.0)
 
 
 def not_executed(scene: Scene) -> list[str]:
@@ -34,19 +33,9 @@ def why_not_executed(names: list[str]) -> str:
 
 ISOLATION = {"none": "", "process": "in a separate process", "restricted": "in a sandbox"}
 
-PAIR_COLUMNS = (
-    "pair",
-    "frequency, Hz",
-    "damping ratio",
-    "stable step, s: degree 0",
-    "degree 1",
-    "degree 2",
-    "damping ratio at master.step",
-)
 
-
-def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
-    """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
+def tables(scene: Scene, coupling: Coupling) -> Iterator[Table]:
+    """(title, columns, rows) of the units and of what connects them."""
     yield (
         "units",
         ("unit", "component", "effects", "remarks"),
@@ -82,8 +71,6 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
                 for fault, ends in zip(scene.faults, coupling.faults, strict=True)
             ],
         )
-    if advice.limits:
-        yield "stability, estimated in closed form", PAIR_COLUMNS, [_row(limit) for limit in advice.limits]
 
 
 def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool = False) -> Iterator[str]:
@@ -99,17 +86,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     if coupling.undriven:
         yield f"inputs at their start values: {', '.join(coupling.undriven)}"
     yield f"recorded: {', '.join(map('.'.join, (*coupling.signals, *coupling.recorded_texts))) or 'nothing'}"
-    undeclared = [
-        n
-        for group in coupling.groups
-        if len(group) > 1
-        for n in group
-        if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())
-    ]
-    if undeclared and master.abilities.rates:
-        yield f"no step limit for units that do not declare their direct feedthrough: {', '.join(undeclared)}"
-    for reason in advice.unknown:
-        yield f"no step limit for {reason}"
+    yield from advice.lines()
     yield from advice.cut
     if not advice.steps:  # nothing was executed
         return
@@ -153,20 +130,6 @@ def _conversion(link: Link) -> tuple[str, str]:
 
 def _number(value: float, usual: float) -> str:
     return "" if value == usual else f"{value:.6g}"
-
-
-def _row(limit: PairLimit) -> tuple[str, ...]:
-    return (
-        limit.pair,
-        f"{limit.frequency:.3g}" if limit.omega2 else "–",
-        _share(limit.share),
-        *("no limit" if isinf(h) else f"{h:.3g}" for h in limit.longest),
-        _share(limit.left),
-    )
-
-
-def _share(value: float) -> str:
-    return {inf: "overdamped", -inf: "unstable"}.get(value) or f"{value:.3g}"
 
 
 def first_part(scene: Scene, advice: Advice) -> tuple[str, list[str]]:

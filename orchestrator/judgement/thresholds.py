@@ -65,15 +65,11 @@ UNFOLLOWED = 1.0  # rms miss of an input over its deviation, from which its mean
 # lumped-catenary); en50318-2002 with steps of 5, 10, 20 ms 0.29, 1.6, 3.1
 ENERGY = 0.1  # of the energy exchanged at a bond that the coupling makes: amplitudes are off by several per cent
 
-# -- closed-form limits, which are estimates -----------------------------------------------------------------------------------
-TOLERABLE = 0.01  # of critical damping that a coupling may take away before a dry run warns
-
-# -- whether a disturbance grows, in `disturbance` -----------------------------------------------------------------------------
-CLEAR = 1e3  # a factor in size that needs no longer look
-SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
+# -- whether the coupling lets disturbances grow, in `stability` ---------------------------------------------------------------
+SAME_MAP = 1e-6  # relative difference of the derivatives of a macro step at two instants that are one
+AT_REST = 1e-5  # distance from 1 of the eigenvalues of a free body, which come in pairs: rounding parts them by 1e-8 and more
+EXCESS = 5.0  # growth in a run, as a logarithm, that stretches of it may show by chance
 FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
-SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
-ITERATION_NOISE = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
 
 # -- what rows leave of a figure, in `sampling` --------------------------------------------------------------------------------
 BETWEEN = (3, 5)  # rows that one becomes: largest values are then off by a 25th; a length may be a multiple of one, not of two

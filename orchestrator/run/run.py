@@ -25,7 +25,6 @@ from ..engine.stepping.loop import Observer
 from ..interrupts import Interrupted
 from ..judgement import work
 from ..judgement.instability import InstabilityMonitor, energy_warnings
-from ..judgement.probing import remedy
 from ..judgement.windows import Windows, WindowsWish, obstacle
 from ..output import UNFINISHED, locked, not_written
 from ..scene.scene import Scene
@@ -437,6 +436,8 @@ class Run:
 
     def _remedy(self) -> str:
         """What would help a run that became unstable."""
+        from ..judgement.advice import remedy
+
         return self.master.feedthrough.why_it_grows or remedy(self.scene)
 
     def _answer(self, wish: WindowsWish) -> None:

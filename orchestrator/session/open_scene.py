@@ -161,40 +161,19 @@ class OpenScene:
         """Outputs that the master reads in every step, in the order of its rows."""
         return list(self.master.positions)
 
-    @property
-    def jumping(self) -> set[Endpoint]:
-        """Driven inputs that change between steps only."""
-        return {node.links[k].target for node in self.master.nodes for k in node.held}
-
     def inputs(self, unit: str) -> dict[str, float]:
         """Present values of the inputs of a unit that connections drive."""
         node = self.master.node_of[unit]
         return {link.target[1]: float(value) for link, value in zip(node.links, node.inputs(), strict=True)}
 
-    def push(self, by: Mapping[Endpoint, float]) -> None:
-        """So much is added to driven inputs from now on, until other ones, or none, are pushed."""
-        for node in self.master.nodes:
-            node.alter({k: (False, by[link.target]) for k, link in enumerate(node.links) if link.target in by})
-
-    def alone(self, unit: str, inputs: Mapping[str, float], h: float = 0.0) -> dict[str, float]:
-        """Outputs of a unit that the master reads, with other values of driven inputs: after a step of h, s, by itself, or, with 0,
-        within the instant.
-
-        The unit is left as it was; it has to save its state. Raises `StepFailed`.
-        """
-        one, node = self.units[unit], self.master.node_of[unit]
-        values = node.inputs()
-        for k, link in enumerate(node.links):
-            values[k] = inputs.get(link.target[1], values[k])
+    def alone(self, unit: str, h: float) -> None:
+        """A step of h, s, of a unit by itself, which is left as it was; it has to save its state. Raises `StepFailed`."""
+        one, values = self.units[unit], self.master.node_of[unit].inputs()
         state = one.save()
         try:
-            if not h:
-                one.update(values)
-            else:
-                if len(values):
-                    one.drive(values, None, None, h)
-                one.step(self.scene.start_time, h)
-            return dict(zip((name for owner, name in self.signals if owner == unit), map(float, one.get()), strict=True))
+            if len(values):
+                one.drive(values, None, None, h)
+            one.step(self.scene.start_time, h)
         finally:
             one.restore(state)
             one.release(state)

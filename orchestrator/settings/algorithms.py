@@ -17,7 +17,7 @@ class Abilities:
     sequential: units step one after the other, in an order that a scene may give, and later ones know what earlier ones reached.
     rollback: steps of units that feed one another are repeated: they have to save their state.
     reduces_contacts: the law of a contact is solved inside the step, between bodies reduced to their inertia.
-    rates: units may step at rates of their own; what is said in closed form of stability holds.
+    rates: units may step at rates of their own.
     """
 
     place: str

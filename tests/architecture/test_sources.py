@@ -66,7 +66,7 @@ READS_CLOCKS = {
     "orchestrator/engine/stepping": {"loop"},
     "orchestrator/harness/many": {"execute", "store"},
     "orchestrator/harness/studies": {"component_accuracy", "reference", "trial"},
-    "orchestrator/judgement": {"probing", "verification"},
+    "orchestrator/judgement": {"advice", "verification"},
     "orchestrator/units": {"channel", "fmi2", "folders", "process"},
 }
 

@@ -68,7 +68,7 @@ def test_the_tests_that_it_writes_pass_in_a_fresh_folder(tmp_path):
     )
     assert done.returncode == 0, done.stdout
     assert "8 passed" in done.stdout
-    for command in ("stability component:fresh_mass:FreshMass --steps 60", "accuracy component:fresh_mass:FreshMass --budget 1"):
+    for command in ("stability component:fresh_mass:FreshMass", "accuracy component:fresh_mass:FreshMass --budget 1"):
         done = subprocess.run(
             [sys.executable, "-m", "cosimo.orchestrator.cli", *command.split(), "-o", "out"],
             cwd=tmp_path,

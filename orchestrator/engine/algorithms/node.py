@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +11,7 @@ from ...units import Simulator
 from ...units.interface import PortValues, port_values
 from ..coupling import Link
 from .memory import Records
-from .records import GIVEN, OVERRIDDEN, SHIFTED, UNALTERED, UNKNOWN
+from .records import GIVEN, UNKNOWN
 
 
 @dataclass(frozen=True)
@@ -136,13 +136,6 @@ class Node:
         links = self.link_records
         links["pressed"][k], links["force"][k], links["rate"][k] = 1, value, slope
         self.unit_record["pressed"] = 1
-
-    def alter(self, changes: Mapping[int, tuple[bool, float]]) -> None:
-        """What faults make of inputs, by place: whether they are replaced, and by what, or what is added to them."""
-        links = self.link_records
-        links["fault"] = UNALTERED
-        for k, (replaced, number) in changes.items():
-            links["fault"][k], links["alteration"][k] = OVERRIDDEN if replaced else SHIFTED, number
 
     @property
     def given(self) -> np.ndarray:

@@ -1,8 +1,7 @@
-"""Lyapunov exponents of a component that runs in this process.
+"""Lyapunov exponents of a component of kernels.
 
-After Benettin et al. (1980): perturbations of the state are integrated and made orthogonal again after every interval; their mean
-logarithmic growth rates are the exponents. Finite differences of repeated steps (save, disturb, step, restore) give the
-perturbations, so a component needs no equations for them.
+After Benettin et al. (1980): tangents of the state are carried along by the derivatives of its steps and made orthogonal again after
+every interval; their mean logarithmic growth rates are the exponents.
 """
 
 from __future__ import annotations
@@ -14,8 +13,7 @@ import numpy as np
 
 from ....components.core.component import Component
 from ....components.core.errors import BadInput
-
-RELATIVE = 1e-6  # of the scales: half the difference of two steps has truncation 1e-12 of it, and rounding 1e-10
+from ...derivatives.component import TangentComponent
 
 
 @dataclass(frozen=True)
@@ -49,14 +47,13 @@ def lyapunov_spectrum(
 ) -> Lyapunov:
     """Exponents of an initialized component from `intervals` intervals of length `interval` after `transient` more, (n,).
 
-    count: how many of them, the largest first; all without it. Each costs two steps an interval.
+    count: how many of them, the largest first; all without it.
 
     states: the elements of the component's state that are disturbed; those that only drive the others, such as angles that
-        are functions of time, stay out. An element that wraps round must not be among them.
-    scales: magnitude of each of these elements. The result does not depend on them as long as a disturbance of a millionth
-        is small, and not lost in rounding.
-    interval: short enough that a disturbance of a millionth stays small in it.
-    The component is left at the end of the run.
+        are functions of time, stay out.
+    scales: magnitude of each of these elements; the exponents settle sooner with good ones.
+    interval: short enough that directions do not fall together in it.
+    The component itself stays where it is. Raises `BadInput` for one without derivatives, and `StepFailed`.
     """
     index, size = np.array(states, dtype=np.intp), np.array(scales, dtype=float)
     if index.shape != size.shape or index.size == 0 or not (size > 0.0).all():
@@ -68,21 +65,12 @@ def lyapunov_spectrum(
         raise BadInput("Lyapunov exponents", f"{count} of them", f"1 to {index.size}, the number of states")
     directions = np.linalg.qr(np.random.default_rng(1).normal(size=(index.size, count or index.size)))[0]
     growth = np.zeros((transient + intervals, directions.shape[1]))
-    start = component.t
+    moved, start = TangentComponent(component, directions.shape[1]), component.t
     for k in range(transient + intervals):
-        t, before = start + k * interval, component.save()
-        stretched = np.empty_like(directions)
-        for i in range(directions.shape[1]):
-            ends = []
-            for sign in (1.0, -1.0):
-                component.x[index] += sign * RELATIVE * size * directions[:, i]
-                component.step(t, interval)
-                ends.append(component.x[index])
-                component.restore(before)
-            stretched[:, i] = (ends[0] - ends[1]) / (2.0 * RELATIVE * size)
-        directions, triangle = np.linalg.qr(stretched)
+        moved.seed(index, size[:, None] * directions)
+        moved.step(start + k * interval, interval)
+        directions, triangle = np.linalg.qr(moved.tangents[index] / size[:, None])
         growth[k] = np.log(np.abs(np.diag(triangle)))
-        component.step(t, interval)
     time = interval * np.arange(1, intervals + 1)
     history = np.cumsum(growth[transient:], axis=0) / time[:, None]
     order = np.argsort(history[-1])[::-1]

@@ -1,7 +1,7 @@
 """How long the internal step of a component may be before its integrator lets disturbances grow, and its own `stable_step()`.
 
-The component runs alone with its inputs held, twice; in one of the runs the inputs are pushed for one step. Effects that are
-off are measured, too: each alone with what it needs.
+The component runs alone with its inputs held. Tangents tell what becomes of a push of the inputs in the first step. Effects that are off
+are measured, too: each alone with what it needs.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
-from ...judgement.disturbance import GrowthRate, IntrinsicGrowth, growth_of, longest_stable, sizes
+from ...derivatives.component import TangentComponent
+from ...judgement.growth import Growth, growth_rate, longest_stable
 from ...output import write_table
 from ...run.progress import tracked
 from ..journal import once
@@ -27,14 +28,11 @@ from .full_model import with_required
 
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
 
-STEPS = 600  # internal steps of a run that decides
-SMALL = 1e-3  # of the largest first difference: a state that the push reaches late is not one that grows
+STEPS = 600  # internal steps in which a disturbance is followed
+SMALL = 1e-3  # of the largest first tangent: a state that the push reaches late is not one that grows
 FARTHEST = 30.0  # times the first step tried: beyond it no limit is looked for
-PACE = 1.25  # from one trial to the next: far beyond a limit a motion reaches its bounds at once, and seems to rest there
-PUSH = 1e-8  # of an input's value or nominal value: small, so that growth has room before something bounds it
-FLOOR = 1e-12  # of a state: a difference below it is rounding
-EVEN = 1.5  # a factor that beating modes may have; beyond its limit a method makes much more of them
-FINE = 8.0  # part of the own limit at which intrinsic growth is measured
+ACCURACY = 1.005  # of a limit
+FINE = 8.0  # part of the own limit that shows what grows by itself
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,6 @@ def internal_steps(
     effects: Sequence[str] | None = None,
     parameters: Mapping[str, Any] | None = None,
     preset: str = "",
-    steps: int = STEPS,
     progress: bool = False,
 ) -> InternalSteps:
     """Measure the limits of a component of the catalogue, with the effects given or with none and each alone.
@@ -95,15 +92,13 @@ def internal_steps(
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
     limits = []
     for one in chosen:
-        key = (cls, one, dict(parameters or {}), preset, steps)
-        measure = partial(_measured, cls, one, parameters or {}, preset, steps)
+        key = (cls, one, dict(parameters or {}), preset)
+        measure = partial(_measured, cls, one, parameters or {}, preset)
         limits.append(once("internal step", key, measure, InternalStep))
     return InternalSteps(name, cls.title, tuple(limits))
 
 
-def _measured(
-    cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int
-) -> InternalStep:
+def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str) -> InternalStep:
     def make(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
@@ -120,13 +115,19 @@ def _measured(
             raise BadInput(present.name, "no inputs", "a component that can be pushed")
         own = present.stable_step()
         usual = own if math.isfinite(own) else _usual(present)
-        by_itself = IntrinsicGrowth(_sizes(make, usual / FINE, int(FINE * steps))[0], usual / FINE)
+        by_itself = _rate(make, usual / FINE)
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
-    longest, seen, tried = longest_stable(
-        lambda h: _growth(make, h, steps), by_itself, EVEN, usual, usual / FARTHEST, usual * FARTHEST, PACE
-    )
-    return InternalStep(effects, own, longest, seen, tried)
+
+    def grows(h: float) -> str:
+        try:
+            growth = Growth(h, STEPS * h, _rate(make, h), by_itself, constant=False)
+        except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
+            return str(error)
+        return growth.text if growth.unstable else ""
+
+    limit = longest_stable(grows, usual, usual / FARTHEST, usual * FARTHEST, ACCURACY)
+    return InternalStep(effects, own, *limit)
 
 
 def _usual(component: Component) -> float:
@@ -135,31 +136,18 @@ def _usual(component: Component) -> float:
     return step if math.isfinite(step) else component.default_step
 
 
-def _growth(make: Making, h: float, steps: int) -> GrowthRate:
-    """Of a push of the inputs, in so many internal steps of length h, s."""
-    try:
-        differences, count = _sizes(make, h, steps)
-    except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
-        return GrowthRate(math.inf, steps * h, 0, str(error))
-    return growth_of(differences, h, count)
-
-
-def _sizes(make: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
-    """(sizes of a push's effect after each step of h, s; number of steps). Each state is scaled by the push's first effect on it."""
-    calm, pushed = (_states(make(h), h, steps, push) for push in (0.0, PUSH))
-    differences = pushed - calm
-    early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)
-    scale = np.maximum(early, np.maximum(FLOOR * np.abs(calm).max(axis=0, initial=0.0), SMALL * early.max(initial=0.0)))
-    return sizes(differences / np.where(scale > 0.0, scale, 1.0)), 2 * steps
-
-
-def _states(component: Component, h: float, steps: int, push: float) -> np.ndarray:
-    """States behind every internal step, (steps, n); in the first one the inputs are off by `push` of their sizes."""
-    inputs = component.u[0].copy()
-    component.u[0] += push * np.maximum(np.abs(inputs), [component.variables[n].nominal for n in component.inputs])
+def _rate(make: Making, h: float) -> float:
+    """How fast a push of the inputs grows with internal steps of h, 1/s."""
+    component = make(h)
+    moved = TangentComponent(component, 1)
+    sizes = np.maximum(np.abs(component.u[0]), [component.variables[n].nominal for n in component.inputs])
+    moved.seed(np.arange(sizes.size), sizes[:, None], of_inputs=True)
     rows = []
-    for k in range(steps):
-        component.step(k * h, h)
-        component.u[0] = inputs
-        rows.append(component.x.copy())
-    return np.array(rows)
+    for k in range(STEPS):
+        moved.step(k * h, h)
+        moved.hold()
+        rows.append(np.abs(moved.tangents[:, 0]))
+    tangents = np.array(rows)
+    early = tangents[: STEPS // 4].max(axis=0, initial=0.0)
+    scale = np.maximum(early, SMALL * early.max(initial=0.0))
+    return growth_rate(np.linalg.norm(tangents / np.where(scale > 0.0, scale, 1.0), axis=1), h)

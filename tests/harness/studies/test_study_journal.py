@@ -83,7 +83,7 @@ def interrupted_and_resumed(study, module, name, stop_at, folder, monkeypatch):
 
 def test_limits_of_stability_go_on(tmp_path, monkeypatch):
     def study():
-        return stability(SCENE, [("jacobi", 0), ("gauss-seidel", 0), ("gauss-seidel", 1)], steps=64)
+        return stability(SCENE, [("jacobi", 0), ("gauss-seidel", 0), ("gauss-seidel", 1)])
 
     whole, again, every, rest = interrupted_and_resumed(study, stability_study, "_measured", 3, tmp_path, monkeypatch)
     assert again.limits == whole.limits
@@ -181,8 +181,6 @@ def test_a_command_that_is_stopped_or_killed_goes_on(number, tmp_path):
         str(file),
         "--over",
         "spring.stiffness=25:400:5",
-        "--steps",
-        "32",
         "--algorithm",
         "jacobi",
         "--extrapolation",
@@ -190,8 +188,7 @@ def test_a_command_that_is_stopped_or_killed_goes_on(number, tmp_path):
         "-o",
         str(tmp_path),
     ]
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     end = monotonic() + PATIENCE
     while len(pieces(tmp_path)) < 3 and process.poll() is None and monotonic() < end:
         sleep(0.01)
@@ -203,7 +200,7 @@ def test_a_command_that_is_stopped_or_killed_goes_on(number, tmp_path):
     kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / UNFINISHED / journal.FOLDER).glob("*.msgpack")}
     assert len(kept) >= 3
     assert not (tmp_path / "stability.csv").exists()
-    done = subprocess.run([*command, "--resume"], env=environment, capture_output=True, text=True)
+    done = subprocess.run([*command, "--resume"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert len((tmp_path / "stability.csv").read_text().splitlines()) == 1 + 5
     assert not (tmp_path / UNFINISHED).exists()

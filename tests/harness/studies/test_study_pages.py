@@ -70,21 +70,21 @@ def hard_cases_that_fail(folder):
 def stability_of_a_map(folder):
     table = {"spring.damping": [1.0, 4.0], "mass.mass": [0.5, 1.0]}
     scene = load_scene("mass-on-spring").with_changes({"study.stability": table})
-    return for_stability(stability(scene, [("jacobi", 0), ("jacobi", 1)], steps=100), folder)
+    return for_stability(stability(scene, [("jacobi", 0), ("jacobi", 1)]), folder)
 
 
 def stability_over_one_parameter(folder):
     scene = load_scene("mass-on-spring").with_changes({"study.stability": {"spring.damping": [0.0, 1.0, 4.0]}})
-    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0)], steps=100), folder)
+    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0)]), folder)
 
 
 def stability_without_a_map(folder):
     scene = load_scene("mass-on-spring").with_changes({"study.stability": {}})
-    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0), ("interface-model", 1)], steps=100), folder)
+    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0), ("interface-model", 1)]), folder)
 
 
 def internal_steps_of_a_component(folder):
-    return for_internal_steps(internal_steps("PlanarLink", steps=100), folder)
+    return for_internal_steps(internal_steps("PlanarLink"), folder)
 
 
 PAGES = {  # -> figures that the page must have at least
@@ -97,9 +97,9 @@ PAGES = {  # -> figures that the page must have at least
     effects_of_a_scene_without_any: 0,
     hard_cases_of_two_components: 1,
     hard_cases_that_fail: 1,
-    stability_of_a_map: 2,
-    stability_over_one_parameter: 2,
-    stability_without_a_map: 2,
+    stability_of_a_map: 1,
+    stability_over_one_parameter: 1,
+    stability_without_a_map: 1,
     internal_steps_of_a_component: 1,
 }
 

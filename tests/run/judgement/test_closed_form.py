@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.closed_form import longest_step, radii
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.run.judgement.closed_form import longest_step, radii
 
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.5**0.5, 1.0)  # of critical damping
 # ω H of the roots' first leaving the unit circle, from the characteristic polynomials of each case by computer algebra

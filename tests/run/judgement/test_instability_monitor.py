@@ -4,10 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.judgement.instability import InstabilityMonitor
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code
 from cosimo.tests.support import two_masses
 
@@ -36,22 +37,25 @@ def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree,
     wild = run(spring(1.02 * limit, degree))
     assert wild.outcome == "unstable"
     assert "the coupling is unstable" in wild.message
-    assert f"m against s is stable up to {limit:.3g} s with master.extrapolation = {degree}" in wild.message
+    assert wild.message.endswith("Reduce the macro step")  # the units are in plain Python: no limit is told
     assert 0.0 < wild.time[-1] < 0.8 * 4000 * limit
     assert np.abs(wild["m.x_out"]).max() < 1e10  # long before what no number can hold
     assert len(wild.time) == round(wild.time[-1] / (1.02 * limit)) + 1  # all that was computed is kept
 
 
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 def test_what_grows_too_fast_to_be_watched_names_the_limit_too():
-    result = run(spring(0.24))
+    result = run(load_scene("mass-on-spring").with_changes({"master.step": 0.24, "stop_time": 960.0}), in_process=True)
     assert result.outcome == "unstable"
     assert "has grown to" in result.message
-    assert "Reduce the macro step: m against s is stable up to 0.08 s" in result.message
+    assert "Reduce the macro step: the coupling is stable up to 0.121 s with master.extrapolation = 1" in result.message
 
 
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 def test_a_coupling_without_a_stable_step_is_told_so():
-    result = run(spring(0.05, d=0.0))
-    assert "only other damping in the units can keep m against s stable" in result.message
+    changes = {"master.step": 0.05, "master.extrapolation": 0, "spring.damping": 0.0, "stop_time": 200.0}
+    result = run(load_scene("mass-on-spring").with_changes(changes), in_process=True)
+    assert "Change master.extrapolation: with master.extrapolation = 0 no macro step" in result.message
 
 
 def test_a_motion_that_swings_up_and_is_followed_goes_on():
@@ -74,7 +78,6 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     wild = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",)}))
     assert wild.outcome == "unstable"
     assert "the coupling makes energy at the bond" in wild.message
-    assert "a against b is stable up to" in wild.message
     calm = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
     assert calm.outcome == "done", calm.message
 
@@ -109,7 +112,7 @@ def test_exit_code_and_results_of_a_run_that_became_unstable(tmp_path, capsys):
     assert exit_code("run", "mass-on-spring", "--in-process", "--step", "0.13", "--stop", "200", "-o", str(tmp_path)) == 3
     error = capsys.readouterr().err
     assert "unstable" in error
-    assert "mass against spring is stable up to 0.121 s" in error
+    assert "the coupling is stable up to 0.121 s" in error
     info = json.loads((tmp_path / "run.json").read_text())
     assert info["outcome"] == "unstable"
     assert (tmp_path / "result.csv").read_text().count("\n") > 100

@@ -1,4 +1,4 @@
-"""Pages of `cosimo stability`: limits of the macro step as bars, curves or maps with their closed form; internal steps."""
+"""Pages of `cosimo stability`: limits of the macro step as bars, curves or maps; internal steps."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ....judgement.growth import limit_text
 from ...charts.blocks import Block, Cells, Facts, Figure, Text
 from ...charts.style import (
     BLUE,
@@ -16,7 +17,6 @@ from ...charts.style import (
     INK,
     LEGEND_RIGHT,
     MUTED,
-    RAW,
     RISING,
     VERMILION,
     axis,
@@ -29,7 +29,7 @@ from ...charts.style import (
     vertical,
 )
 from ...studies.internal_steps import InternalStep, InternalSteps
-from ...studies.stability import Limit, Scheme, Stability, limit_text
+from ...studies.stability import Scheme, Stability
 from ..page import Page, Section, write_page
 
 ROW = 34  # px of a bar
@@ -44,7 +44,6 @@ def for_stability(study: Stability, directory: str | Path) -> Path:
     """`report.html` of a scene's limits."""
     figures: list[Block] = [Text(list(study.remarks), "note")] if study.remarks else []
     figures.append({0: _bars, 1: _curves, 2: _maps}[len(study.varied)](study))
-    figures += _against_closed_form(study)
     lead = (
         "The longest macro step at which a small disturbance does not grow, by algorithm and degree of extrapolation; the "
         "numbers are in stability.csv."
@@ -53,7 +52,6 @@ def for_stability(study: Stability, directory: str | Path) -> Path:
     settings = [
         ("macro step of the scene, s", f"{master.step:g}"),
         ("algorithm of the scene", f"{master.algorithm}, {master.extrapolation}"),
-        ("macro steps of all runs", str(sum(limit.steps for limit in study.limits))),
     ]
     sections = [
         Section("What stays stable", figures),
@@ -108,12 +106,6 @@ def _labels(study: Stability) -> list[str]:
     return [f"{name}, {unit}" if unit else name for name, unit in study.varied.items()]
 
 
-def _ratio(limit: Limit) -> float:
-    """Measured over closed form; NaN where one of them is not known."""
-    known = all(isfinite(step) and step > 0.0 for step in (limit.longest, limit.closed))
-    return limit.longest / limit.closed if known else np.nan
-
-
 def limit_cells(study: Stability) -> Cells:
     """The limit of each scheme at each point."""
     names = _labels(study)
@@ -122,8 +114,7 @@ def limit_cells(study: Stability) -> Cells:
             *(f"{v:.4g}" for v in limit.point.values()),
             _scheme_text((limit.algorithm, limit.extrapolation)),
             limit_text(limit.longest, limit.tried),
-            _step_text(limit.closed),
-            f"{_ratio(limit):.4f}" if isfinite(_ratio(limit)) else "–",
+            limit.how or "–",
             limit.seen,
         )
         for limit in study.limits
@@ -131,11 +122,11 @@ def limit_cells(study: Stability) -> Cells:
     n = len(names)
     return Cells(
         TITLE,
-        (*names, "algorithm, inputs", "longest stable step, s", "closed form, s", "ratio", "what the next longer step did"),
+        (*names, "algorithm, inputs", "longest stable step, s", "told by", "what a longer step does"),
         rows,
-        "Closed form: the shortest limit of all pairs of units for which it is known. The measured limit is that of the "
-        "whole scene; it is shorter where another coupling limits it, and longer where other damping helps.",
-        frozenset([*range(n), n + 1, n + 2, n + 3]),
+        "Eigenvalue: the derivative of a macro step is the same all along the run, and the limit is exact. Growth along the run: "
+        "the mean over stretches that begin on a run with short steps, beside that of a quarter of the step; about 1 %.",
+        frozenset([*range(n), n + 1]),
     )
 
 
@@ -153,7 +144,7 @@ def _rows_figure(
             hover="%{x:.4g} s<extra>%{fullData.name}</extra>",
             marker={"color": colour, "symbol": symbol, "size": 11, "line": {"width": 3, "color": colour}},
         )
-        for (name, x), colour, symbol in zip(marks, (BLUE, VERMILION), ("circle", "line-ns-open"), strict=True)
+        for (name, x), colour, symbol in zip(marks, (BLUE, VERMILION), ("circle", "line-ns-open"), strict=False)
     ]
     figure_layout = layout(
         ROW * len(names) + 110,
@@ -178,30 +169,29 @@ def _bars(study: Stability) -> Figure:
         TITLE,
         "macro step, s",
         [_scheme_text(scheme) for scheme in study.schemes],
-        [("measured", [limit.longest for limit in limits]), ("closed form", [limit.closed for limit in limits])],
-        "Without a mark: a closed form is not known there, or nothing was measured; see the table.",
+        [("longest stable", [limit.longest for limit in limits])],
+        "Without a mark: no limit lies between the steps that were tried, or stability was not examined; see the table.",
         shapes=[vertical(step, colour=INK, dash="dot")],
         annotations=notes,
     )
 
 
 def _curves(study: Stability) -> Figure:
-    """One parameter: a series for each scheme, dashed its closed form."""
+    """One parameter: a series for each scheme."""
     (name,), data = study.varied, []
     for k, scheme in enumerate(study.schemes):
         limits, colour = study.of(scheme), CYCLE[k % len(CYCLE)]
         x = [limit.point[name] for limit in limits]
-        measured, closed = (np.array([getattr(limit, which) for limit in limits]) for which in ("longest", "closed"))
-        for y, text, mode, dash in ((measured, "", "lines+markers", "solid"), (closed, ", closed form", "lines", "dash")):
-            if (np.isfinite(y) & (y > 0.0)).any():
-                data.append(line(x, np.where(y > 0.0, y, np.nan), _scheme_text(scheme) + text, colour, dash=dash, mode=mode))
+        y = np.array([limit.longest for limit in limits])
+        if (np.isfinite(y) & (y > 0.0)).any():
+            data.append(line(x, np.where(y > 0.0, y, np.nan), _scheme_text(scheme), colour, mode="lines+markers"))
     figure_layout = layout(
         430,
         xaxis=_parameter_axis(_labels(study)[0], study, name),
         yaxis=axis("macro step, s", grid=True, type="log"),
         **LEGEND_RIGHT,
     )
-    caption = "Dashed: closed forms. A gap: every step that was tried is stable, or none is; see the table."
+    caption = "A gap: every step that was tried is stable, or none is; see the table."
     return Figure(TITLE, {"data": data, "layout": figure_layout}, caption)
 
 
@@ -215,7 +205,7 @@ def _parameter_axis(title: str, study: Stability, name: str, **more: Any) -> dic
 
 
 def _maps(study: Stability) -> Block:
-    """Two parameters: a map for each scheme, filled as measured, with contours of the closed form at the same steps."""
+    """Two parameters: a map for each scheme."""
     first, second = study.varied
     xs, ys = (sorted({limit.point[n] for limit in study.limits}) for n in (first, second))
     finite = [log10(limit.longest) for limit in study.limits if 0.0 < limit.longest < inf]
@@ -240,14 +230,13 @@ def _maps(study: Stability) -> Block:
         notes.append(label(f"<b>{_scheme_text(scheme)}</b>", left, top, xanchor="left", yanchor="bottom", font=bold))
         place = {"xaxis": "x" + n, "yaxis": "y" + n}
         limits = study.of(scheme)
-        for which in ("longest", "closed"):
-            grid = np.full((len(ys), len(xs)), np.nan)
-            for limit in limits:
-                if 0.0 < (step := getattr(limit, which)) < inf:
-                    grid[ys.index(limit.point[second]), xs.index(limit.point[first])] = log10(step)
-            if np.isfinite(grid).any():
-                scale = which == "longest" and not any(trace.get("showscale") for trace in data)
-                data.append(_contours(grid, xs, ys, low, high, which == "closed", scale) | place)
+        grid = np.full((len(ys), len(xs)), np.nan)
+        for limit in limits:
+            if 0.0 < limit.longest < inf:
+                grid[ys.index(limit.point[second]), xs.index(limit.point[first])] = log10(limit.longest)
+        if np.isfinite(grid).any():
+            scale = not any(trace.get("showscale") for trace in data)
+            data.append(_contours(grid, xs, ys, low, high, scale) | place)
         for symbol, longest in (("circle-open", inf), ("x", 0.0)):
             if at := [limit.point for limit in limits if limit.longest == longest]:
                 x, y = ([point[name] for point in at] for name in (first, second))
@@ -255,18 +244,11 @@ def _maps(study: Stability) -> Block:
     figure_layout = layout(
         PANEL * rows + 90, annotations=notes, showlegend=False, margin={"l": 70, "r": 90, "t": 34, "b": 50}, **axes
     )
-    return Figure(
-        TITLE,
-        {"data": data, "layout": figure_layout},
-        "Filled, with thin contours: as measured. Dashed: the closed form at the same steps, where there is one; the two lie on "
-        "one another where nothing but that pair of units limits the scene. ○: every step tried is stable; ×: none is.",
-    )
+    return Figure(TITLE, {"data": data, "layout": figure_layout}, "○: every step tried is stable; ×: none is.")
 
 
-def _contours(
-    grid: np.ndarray, x: Sequence[float], y: Sequence[float], low: float, high: float, dashed: bool, scale: bool
-) -> dict[str, Any]:
-    """A map of logarithms of steps, (len(y), len(x)): filled, or dashed contours alone."""
+def _contours(grid: np.ndarray, x: Sequence[float], y: Sequence[float], low: float, high: float, scale: bool) -> dict[str, Any]:
+    """A map of logarithms of steps, (len(y), len(x))."""
     ticks = np.linspace(low, high, 5)
     bar = {
         "title": {"text": "macro step, s", "side": "right", "font": {"size": 13}},
@@ -275,15 +257,7 @@ def _contours(
         "tickvals": drawn(ticks),
         "ticktext": [f"{10.0**t:.2g}" for t in ticks],
     }
-    filled = {
-        "line": {"width": 0.6, "color": MUTED},
-        "colorscale": RISING,
-        "colorbar": bar,
-        "name": "measured",
-        "hovertemplate": "%{x:.4g}, %{y:.4g}: 10^%{z:.3f} s<extra>measured</extra>",
-    }
-    contours = {"line": {"width": 2, "color": VERMILION, "dash": "dash"}, "name": "closed form", "hoverinfo": "skip"}
-    levels = {"start": low, "end": high, "size": max((high - low) / LEVELS, 1e-3), "coloring": "none" if dashed else "fill"}
+    levels = {"start": low, "end": high, "size": max((high - low) / LEVELS, 1e-3), "coloring": "fill"}
     return {
         "type": "contour",
         "z": [drawn(row) for row in grid],
@@ -293,26 +267,8 @@ def _contours(
         "zmax": high,
         "contours": levels,
         "showscale": scale,
-        **(contours if dashed else filled),
+        "line": {"width": 0.6, "color": MUTED},
+        "colorscale": RISING,
+        "colorbar": bar,
+        "hovertemplate": "%{x:.4g}, %{y:.4g}: 10^%{z:.3f} s<extra></extra>",
     }
-
-
-def _against_closed_form(study: Stability) -> list[Block]:
-    """Measured limits over those of the closed form, a mark for every point of the map."""
-    data = []
-    for k, scheme in enumerate(study.schemes):
-        if known := [limit for limit in study.of(scheme) if isfinite(_ratio(limit))]:
-            x, y, colour = [limit.closed for limit in known], [_ratio(limit) for limit in known], CYCLE[k % len(CYCLE)]
-            hover = "%{x:.4g} s: %{y:.4f}<extra>%{fullData.name}</extra>"
-            data.append(markers(x, y, _scheme_text(scheme), colour, hover=hover, opacity=0.8))
-    if not data:
-        return []
-    one = {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "y0": 1, "y1": 1, "line": {"color": RAW, "width": 1}}
-    figure_layout = layout(
-        300,
-        xaxis=axis("limit of the closed form, s", grid=True, type="log"),
-        yaxis=axis("measured over closed form", grid=True),
-        shapes=[one],
-        **LEGEND_RIGHT,
-    )
-    return [Figure("Against the closed form", {"data": data, "layout": figure_layout})]

@@ -1,0 +1,148 @@
+"""Whether the coupling of a scene lets disturbances grow: told by exact derivatives of its macro steps, of any length.
+
+Where the derivative of a macro step is the same all along the run, the largest absolute eigenvalue of the part that reaches from unit
+to unit decides. Where it changes, eigenvalues at an instant prove nothing: a push is followed over stretches of the run. Each
+stretch begins on a run with a quarter of the scene's step, so that no contact or stop has bounded yet what grows. The growth is the
+mean over the stretches, beside that with a quarter of the step, which shows what grows by itself.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import ExitStack
+from functools import cached_property
+
+import numpy as np
+
+from ...components.core.errors import BadInput, StepFailed
+from ..derivatives.coupled_step import CoupledStep, blocks_of
+from ..derivatives.growth import Instant, PushedScene
+from ..scene.scene import Scene
+from .growth import Growth, Limit, growth_rate, longest_stable
+from .thresholds import AT_REST, SAME_MAP
+
+FINER = 4  # steps that one is compared with
+FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not
+STRETCHES = 12  # of a run, over which a push is followed
+FEWEST = 32  # macro steps of a stretch
+WARM = 3  # macro steps, which fill the histories of the inputs with samples of one distance
+MOST = 400  # states of units whose Jacobian is worth its time
+ACCURACY = 1.01, 1.0 + 1e-9  # of a limit: of growth along the run, of an eigenvalue
+SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
+ROUNDING = 1e-9  # of an absolute eigenvalue
+
+
+class CouplingStability:
+    """Of a scene of kernels in which units feed one another, for macro steps of any length."""
+
+    def __init__(self, scene: Scene, stack: ExitStack):
+        """`stack` closes the units. Raises `BadInput` for what has no derivatives, `StepFailed` where the scene does not start."""
+        self.scene, self._pushed = scene, PushedScene(scene, stack)
+        self._known: dict[float, tuple[float, str]] = {}
+
+    def growth(self, h: float) -> Growth:
+        """Of disturbances with macro steps of h, s."""
+        (rate, failure), finer, fraction = self._rate(h), math.inf, 1
+        while finer > 0.0 and fraction < FINEST:  # a quarter of the step may be too long, too
+            finer, fraction = self._rate(h / (FINER * fraction))[0], FINER * fraction
+        return Growth(h, self.scene.duration, rate, finer, self.constant, failure)
+
+    def grows(self, h: float) -> str:
+        """What disturbances do with macro steps of h, s, where the coupling lets them grow; "" where it does not."""
+        if self._rate(h)[0] <= 0.0:
+            return ""
+        growth = self.growth(h)
+        return growth.text if growth.unstable else ""
+
+    def longest(self) -> Limit:
+        """The longest macro step of those that the run has room for."""
+        step, least = self.scene.master.step, self.scene.master.step / SHORTEST
+        most = self.scene.duration / (FEWEST + WARM + 1)
+        if self.constant:
+            return longest_stable(self.grows, least, least, max(step, most), ACCURACY[True])
+        return longest_stable(self.grows, step, least, most, ACCURACY[False])
+
+    @property
+    def constant(self) -> bool:
+        """Whether the derivative of a macro step is the same all along the run."""
+        return self._map is not None
+
+    # -- where the derivative is the same ----------------------------------------------------------------------------
+    @cached_property
+    def _map(self) -> np.ndarray | None:
+        """Cells of the state that couple units, where the derivative of a macro step by them is the same all along the run."""
+        if sum(unit.component.x.size for unit in self._pushed.layout.units) > MOST:
+            return None
+        cells, first = np.zeros(0, dtype=int), np.zeros(0)
+        try:
+            for instant in self._instants:
+                now, matrix = self._coupling(instant)
+                if not first.size:
+                    cells, first = now, matrix
+                elif now.tolist() != cells.tolist() or np.abs(matrix - first).max() > SAME_MAP * np.abs(first).max():
+                    return None
+        except (BadInput, StepFailed):  # such as controllers without a common period
+            return None
+        return cells if cells.size else None
+
+    def _coupling(self, instant: Instant) -> tuple[np.ndarray, np.ndarray]:
+        """Cells of the state that couple units at an instant, (n,), and the derivative of a macro step by them, (n, n)."""
+        step = self._step(self.scene.master.step, instant)
+        matrix = step.jacobian()
+        blocks = blocks_of(matrix)
+        acting = [block for block, couples in zip(blocks, step.coupling(blocks), strict=True) if couples]
+        rows = np.sort(np.concatenate([np.zeros(0, dtype=int), *acting]))
+        return step.cells[rows], matrix[np.ix_(rows, rows)]
+
+    def _step(self, h: float, instant: Instant) -> CoupledStep:
+        self._pushed.restore(instant)
+        step = CoupledStep(self._pushed, h)
+        step.stand(instant.t)
+        step.advance(WARM * step.steps)
+        return step
+
+    def _radius(self, h: float, cells: np.ndarray) -> float:
+        """The largest absolute eigenvalue of the coupling in a macro step of h, s, but for those at 1, of free bodies."""
+        step = self._step(h, self._instants[0])
+        values = np.linalg.eigvals(step.products(np.eye(cells.size), step.steps, cells))
+        radius = float(np.abs(values[np.abs(values - 1.0) > AT_REST]).max(initial=np.finfo(float).tiny))
+        return 1.0 if abs(radius - 1.0) < ROUNDING else radius ** (1.0 / step.steps)
+
+    # -- where it changes --------------------------------------------------------------------------------------------
+    @cached_property
+    def _instants(self) -> list[Instant]:
+        """The start, and where the stretches begin, of the run with a quarter of the scene's step, as far as that comes."""
+        scene, pushed = self.scene, self._pushed
+        reached, h = [pushed.save()], scene.master.step / FINER
+        for k in range(STRETCHES):
+            t = scene.start_time + scene.duration * (k + 0.5) / (STRETCHES + 1)
+            try:
+                pushed.advance(h, FINER * max(round((t - pushed.t) / scene.master.step), 1))
+            except StepFailed:
+                break
+            reached.append(pushed.save())
+        return reached
+
+    def _rate(self, h: float) -> tuple[float, str]:
+        """Growth with macro steps of h, 1/s; and why a run ended."""
+        if h not in self._known:
+            cells = self._map
+            self._known[h] = self._along_the_run(h) if cells is None else (math.log(self._radius(h, cells)) / h, "")
+        return self._known[h]
+
+    def _along_the_run(self, h: float) -> tuple[float, str]:
+        rates: list[float] = []
+        pushed, scene = self._pushed, self.scene
+        n = max(round(scene.duration / (STRETCHES * h)), FEWEST)
+        for instant in self._instants[1:] or self._instants:
+            if rates and instant.t + (n + WARM) * h > scene.stop_time:
+                break
+            pushed.restore(instant)
+            try:
+                pushed.advance(h, WARM)
+                pushed.push()
+                rates.append(growth_rate(pushed.advance(h, n), h))
+            except StepFailed as error:
+                return math.inf, str(error)
+        left = [rate for rate in rates if rate > -math.inf]  # where units stick, nothing is left of a push
+        return (float(np.mean(left)) if left else -math.inf), ""

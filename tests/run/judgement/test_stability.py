@@ -1,0 +1,214 @@
+"""Stability by tangents: limits against closed forms and matrices by hand, growth along a run, and what has no derivatives."""
+
+from __future__ import annotations
+
+import math
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.judgement.growth import EXCESS, Growth, growth_rate, longest_stable
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.derivatives.coupled_masses import HERE, as_kernels
+from cosimo.tests.engine.algorithms.oscillators import TwoMasses, radius
+from cosimo.tests.run.judgement.closed_form import longest_step
+
+if COMPILED:
+    from cosimo.orchestrator.judgement.stability import CouplingStability
+
+of_machine_code = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+
+
+def on_spring(damping, **master):
+    """1 kg on 100 N/m."""
+    changes = {f"master.{key}": value for key, value in master.items()}
+    return load_scene("mass-on-spring").with_changes({"stop_time": 10.0, "spring.damping": damping, **changes})
+
+
+def longest(scene):
+    with ExitStack() as stack:
+        coupling = CouplingStability(scene, stack)
+        return coupling.constant, coupling.longest()
+
+
+@of_machine_code
+@pytest.mark.first(2)
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("damping", [0.4, 4.0, 10.0 * 2.0**0.5, 20.0])
+def test_a_limit_is_that_of_the_closed_form(algorithm, degree, damping):
+    constant, found = longest(on_spring(damping, algorithm=algorithm, extrapolation=degree))
+    assert constant
+    assert found.longest == pytest.approx(longest_step(100.0, damping, degree), rel=1e-6)
+    assert found.longest < found.tried < 1.000001 * found.longest
+    assert "grows" in found.seen
+
+
+@of_machine_code
+@pytest.mark.parametrize("damping", [2.0, 20.0])
+def test_held_forces_of_the_step_before_have_the_shorter_limit(damping):
+    found = longest(on_spring(damping, algorithm="jacobi", extrapolation=0, feedthrough="delayed"))[1]
+    assert found.longest == pytest.approx(longest_step(100.0, damping, 0, 1), rel=1e-6)
+
+
+@of_machine_code
+@pytest.mark.full
+@pytest.mark.parametrize("split", ["FF", "FD", "DD"])
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_two_masses_are_stable_where_the_matrix_by_hand_says_so(split, algorithm, degree):
+    """LIM's benchmark with more damping: the largest absolute eigenvalue of the whole step first exceeds 1 at the limit."""
+    masses = TwoMasses(cc=1.0, c1=1.0, c2=1.0)
+
+    def scene(h, stop=20.0):
+        return masses.scene(split, h, stop, algorithm=algorithm, extrapolation=degree)
+
+    constant, found = longest(read_scene(as_kernels(scene(1e-2))))
+    assert constant
+    for h in np.geomspace(1e-2 / 60.0, min(found.longest, 0.05), 20)[:-1]:
+        assert radius(scene(h)) < 1.0 + 1e-9
+    if math.isfinite(found.longest):
+        assert radius(scene(1.00001 * found.longest)) > 1.0
+
+
+def pair(units, connections, **master):
+    return read_scene(
+        {
+            "stop_time": 20.0,
+            "connections": connections,
+            "units": units,
+            "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0} | master,
+        }
+    )
+
+
+def mass(m=1.0, **more):
+    return {"component": f"{HERE}:Owner", "parameters": {"m": m, "v0": 1.0, **more}}
+
+
+def between(k, c):
+    return {"component": f"{HERE}:Between", "parameters": {"kc": k, "cc": c}}
+
+
+ON_GROUND = ["s.force -> m.force", "m.x_out -> s.x1", "m.v_out -> s.v1"]
+
+
+@of_machine_code
+def test_bodies_that_drift_apart_are_not_unstable():
+    """A spring and damper between two free bodies: the limit is that of the reduced mass."""
+    scene = pair(
+        {"a": mass(2.0), "b": mass(6.0), "s": between(300.0, 6.0)},
+        [
+            "s.force -> a.force",
+            {"source": "s.force", "target": "b.force", "factor": -1.0},
+            *(f"{body}.{end}_out -> s.{end}{k}" for k, body in ((1, "a"), (2, "b")) for end in "xv"),
+        ],
+    )
+    constant, found = longest(scene)
+    assert constant
+    assert found.longest == pytest.approx(longest_step(300.0 * (1 / 2 + 1 / 6), 6.0 * (1 / 2 + 1 / 6), 0), rel=1e-6)
+
+
+@of_machine_code
+def test_what_grows_by_itself_is_allowed():
+    """A negative damper lets a mass grow with 0.1 1/s at every step: the coupling is to blame where that is half as much more."""
+    scene = pair({"m": mass(c=-0.2), "s": between(100.0, 0.0)}, ON_GROUND, extrapolation=2)
+    with ExitStack() as stack:
+        coupling = CouplingStability(scene, stack)
+        assert coupling.growth(1e-3).rate == pytest.approx(0.1, rel=1e-3)
+        assert not coupling.growth(1e-3).unstable
+        found = coupling.longest()
+        assert 0.02 < found.longest < math.inf
+        assert coupling.growth(found.tried).rate == pytest.approx(0.15, rel=1e-2)
+
+
+@of_machine_code
+def test_without_damping_no_held_force_is_stable():
+    found = longest(pair({"m": mass(), "s": between(100.0, 0.0)}, ON_GROUND))[1]
+    assert found.longest == 0.0
+    assert found.tried < 0.01 / 60.0
+
+
+@of_machine_code
+@pytest.mark.parametrize(("step", "unstable"), [(1e-3, False), (5e-3, False), (2e-2, True)])
+def test_growth_along_the_run_tells_where_the_derivative_changes(step, unstable):
+    """The stiffness of a lumped catenary changes along the span."""
+    with ExitStack() as stack:
+        coupling = CouplingStability(load_scene("lumped-catenary"), stack)
+        growth = coupling.growth(step)
+        assert not coupling.constant
+        assert growth.unstable == unstable
+        assert growth.finer < 0.0
+
+
+@of_machine_code
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("algorithm", "degree", "stable", "unstable"),
+    [
+        ("jacobi", 0, 13e-3, 18e-3),
+        ("jacobi", 1, 10e-3, 12e-3),
+        ("jacobi", 2, 7.5e-3, 9.5e-3),
+        ("gauss-seidel", 0, 11e-3, 18e-3),
+        ("gauss-seidel", 1, 12e-3, 14e-3),
+        ("gauss-seidel", 2, 9e-3, 11e-3),
+    ],
+)
+def test_limits_of_pantograph_and_catenary(algorithm, degree, stable, unstable):
+    """Exponents of whole runs cross zero at 15.1, 11.0, 8.6 and 13.0, 13.3, 10.1 ms; with held inputs there is no sharp edge."""
+    scene = load_scene("en50318-2002").with_changes({"master.algorithm": algorithm, "master.extrapolation": degree})
+    with ExitStack() as stack:
+        coupling = CouplingStability(scene, stack)
+        assert not coupling.growth(stable).unstable
+        assert coupling.growth(unstable).unstable
+        assert coupling.growth(8.0 * unstable).unstable  # though a quarter of it is too long, too
+
+
+@of_machine_code
+@pytest.mark.parametrize("changes", [{"master.algorithm": "iterative"}, {"units.mass.isolation": "process"}])
+def test_what_has_no_derivatives_is_refused(changes):
+    with pytest.raises(BadInput, match=r"iterative|process"):
+        longest(on_spring(4.0).with_changes(changes))
+
+
+@pytest.mark.parametrize(
+    ("rate", "finer", "constant", "unstable"),
+    [
+        (-0.1, -5.0, False, False),
+        (0.1, -2.0 * EXCESS, False, True),
+        (0.1, 0.2 - EXCESS, False, False),
+        (0.1, -0.1, True, True),
+        (1.0, 0.9, True, False),
+        (math.inf, 1.0, False, True),
+    ],
+)
+def test_what_is_called_unstable(rate, finer, constant, unstable):
+    """In a run of 1 s."""
+    assert Growth(0.01, 1.0, rate, finer, constant).unstable == unstable
+
+
+def test_a_rate_is_that_of_an_exponential():
+    t = 0.01 * np.arange(200)
+    assert growth_rate(np.exp(-3.0 * t), 0.01) == pytest.approx(-3.0)
+    assert growth_rate(np.exp(np.minimum(1e3 * t, 700.0)), 0.01) == pytest.approx(1e3)  # up to the largest numbers
+    assert growth_rate(np.where(t < 1.0, 1.0, 0.0), 0.01) == -math.inf
+    assert growth_rate(np.full(200, math.inf), 0.01) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("first", "least", "most"), [(0.01, 0.001, 10.0), (5.0, 0.001, 10.0), (0.99, 0.98, 1.0), (1.1, 0.9, 1.2)]
+)
+def test_a_limit_is_found_from_either_side(first, least, most):
+    found = longest_stable(lambda h: "grows" if h > 0.95 else "", first, least, most, 1.0001)
+    if least > 0.95:
+        assert found == (0.0, found.seen, least)
+    else:
+        assert found.longest == pytest.approx(0.95, rel=1e-4)
+        assert 0.95 < found.tried <= 1.0001 * found.longest
+
+
+def test_no_limit_between_the_steps_that_may_be_tried():
+    assert longest_stable(lambda h: "", 1.0, 0.1, 10.0, 1.01) == (math.inf, "", 10.0)
+    assert longest_stable(lambda h: "grows", 1.0, 0.1, 10.0, 1.01) == (0.0, "at 0.1 s: grows", 0.1)
