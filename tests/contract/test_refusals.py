@@ -120,6 +120,13 @@ REFUSED = [  # component, effects, parameters, words
         )
     ),
     ("Wrist", ("interaction",), {"interaction.stiffness": 1e6}, "Reduce substep"),
+    # three more hold the proximal row
+    (
+        "Wrist",
+        ("morphology", "constraint"),
+        {"constraint.kind": "rigid", "constraint.cut": 1},
+        r"hold both rows \(.* take the springs",
+    ),
     (
         "Wrist",
         ("interaction",),
@@ -212,6 +219,10 @@ FAILED = [  # component, effects, parameters, inputs, length of a step, words
         )
     ),
     *(("GimbalBody", (), {}, {"outer_torque": torque}, 0.01, "not finite") for torque in (1e300, math.inf, math.nan)),
+    *(
+        ("Wrist", ("morphology",), {}, {name: torque}, 5.0, "Give the effect interaction")
+        for name, torque in (("tau_flexion", math.nan), ("tau_deviation", -30.0))
+    ),
     # equal moments: nothing is stiff, but a substep is two radians
     ("GimbalBody", (), {"axial_inertia": 0.03, "start_outer_rate": 2e3}, {}, 0.01, "radian"),
     *(
@@ -239,6 +250,8 @@ ACCEPTED = [
     ("BeamRotor", (), {"youngs_modulus": 3e30, "shear_modulus": 1e30}),  # incompressible
     ("WaterCurrent", ("waves",), {"waves.height": 0.8, "waves.period": 8.0, "waves.water_depth": 1.0}),
     ("PlanarLink", ("pinned",), {"inertia": 0.0}),  # a point mass on a rod
+    ("GimbalBody", (), {"frame_inertia": 0.0}),
+    ("GimbalBody", (), {"cross_inertia": 0.05, "inner_inertia": 0.05, "axial_inertia": 0.0}),
 ]
 
 

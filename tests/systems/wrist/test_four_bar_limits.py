@@ -33,24 +33,6 @@ def four_bar(lengths, angle, rate=1.0, **parameters) -> FourBar:
     return made
 
 
-def test_at_the_toggle_a_run_fails_and_says_so():
-    """The ratio grows beyond bounds as 1 / sin of the transmission angle; what was computed until then stays."""
-    _, high = crank_limits(*ROCKER_DRIVES)
-    made = four_bar(ROCKER_DRIVES, high - 0.2)
-    ratios = []
-
-    def on_and_on():
-        for k in range(400):
-            made.u[1, 0] = 1.0
-            made.step(k * 1e-3, 1e-3)
-            ratios.append(made["ratio"])
-
-    with pytest.raises(StepFailed, match="the toggle, where coupler and rocker"):
-        on_and_on()
-    assert 190 <= len(ratios) <= 200
-    assert np.all(np.diff(np.abs(ratios)) > 0.0)
-
-
 def test_the_ratio_at_the_toggle_grows_as_one_over_the_root_of_the_distance():
     """Four times nearer, twice the ratio: the output has the slope of a square root there."""
     high = crank_limits(*ROCKER_DRIVES)[1]
@@ -58,10 +40,7 @@ def test_the_ratio_at_the_toggle_grows_as_one_over_the_root_of_the_distance():
     assert nearer / near == pytest.approx(2.0, rel=2e-3)
 
 
-def test_a_start_beyond_the_toggle_is_refused():
-    high = crank_limits(*ROCKER_DRIVES)[1]
-    with pytest.raises(StepFailed, match="beyond the toggle"):
-        four_bar(ROCKER_DRIVES, high + 0.01)
+def test_a_start_at_no_number_is_refused():
     with pytest.raises(StepFailed, match="toggle"):
         four_bar(ROCKER_DRIVES, math.nan)
 

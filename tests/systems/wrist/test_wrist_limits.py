@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.core.errors import StepFailed
 from cosimo.components.wrist.kinematics import PROXIMAL_TILT, RULES, Axes, forward, inverse, small_angle_matrix
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
@@ -13,7 +13,6 @@ pytestmark = pytest.mark.full
 
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 ALL = ("morphology", "constraint", "interaction", "load")
-ISOMETRIC = {f"constraint__off_axis[{j}]": 0.0 for j in range(1, 6)}
 
 
 def wrist(effects=("morphology",), inputs=None, **parameters) -> Wrist:
@@ -82,30 +81,7 @@ def test_grazing_a_limit_acts_the_less_the_less_it_is_touched():
 
 
 # -- constraints -----------------------------------------------------------------------------------------------------------
-def test_five_rigid_ligaments_that_contradict_each_other_are_refused():
-    with pytest.raises(BadInput, match=r"hold both rows \(lunate-radius, .* take the springs"):
-        wrist(("morphology", "constraint"), constraint__kind="rigid")
-    with pytest.raises(BadInput, match="hold both rows"):
-        wrist(("morphology", "constraint"), constraint__kind="rigid", constraint__cut=1)  # three more hold the proximal row
-    made = wrist(("morphology", "constraint"), constraint__kind="rigid", constraint__cut=2, start_distal_rate=1.0)
-    made.step(0.0, 0.05)
-    assert made["proximal_angle"] == 0.0
-    assert made["distal_angle"] != 0.0
-
-
-def test_constraints_do_not_drift():
-    """Ten seconds of large swings under all five rigid isometric ligaments, and one with a row held: strains are rounding."""
-    made = wrist(
-        ("morphology", "constraint"),
-        **FREE,
-        **ISOMETRIC,
-        constraint__kind="rigid",
-        start_proximal_angle=0.6,
-        start_distal_angle=0.3,
-        substep=1e-2,
-    )
-    made.step(0.0, 10.0)
-    assert max(abs(made[f"constraint.strain[{j}]"]) for j in range(1, 6)) < 1e-14
+def test_a_row_that_rigid_ligaments_hold_does_not_drift():
     held = wrist(
         ("morphology", "constraint"), **FREE, constraint__kind="rigid", constraint__cut=2, start_distal_rate=3.0, substep=1e-2
     )
@@ -141,17 +117,6 @@ def test_five_stiff_springs_hold_both_rows_by_their_tension(stiffness):
 
 
 # -- inertia and stiffness -------------------------------------------------------------------------------------------------
-def test_a_hand_with_hardly_any_inertia_needs_a_short_substep_and_keeps_its_period():
-    tiny = {**FREE, "hand_mass": 0.0, "transverse_inertia": 1e-9, "axial_inertia": 0.0, "row_inertia": 0.0}
-    with pytest.raises(BadInput, match="Reduce substep"):
-        wrist((), **tiny)
-    made = wrist((), **tiny, substep=1e-6, start_proximal_rate=100.0)
-    made.step(0.0, 0.5 * math.pi * math.sqrt(1e-9))  # a quarter: stiffness 1 N.m/rad in both directions
-    amplitude = 100.0 * math.sqrt(1e-9)
-    assert made["proximal_angle"] == pytest.approx(amplitude, rel=1e-7)  # (w h)^5 / 120 a step with w h = 0.03, 50 steps
-    assert made["proximal_rate"] == pytest.approx(0.0, abs=1e-4)
-
-
 # -- long steps and lost hands -----------------------------------------------------------------------------------------------
 def test_one_long_step_is_many_short_ones():
     start = {"start_proximal_angle": 0.5, "start_distal_angle": -0.6, "substep": 4e-3}
@@ -225,16 +190,3 @@ def test_the_stable_step_holds_wherever_the_wrist_is(q, of_ligaments):
     limit = 2.83 / np.abs(np.linalg.eigvals(np.array(columns))).max()
     assert made.stable_step() < limit
     assert of_ligaments or made.stable_step() > limit / 1.2
-
-
-@pytest.mark.parametrize("inputs", [{"tau_flexion": 30.0}, {"tau_deviation": -30.0}, {"tau_flexion": math.nan}])
-def test_a_hand_turned_too_far_ends_the_run_and_can_be_taken_back(inputs):
-    made = wrist(("morphology",))
-    state = made.save()
-    for name, value in inputs.items():
-        made.set(name, value)
-    with pytest.raises(StepFailed, match="Give the effect interaction"):
-        made.step(0.0, 5.0)
-    made.restore(state)
-    made.step(0.0, 0.1)
-    assert (made.x == 0.0).all()
