@@ -25,7 +25,7 @@ import numpy as np
 from .block import TIME, Block, Entry, callable_of
 from .component import Component, _tuple_type
 from .errors import BadInput
-from .kernels import COMPILED, DONE, RAISED, kernel_tuple
+from .kernels import COMPILED, DONE, NOT_FINITE, RAISED, kernel_tuple
 from .variables import Causality
 
 STANDARD = ("u", "y", "x", "counts")  # fields of every `s`
@@ -153,7 +153,12 @@ class KernelComponent(Component):
         """The status of a kernel for the present block."""
         if not COMPILED:
             times = (t, h) if name == "step" else (t,)
-            return getattr(type(self).kernels, name)(*times, *self.arguments) or DONE
+            try:
+                return getattr(type(self).kernels, name)(*times, *self.arguments) or DONE
+            except (ValueError, OverflowError):  # Python's own functions refuse what machine code goes on with
+                if np.isfinite(self.u).all():
+                    raise
+                return NOT_FINITE
         if name not in self._calls:
             self._calls[name] = callable_of(self.entry(name))
         return self._calls[name](t, h, self.block.address)  # type: ignore[union-attr]

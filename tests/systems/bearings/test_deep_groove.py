@@ -9,7 +9,7 @@ from cosimo.components.bearings.deep_groove import DISPLACEMENT, VELOCITY, DeepG
 from cosimo.components.bearings.film import Lubricant, film_thickness
 from cosimo.components.bearings.hertz import effective_modulus, exact_ellipse
 from cosimo.components.bearings.six_dof import constants
-from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
 
 pytestmark = pytest.mark.interpreted
@@ -217,8 +217,6 @@ def test_a_contact_longer_than_the_radius_of_its_ball_is_refused():
                 bearing.step(0.0, 1e-4)
     for share, status in ((2.0, DONE), (2.1, OUT_OF_RANGE)):  # a ball on the load line carries 4.385 / 9 of it, see test_stribeck
         assert moved().equilibrium(np.array([share * largest, 0.0, 0.0, 0.0, 0.0])).status == status
-    with pytest.raises(BadInput, match="preload"):
-        moved(diametral_clearance=-5e-3)
     thick = DeepGrooveBearing(["film"], {"film.viscosity": 1e3})
     thick.set("speed", 3000.0)
     with pytest.raises(StepFailed, match="left the range"):
@@ -485,11 +483,3 @@ def test_at_contact_angle_zero_the_equilibrium_lies_on_the_side_of_the_force():
         found = moved().equilibrium([0.0, 0.0, force, 0.0, 0.0])
         assert found.status == DONE
         assert math.copysign(1.0, found.displacement[2]) == math.copysign(1.0, force)
-
-
-@pytest.mark.full
-def test_a_speed_that_is_no_number_fails_the_step():
-    bearing = moved(["damping", "film"], (1e-5, 0.0, 3e-5, 0.0, 0.0), speed=10.0)
-    bearing.set("speed", math.nan)
-    with pytest.raises(StepFailed, match="not finite"):
-        bearing.step(0.0, 1e-4)

@@ -234,14 +234,9 @@ def test_what_stiff_clutches_cost():
 
 @pytest.mark.full
 @pytest.mark.parametrize("effects", [(), ("compliant_clutches",)])
-def test_a_load_above_the_peak_is_not_moved_by_a_bit(effects):
+def test_below_the_peak_a_load_is_moved_twice_a_revolution(effects):
     """The peak is rho m a b r w1² = 32 N.m; below it, the shaft turns for a while twice a revolution, and stands in between."""
     peak = 0.05 * 20.0 * 2.0 * 0.05 * 18.0**2
-    converter = turning(effects, load=1.2 * peak)
-    for k in range(20):
-        converter.step(0.05 * k, 0.05)
-        assert converter["speed"] == 0.0
-        assert converter["ratio"] == 0.0
     weaker = turning(effects, load=0.9 * peak)
     speeds = []
     for k in range(200):

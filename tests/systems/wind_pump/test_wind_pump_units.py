@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from cosimo import BadInput, read_scene
+from cosimo import read_scene
 from cosimo.components.wind_pump.averaged import AveragedConverter
 from cosimo.components.wind_pump.fixed import FixedTransmission
 from cosimo.components.wind_pump.piston_pump import PistonPump
@@ -204,10 +204,8 @@ def test_a_turbine_that_swings_about_standstill_never_turns_the_pump_back(transm
     assert np.isfinite(unit.y).all()
 
 
-def test_a_shaft_too_light_for_the_substep_is_refused_and_a_heavy_one_runs():
+def test_a_light_shaft_runs_at_its_stable_step_and_a_heavy_one_at_any():
     light = FixedTransmission(parameters={"driven_inertia": 1e-6})
-    with pytest.raises(BadInput, match="limit of RK4"):
-        light.initialize(0.0)
     light.set("substep", 0.9 * light.stable_step())
     chain = Chain(light, steady(5.0), h=1e-3)
     chain.run(0.02)
