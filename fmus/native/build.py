@@ -23,12 +23,13 @@ from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, pick
 from ...components.core.kernel_cache import sources_digest
 from ..build import write
+from ..derivatives.grammar import Unsupported
 from ..description import documentation, shared_files
 from ..evidence import Evidence
 from ..versions import version
 from .description import HOST, description, listed, name_of
 from .instance import Model, Places, model_of
-from .machine_code import NATIVE, TARGETS, compile_entries, object_code, source_of
+from .machine_code import NATIVE, NO_SLOPES, TARGETS, compile_entries, object_code, slopes_of, source_of
 from .variables import NativeVariable, native_variables, tables
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -90,7 +91,24 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
     component = initialized(make())
     text, places = compile_entries(source_of(component)), Places(component)
     variables = native_variables(component, places)
-    return assembled(name, type(component), variables, model_of(component, places), (text,), compilers, component=component)
+    return assembled(
+        name,
+        type(component),
+        variables,
+        model_of(component, places),
+        (text,),
+        compilers,
+        component=component,
+        slopes=_slopes(text),
+    )
+
+
+def _slopes(text: str) -> str:
+    """The derivative of the outputs; none where they call something that has no derivative here."""
+    try:
+        return slopes_of(text)
+    except Unsupported:
+        return ""
 
 
 def assembled(
@@ -105,11 +123,17 @@ def assembled(
     abilities: Mapping[int, Mapping[str, str]] = MappingProxyType({}),
     host: str = HOST,
     sources: Sequence[str] = (),
+    slopes: str = "",
 ) -> Library:
     """The libraries of a model for the targets of some compilers.
 
-    texts: of entries, in LLVM's language; sources: of the runtime, beside those of each FMU; others as of `Library`.
+    texts: of entries, in LLVM's language; sources: of the runtime, beside those of each FMU; slopes: of the
+    outputs, see `slopes_of`, empty for a model that has none; others as of `Library`.
     """
+    if not slopes:
+        without = {f: {f"providesDirectionalDerivative{'s' * (f == 3)}": "false", **abilities.get(f, {})} for f in (2, 3)}
+        abilities, slopes = without, NO_SLOPES
+    texts = (*texts, slopes)
     objects = {target: tuple(code for text in texts for code in object_code(text, target)) for target in {*compilers, "linux64"}}
     model_description = description(2, name, described, variables, "", abilities=abilities.get(2, {}))
     digest = store.digest_of(*objects["linux64"], tables(held, variables, ""), *_runtime(), model_description)

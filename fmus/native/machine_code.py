@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import types
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -26,6 +26,7 @@ from ...components.core.block import ENTRIES, Block, check_result, kinds_of
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
+from ..derivatives.tangents import derivative_of, derived, entry_of
 from .kept_code import digest_of, load, save
 from .wide_pointers import widened
 
@@ -78,6 +79,8 @@ ALLOWED = {
 }
 
 
+# of a model whose outputs have no derivative; nothing calls it
+NO_SLOPES = "define i32 @model_slopes(double %t, i64 %block, i64 %offset, i64 %stack, i64 %ties) {\nret i32 1\n}\n"
 SHARED = ("-shared", "-s")
 NEVER_RUN = "Its libraries for macOS were built and never run: no such machine was at hand."
 WITHOUT_GAPS = ("-fPIC", "-Wl,-z,defs")  # a missing symbol is an error here, not a crash later
@@ -325,6 +328,21 @@ def _linked(source: Source, texts: Iterable[str], kernels: list[str]) -> str:
     return str(module)
 
 
+def slopes_of(text: str) -> str:
+    """`model_slopes` in LLVM's language: the derivative of `model_outputs` in one direction, see `fmus.derivatives.tangents`.
+
+    text: the entries.  Raises `Unsupported`.
+    """
+    module = llvm.parse_assembly(text)
+    for function in module.functions:
+        if not function.is_declaration and function.name != "model_outputs":
+            function.linkage = "internal"
+    _optimize(module, TARGETS["linux64"], _machine(TARGETS["linux64"]))  # without what outputs do not call
+    slopes = derived(str(module), 1, ties=False)
+    name, entry = derivative_of("@model_outputs"), entry_of("@model_outputs")
+    return slopes.replace(f"define  i32 {name}(", f"define internal i32 {name}(").replace(entry, "@model_slopes")
+
+
 def _users(text: str, symbol: str, kernels: list[str]) -> str:
     """The kernels whose code names a symbol."""
     names = set()
@@ -362,7 +380,7 @@ def object_code(text: str, target: str) -> tuple[bytes, ...]:
     if not to.wide:
         return (_object(text, to),)
     entries = _entries(text)
-    choices = "\n".join(_choice(name, times) for name, times in entries)
+    choices = "\n".join(_choice(name, types) for name, types in entries)
     forms = [_object(text, to, features, suffix) for features, suffix in (("", "_base"), (to.wide, "_wide"))]
     return (*forms, _object(f"@model_wide = external hidden global i32\n{choices}", to))
 
@@ -382,16 +400,16 @@ def _object(text: str, target: Target, features: str = "", suffix: str = "") -> 
     return machine.emit_object(module)  # type: ignore[no-any-return]
 
 
-def _entries(text: str) -> list[tuple[str, int]]:
-    """Names of the entries, and how many times they are given."""
+def _entries(text: str) -> list[tuple[str, list[str]]]:
+    """Names of the entries, and the types of their arguments."""
     functions = llvm.parse_assembly(text).functions
-    return [(f.name, len(list(f.arguments)) - 1) for f in functions if not f.is_declaration and f.linkage.name == "external"]
+    entries = (f for f in functions if not f.is_declaration and f.linkage.name == "external")
+    return [(f.name, [str(a.type) for a in f.arguments]) for f in entries]
 
 
-def _choice(name: str, times: int) -> str:
+def _choice(name: str, types: Sequence[str]) -> str:
     """An entry that calls its wide form where the processor has it."""
-    values = [f"double %t{k}" for k in range(times)] + ["i64 %block"]
-    given, kinds = ", ".join(values), ", ".join(value.split()[0] for value in values)
+    given, kinds = ", ".join(f"{kind} %a{k}" for k, kind in enumerate(types)), ", ".join(types)
     return f"""
 declare hidden i32 @{name}_base({kinds})
 declare hidden i32 @{name}_wide({kinds})

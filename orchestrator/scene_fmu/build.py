@@ -82,10 +82,7 @@ def scene_library(scene: Scene, targets: Iterable[str], sources: Sequence[str] =
             model,
             [compile_entries(source) for source in layout.sources],
             compilers,
-            abilities={
-                2: same | {"canInterpolateInputs": "false", "providesDirectionalDerivative": "false"},
-                3: same | {"fixedInternalStepSize": repr(scene.master.step), "providesDirectionalDerivatives": "false"},
-            },
+            abilities={2: same | {"canInterpolateInputs": "false"}, 3: same | {"fixedInternalStepSize": repr(scene.master.step)}},
             host=HOST,
             sources=("scene.c", *sources),
         )

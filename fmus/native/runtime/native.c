@@ -295,16 +295,7 @@ int set_slopes(Instance *m, const uint32_t *references, size_t n, const int32_t 
     return OK;
 }
 
-/* ---- derivatives of outputs after inputs at the present state, by central differences ---- */
-static int moved(Instance *m, const double *kept, const uint32_t *knowns, size_t k, const double *seed, double by) {
-    size_t s = 0;
-    memcpy(m->block, kept, 8 * (size_t)model_saved);
-    for (size_t i = 0; i < k; i++) {
-        const Variable *v = model_variables + knowns[i];
-        for (size_t j = 0; j < elements(m, v); j++, s++) m->block[v[j].cell] += by * seed[s] * v[j].factor;
-    }
-    return model_outputs(m->t, ADDRESS(m)) || not_finite(m) ? ERROR : OK;
-}
+/* ---- derivatives of outputs after inputs at the present state: exact, on a copy of the block ---- */
 static int counted(Instance *m, const uint32_t *references, size_t n, int output, size_t *total) {
     *total = 0;
     for (size_t i = 0; i < n; i++) {
@@ -318,41 +309,40 @@ static int counted(Instance *m, const uint32_t *references, size_t n, int output
 }
 int directional(Instance *m, const uint32_t *unknowns, size_t n, const uint32_t *knowns, size_t k, const double *seed, size_t seeds,
                 double *result, size_t results) {
+    const size_t room = model_cells + STACK; /* of the block and of the stack, with their tangents behind */
     size_t total, s = 0;
-    double by = INFINITY, *kept;
-    int status = OK, exponent;
+    double *cells, *tangents;
+    int status;
     if (!allowed(m, INITIALIZATION | STEPPING, "GetDirectionalDerivative")) return ERROR;
     if ((n && (!unknowns || !result)) || (k && (!knowns || !seed))) return report(m, ERROR, "GetDirectionalDerivative: null pointer");
     if (freshen(m) || counted(m, unknowns, n, 1, &total)) return ERROR;
     if (total != results) return report(m, ERROR, "GetDirectionalDerivative: room for %u values, %u expected", (unsigned)results, (unsigned)total);
     if (counted(m, knowns, k, 0, &total)) return ERROR;
     if (total != seeds) return report(m, ERROR, "GetDirectionalDerivative: seed of %u values, %u expected", (unsigned)seeds, (unsigned)total);
+    if (!(cells = calloc(2 * room, 8))) return report(m, ERROR, "GetDirectionalDerivative: no memory");
+    memcpy(cells, m->block, 8 * (size_t)model_cells);
+    tangents = cells + room;
     for (size_t i = 0; i < k; i++) {
         const Variable *v = model_variables + knowns[i];
         for (size_t j = 0; j < elements(m, v); j++, s++) {
-            if (!isfinite(seed[s])) return report(m, ERROR, "GetDirectionalDerivative: seed %g for %s", seed[s], v[j].name);
-            if (seed[s] != 0.0) by = fmin(by, 6e-6 * fmax(fabs(real(m, v + j)), v[j].nominal) / fabs(seed[s]));
+            if (!isfinite(seed[s])) {
+                free(cells);
+                return report(m, ERROR, "GetDirectionalDerivative: seed %g for %s", seed[s], v[j].name);
+            }
+            tangents[v[j].cell] += seed[s] * v[j].factor;
         }
     }
-    for (s = 0; s < results; s++) result[s] = 0.0;
-    if (!(by > 0.0 && by < INFINITY)) return OK;
-    frexp(by, &exponent);
-    by = ldexp(1.0, exponent); /* a power of two: the sums below are as exact as can be */
-    if (!(kept = malloc(8 * (size_t)model_saved))) return report(m, ERROR, "GetDirectionalDerivative: no memory");
-    memcpy(kept, m->block, 8 * (size_t)model_saved);
-    for (int sign = 1; sign >= -1 && !status; sign -= 2) {
-        status = moved(m, kept, knowns, k, seed, sign * by);
-        s = 0;
-        for (size_t i = 0; i < n; i++) {
-            const Variable *v = model_variables + unknowns[i];
-            for (size_t j = 0; j < elements(m, v); j++, s++) result[s] += sign * 0.5 / by * m->block[v[j].cell];
+    status = model_slopes(m->t, (int64_t)(intptr_t)cells, (int64_t)(8 * room), (int64_t)(intptr_t)(cells + model_cells), 0);
+    s = 0;
+    for (size_t i = 0; i < n; i++) {
+        const Variable *v = model_variables + unknowns[i];
+        for (size_t j = 0; j < elements(m, v); j++, s++) {
+            result[s] = tangents[v[j].cell];
+            status |= !isfinite(result[s]);
         }
     }
-    moved(m, kept, NULL, 0, NULL, 0.0); /* workspace as it was */
-    memcpy(m->block, kept, 8 * (size_t)model_saved);
-    free(kept);
-    for (s = 0; s < results; s++) status |= !isfinite(result[s]);
-    return status ? report(m, ERROR, "GetDirectionalDerivative: the outputs are not finite beside the present inputs") : OK;
+    free(cells);
+    return status ? report(m, ERROR, "GetDirectionalDerivative: the derivative is not finite at the present inputs") : OK;
 }
 
 /* ---- states: one piece of memory; serialized with the token in front and a sum behind ---- */

@@ -44,6 +44,9 @@ extern const bool model_whole; /* a state is the whole block, with what follows 
 int32_t model_initialize(double t, int64_t block);
 int32_t model_step(double t, double h, int64_t block);
 int32_t model_outputs(double t, int64_t block);
+/* The derivative of the outputs along one direction: the tangent of a cell lies `offset` bytes behind it, as for cells of the stack. */
+int32_t model_slopes(double t, int64_t block, int64_t offset, int64_t stack, int64_t ties);
+enum { STACK = 1 << 15 }; /* cells */
 void model_place(int64_t block); /* addresses in a block that has come from elsewhere */
 void model_forget(uint64_t *cells); /* no addresses in the cells of a state, which is the same in every process */
 

@@ -13,6 +13,7 @@ from cosimo.components.catalogue import component_class
 from cosimo.fmus.interface import interface
 from cosimo.fmus.native.build import library, own_target, pack
 from cosimo.tests.fmus.native.support import by_type, compiled, maker, opened, read
+from cosimo.tests.fmus.native.test_communication_steps import Host
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
@@ -202,9 +203,22 @@ def test_directional_derivatives_of_a_spring_are_its_constants(tmp_path):
     inputs = [references["second_x"], references["second_velocity_x"]]
     state = fmu.serializeFMUstate(fmu.getFMUstate())
     along = fmu.getDirectionalDerivative(outputs, inputs, [1e-3, 2.0])
-    assert along == pytest.approx([1e-3 * stiffness + 2.0 * damping, -1e-3 * stiffness - 2.0 * damping, 0.0], rel=1e-9)
+    assert along == pytest.approx([1e-3 * stiffness + 2.0 * damping, -1e-3 * stiffness - 2.0 * damping, 0.0], rel=1e-15)
     assert fmu.serializeFMUstate(fmu.getFMUstate()) == state
     fmu.freeInstance()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_rocker_s_rate_is_its_angle_s_derivative_along_the_crank_s_rate(version, tmp_path):
+    host = Host.of(pack(compiled("FourBar"), tmp_path, version))
+    for angle in (0.7, 1.5, 2.6):
+        host.put("input_angle", angle)
+        host.put("input_rate", 3.0)
+        along = host.fmu.getDirectionalDerivative([host.references["output_angle"]], [host.references["input_angle"]], [3.0])
+        assert along == pytest.approx(host.get("output_rate"), rel=1e-14)
+    host.fmu.terminate()
+    host.fmu.freeInstance()
 
 
 @pytest.mark.full

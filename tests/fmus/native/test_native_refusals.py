@@ -1,7 +1,9 @@
 """What has no native form is refused by name, with the line that prevents it; what is missing is one message."""
 
+import math
 import subprocess
 import sys
+import zipfile
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
 from cosimo.fmus.native.build import initialized
 from cosimo.fmus.native.machine_code import compile_entries, source_of
+from fmpy import simulate_fmu
 
 
 class Sum(StatelessComponent):
@@ -50,6 +53,19 @@ class Allocating(Sum):
     kernels = stateless_kernels(__name__, add)
 
 
+@kernel
+def factorial(t, s, p, e):
+    """A function that has no rule for its derivative."""
+    s.y[0] = math.lgamma(s.u[0, 0])
+    return DONE
+
+
+class Factorial(Sum):
+    """It has a native form, and no derivative."""
+
+    kernels = stateless_kernels(f"{__name__}.Factorial", factorial)
+
+
 class Plain(Component):
     """Python in its steps."""
 
@@ -65,6 +81,15 @@ class Plain(Component):
 
     def _outputs(self, t):
         self.y[0] = self.u[0, 0]
+
+
+@pytest.mark.parametrize(("version", "flag"), [(2, "providesDirectionalDerivative"), (3, "providesDirectionalDerivatives")])
+def test_an_fmu_without_derivatives_says_so_and_runs(version, flag, tmp_path):
+    for cls, said in ((Weighed, "true"), (Factorial, "false")):
+        path = build.pack(build.library(cls.__name__, cls, [build.own_target()]), tmp_path, version)
+        with zipfile.ZipFile(path) as file:
+            assert f'{flag}="{said}"' in file.read("modelDescription.xml").decode()
+    assert simulate_fmu(str(path), stop_time=0.1)["total"][-1] == math.lgamma(1.0)
 
 
 @pytest.mark.parametrize(("cls", "words"), [
