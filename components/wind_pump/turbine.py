@@ -16,7 +16,7 @@ from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, FARM, torque_coefficient
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
-CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
+LARGEST_NUMBER = 1e12  # of a ratio: where the wind dies under a turning rotor, the torque is that of no wind long before
 LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
 BETZ = 16.0 / 27.0  # largest power coefficient
@@ -140,12 +140,12 @@ def wind_torque(speed, u, p, pitch, furling):
     wind = u[IN.wind]
     if furling is not None:
         wind = min(wind, furling.wind)
-    if wind < CALM:
+    if wind <= 0.0:  # exactly here the two sides have slopes of their own
         return 0.0
     degrees = 0.0
     if pitch is not None:
         degrees = u[pitch.u] / DEGREE
-    ratio = speed * p.radius / wind
+    ratio = min(max(speed * p.radius / wind, -LARGEST_NUMBER), LARGEST_NUMBER)
     coefficient = torque_coefficient(p.curve, ratio, degrees, p.standstill_coefficient, p.runaway_ratio)
     return 0.5 * p.density * math.pi * p.radius**3 * wind * (wind * coefficient)
 
@@ -217,7 +217,7 @@ def turbine_outputs(t, s, p, e):
     torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[IN.wind]
     y[OUT.speed], y[OUT.angle], y[OUT.aerodynamic_torque], y[OUT.power] = x[0], x[1], torque, torque * x[0]
     y[OUT.power_coefficient], y[OUT.tip_speed_ratio] = 0.0, 0.0
-    if wind > CALM and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
+    if wind > 0.0 and wind**3 > 0.0 and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
         y[OUT.power_coefficient] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
         y[OUT.tip_speed_ratio] = x[0] * p.radius / wind
     return DONE

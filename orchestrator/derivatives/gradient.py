@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed, nearest
+from ..judgement.comparison import SURE
 from ..output import write_table
 from ..run.results import Result
 from ..run.run import run
@@ -127,7 +128,7 @@ def gradient(
         finer = scene.with_changes({"master.step": 0.5 * scene.master.step, **refined(scene, 0.5)})
         with ExitStack() as stack:
             again = slopes_of(_run(finer), TangentScene(finer, stack), figures, names, at)
-        slopes = {key: replace(s, error=abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
+        slopes = {key: replace(s, error=SURE * abs(s.derivative - again[key].derivative)) for key, s in slopes.items()}
     return Gradient(scene, _sorted(slopes.values()), refused)
 
 
