@@ -111,6 +111,7 @@ class Component:
     start_inputs: ClassVar[tuple[str, ...] | None] = None
 
     holds_outputs: ClassVar[bool] = False  # they keep their values between samples: no master may interpolate or extrapolate them
+    by_midpoint_rule: bool = False  # it integrates so, with a parameter `substep`: modes take back what the rule does to them
     ports: ClassVar[Declared] = {}  # signals that go to one partner together
     port_members: ClassVar[Mapping[str, str]] = {}  # names of signals that are others within a port
     own_variables: ClassVar[tuple[Variable, ...]] = ()

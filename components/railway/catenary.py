@@ -209,6 +209,11 @@ class Catenary(HungLine):
     }
 
     # -- memory ------------------------------------------------------------------------------------------------------
+    @property
+    def by_midpoint_rule(self) -> bool:  # type: ignore[override]
+        """Which the generalised-alpha method is without numerical damping."""
+        return bool(self.parameters["method"] == "implicit" and self.parameters["spectral_radius"] == 1.0)
+
     def shapes(self) -> dict[str, Any]:
         """Geometry, the numbers that follow from parameters, and workspace.
 

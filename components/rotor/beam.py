@@ -213,6 +213,11 @@ class BeamRotor(KernelComponent):
     speed = output("rad/s", "speed of rotation", nominal=100.0)
     angle = output("rad", "angle of the rotor, in [0, 2 pi)")
 
+    @property
+    def by_midpoint_rule(self) -> bool:  # type: ignore[override]
+        """Which the generalised-alpha method is without numerical damping."""
+        return bool(self.parameters["spectral_radius"] == 1.0)
+
     def shapes(self) -> dict[str, Any]:
         """Room for the most nodes; N = 4 `mesh[0]` degrees of freedom are in use, k ports.
 

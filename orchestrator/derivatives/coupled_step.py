@@ -44,10 +44,10 @@ class CoupledStep:
     steps: macro steps that units with rates of their own and controllers have in common.
     """
 
-    def __init__(self, tangents: TangentScene, h: float | None = None):
-        """h: that of the scene, if not another one. Raises `BadInput` where rates have no common period."""
+    def __init__(self, tangents: TangentScene, h: float | None = None, steps: int | None = None):
+        """h, steps: others than those of the scene. Raises `BadInput` where rates have no common period."""
         self.tangent_scene, self.h = tangents, tangents.scene.master.step if h is None else h
-        self.steps = common_steps(tangents.scene, self.h)
+        self.steps = common_steps(tangents.scene, self.h) if steps is None else steps
         self._arena, self._n = tangents._arena, tangents.layout.cells
         self._own = tangents._arena.tangents[: self._n]
         self._where = f"linearization of {tangents.scene.name}"
@@ -135,12 +135,13 @@ class CoupledStep:
         if cells.size > 4 * MOST:
             self._refuse(cells.size)
         columns = self._columns(cells, self.steps)
+        ties = self.at_tie
         kept = np.flatnonzero(np.abs(columns).max(axis=0) > 0.0)
         while (read := np.abs(columns[np.ix_(kept, kept)]).max(axis=0, initial=0.0) > 0.0).sum() < kept.size:
             kept = kept[read]
         if kept.size > MOST:
             self._refuse(kept.size)
-        self._cells, self._jacobian = cells[kept], columns[np.ix_(kept, kept)]
+        self._cells, self._jacobian, self.ties = cells[kept], columns[np.ix_(kept, kept)], ties[kept]
 
     def _refuse(self, size: int) -> None:
         remedy = "CoupledStep.products gives products with the Jacobian, for SciPy."
@@ -150,19 +151,27 @@ class CoupledStep:
     def products(self, directions: np.ndarray, steps: int | None = None, cells: np.ndarray | None = None) -> np.ndarray:
         """The derivative of some macro steps times directions, (n, d): of the state, or of other cells. It stays where it is."""
         cells = self.cells if cells is None else cells
-        known, width = self._cells, self.tangent_scene.width
-        before, results = self._save(), []
+        return self.derivative(cells, directions, cells, steps)
+
+    def derivative(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray, steps: int | None = None) -> np.ndarray:
+        """Of cells `of` behind some macro steps when cells `by`, (n,), move along directions, (n, d); (k, d).
+
+        `at_tie` has then, (d,), along which ones a decision has stood at its boundary.
+        """
+        known, before, results, ties = self._cells, self._save(), [np.zeros((of.size, 0))], [np.zeros(0, dtype=bool)]
+        width = self.tangent_scene.width
         for k in range(0, directions.shape[1], width):
             some = directions[:, k : k + width]
-            self.seed(cells, some)
+            self.seed(by, some)
             self.advance(self.steps if steps is None else steps)
-            results.append(self.tangents(cells)[:, : some.shape[1]])
+            results.append(self.tangents(of)[:, : some.shape[1]])
+            ties.append(self.tangent_scene.at_tie()[: some.shape[1]])
             self._restore(before)
-        self._cells = known
+        self._cells, self.at_tie = known, np.concatenate(ties)
         return np.concatenate(results, axis=1)
 
     def _columns(self, cells: np.ndarray, steps: int) -> np.ndarray:
-        values = self.products(np.eye(cells.size), steps, cells)
+        values = self.derivative(cells, np.eye(cells.size), cells, steps)
         if not np.isfinite(values).all():
             place = cells[np.flatnonzero(~np.isfinite(values).all(axis=0))[0]]
             raise BadInput(self._where, f"an infinite derivative by {self.name(place)} at t = {self.time:g} s", "a smooth state")

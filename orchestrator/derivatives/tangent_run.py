@@ -19,7 +19,7 @@ from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
 from ..engine.algorithms import Master
-from ..engine.algorithms.records import GIVEN
+from ..engine.algorithms.records import GIVEN, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..run.results import Result
@@ -27,9 +27,11 @@ from ..scene.names import displaced
 from ..scene.scene import Scene
 from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
 from ..session.open_scene import OpenScene
+from ..units.component import ComponentSimulator
 
 WIDTH = 8  # directions at once
 CHUNK = 256  # macro steps of one call
+BY_DIFFERENCES = "Differences have no such limit: differences = 1e-4."
 KERNELS_ALONE = "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)"
 
 
@@ -48,13 +50,13 @@ class Rows(NamedTuple):
 class TangentScene:
     """An open scene with the derivatives of its kernels; `run` takes directions, as many as wanted."""
 
-    def __init__(self, scene: Scene, stack: ExitStack, follow: bool = True, width: int = WIDTH):
-        """`stack` closes the units.  width: directions at once.
+    def __init__(self, scene: Scene, stack: ExitStack, follow: bool = True, width: int = WIDTH, remedy: str = BY_DIFFERENCES):
+        """`stack` closes the units.  width: directions at once.  remedy: for scenes without derivatives.
 
         follow: outputs follow inputs even where these have moved by rounding alone, for their tangents may have moved; without it
         the numbers are bit-identical to those of a run. Raises `BadInput` for what has no derivatives.
         """
-        self.scene, self.width, self._where = scene, width, f"derivatives of {scene.name}"
+        self.scene, self.width, self._where, self._remedy = scene, width, f"derivatives of {scene.name}", remedy
         reasons = in_python(scene)
         reasons += ["faults"] * bool(scene.faults) + ["signals that jump"] * bool(jump_times(scene))
         self._refuse(reasons)
@@ -84,7 +86,7 @@ class TangentScene:
 
     def _refuse(self, reasons: Sequence[str]) -> None:
         if reasons:
-            raise BadInput(self._where, ", ".join(reasons), KERNELS_ALONE, "Differences have no such limit: differences = 1e-4.")
+            raise BadInput(self._where, ", ".join(reasons), KERNELS_ALONE, self._remedy)
 
     def _cell(self, array: str, k: int, field: str) -> int:
         return self.layout.at + self.master.records.place(array, k, field)
@@ -204,7 +206,8 @@ class TangentScene:
         self._call(self._steps, start, 0.0)
 
     def take(self, master: Master) -> None:
-        """The block as units and master of another opening of the scene stand."""
+        """The block as units and master of another opening of the scene stand; raises `BadInput` for units that are FMUs."""
+        self._refuse([f"{n.unit.name} (opened as an FMU)" for n in master.nodes if not isinstance(n.unit, ComponentSimulator)])
         self._begin(())
         cells, own = self._arena.cells, [*self._ends, *self._changes, *(cell for cell, _, _ in self._addresses)]
         kept = cells[own].copy()
@@ -226,6 +229,18 @@ class TangentScene:
         self._ask("step", whole=1, steps=steps, **{k: arena.address + CELL * v for k, v in addresses.items()})
         self._call(self._steps, 0.0, h)
         return slice(rows, rows + steps * len(self.signals))
+
+    def follow(self, t: float, outputs: np.ndarray) -> None:
+        """Let the outputs of all units follow at an instant, t, s; outputs: cells of the signals in the blocks of their units."""
+        cells, read = self._arena.cells, slice(self._first_signal, self._first_signal + len(self.signals))
+        for unit in self.layout.units:
+            entry = self._code.entry(f"layout{unit.layout}_outputs", 1)
+            if entry(cells[self._cell("units", unit.node.called, "time")], *self._arena.given(unit.first)):
+                raise StepFailed(unit.name, t, "its outputs have no derivatives")
+        cells[read], self._arena.tangents[read] = cells[outputs], self._arena.tangents[outputs]
+        cells.view(np.int64)[[self._cell("units", k, "ends") for k in range(len(self._ends))]] = UNKNOWN
+        self._ask("follow", whole=0, steps=1, updated=0)
+        self._call(self._steps, t, 0.0)
 
     def at_tie(self) -> np.ndarray:
         """Of each direction whether a decision has stood at its boundary, (width,)."""

@@ -35,6 +35,7 @@ from .state import Inputs, State
 
 if TYPE_CHECKING:
     from ..derivatives.gradient import Gradient
+    from ..derivatives.linear import Linear
 
 Value = float | int | bool | str | np.ndarray | Sequence[float]
 SHOWN = 40  # outputs in a notebook
@@ -352,6 +353,17 @@ class Session:
         from ..derivatives.gradient import gradient
 
         return gradient(self._scene.with_changes(self._changes) if self._changes else self._scene, of, by, **options)
+
+    def linearize(self, inputs: Sequence[str] = (), outputs: Sequence[str] = (), steps: int | None = None) -> Linear:
+        """The scene about this instant as a linear system in discrete time, over so many macro steps; it stays where it is.
+
+        inputs: that nothing drives.  outputs: default those that are recorded.  steps: default those that units with rates of their
+        own and controllers have in common. Raises `BadInput` for what has no derivatives.
+        """
+        from ..derivatives.linear import linearize
+
+        self._started("linearize()")
+        return linearize(self._scene, self._master, self.time, inputs, outputs, steps)
 
     # -- states ------------------------------------------------------------------------------------------------------
     def save(self) -> State:
