@@ -346,24 +346,23 @@ def test_a_step_that_is_no_multiple_is_refused_with_the_macro_step(built):
     assert any(f"expected a whole multiple of {scene.master.step!r} s" in str(text) for text in said)
 
 
+ISOLATED = {"stop_time": 1.0, "units": {"own": {"component": "ServoMotor", "isolation": "process"}}, "master": {"step": 0.01}}
+BETWEEN = {"signal": "mass.base_x", "kind": "freeze", "begin": 0.0125}
+
+
 @pytest.mark.parametrize(
-    ("name", "named"),
-    [("link-split", "'iterative'"), ("en50318-2002-interface-model", "a contact"), ("rov-added-mass", "algebraic loop")],
+    ("scene", "named"),
+    [
+        (lambda: load_scene("link-split"), "'iterative'"),
+        (lambda: load_scene("en50318-2002-interface-model"), "a contact"),
+        (lambda: load_scene("rov-added-mass"), "algebraic loop"),
+        (
+            lambda: load_scene("mass-on-spring", {"faults": [BETWEEN]}),
+            r"faults\[1\].begin: got 0.0125 s, expected a whole multiple",
+        ),
+        (lambda: read_scene(ISOLATED), "process of its own"),
+    ],
 )
-def test_what_needs_python_is_named(name, named):
+def test_what_needs_python_or_lies_between_steps_is_named(scene, named):
     with pytest.raises(BadInput, match=named):
-        scene_library(load_scene(name), [own_target()])
-
-
-def test_a_fault_between_two_macro_steps_is_refused():
-    fault = {"signal": "mass.base_x", "kind": "freeze", "begin": 0.0125}
-    with pytest.raises(BadInput, match=r"faults\[1\].begin: got 0.0125 s, expected a whole multiple"):
-        scene_library(load_scene("mass-on-spring").with_changes({"faults": [fault]}), [own_target()])
-
-
-def test_units_that_are_no_components_are_named(tmp_path):
-    scene = read_scene(
-        {"stop_time": 1.0, "units": {"own": {"component": "ServoMotor", "isolation": "process"}}, "master": {"step": 0.01}}
-    )
-    with pytest.raises(BadInput, match="process of its own"):
-        scene_library(scene, [own_target()])
+        scene_library(scene(), [own_target()])
