@@ -118,7 +118,8 @@ class Advice:
             if growth.constant
             else f"mean of the first {self.stability.looked:.3g} s"
         )
-        yield f"stability of the coupling: a disturbance {growth.text} ({where})"
+        own = ", as it does with shorter steps" if growth.rate > 0.0 and not growth.unstable else ""
+        yield f"stability of the coupling: a disturbance {growth.text}{own} ({where})"
         if not growth.unstable and growth.lost > 0.0:
             yield f"damping that the coupling takes away: {growth.lost:.3g} 1/s, beside a quarter of the macro step"
         if limit is not None:
@@ -177,6 +178,8 @@ def stability_of(scene: Scene, counted: float = 0.0) -> Stability:
         with ExitStack() as stack:
             coupling = coupling_of(scene, stack)
             growth = coupling.growth(scene.master.step)
+            if not growth.unstable and scene.master.step > coupling.most:
+                return Stability(why="the run has too few macro steps to see growth along it")
             return Stability(growth, coupling.longest() if growth.constant else None, looked)
     except BadInput as error:
         return Stability(why=error.actual)

@@ -24,10 +24,11 @@ from .thresholds import AT_REST, SAME_MAP
 FINER = 4  # steps that one is compared with
 FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not
 STRETCHES = 12  # of a run, over which a push is followed
-FEWEST = 32  # macro steps of a stretch
+FEWEST = 16  # macro steps of a stretch
 WARM = 3  # macro steps, which fill the histories of the inputs with samples of one distance
 MOST = 400  # states of units whose Jacobian is worth its time
 ACCURACY = 1.01, 1.0 + 1e-9  # of a limit: of growth along the run, of an eigenvalue
+LEAST = 36.0  # macro steps of a run for which a limit is looked for
 SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
 ROUNDING = 1e-9  # of an absolute eigenvalue
 
@@ -57,10 +58,14 @@ class CouplingStability:
     def longest(self) -> Limit:
         """The longest macro step of those that the run has room for."""
         step, least = self.scene.master.step, self.scene.master.step / SHORTEST
-        most = self.scene.duration / (FEWEST + WARM + 1)
         if self.constant:
-            return longest_stable(self.grows, least, least, max(step, most), ACCURACY[True])
-        return longest_stable(self.grows, step, least, most, ACCURACY[False])
+            return longest_stable(self.grows, least, least, max(step, self.scene.duration / LEAST), ACCURACY[True])
+        return longest_stable(self.grows, step, least, max(self.most, least), ACCURACY[False])
+
+    @property
+    def most(self) -> float:
+        """The longest macro step of which growth along the run tells that it is stable, s: with longer ones stretches leave the run."""
+        return math.inf if self.constant else self.scene.duration / (STRETCHES * FEWEST)
 
     @property
     def constant(self) -> bool:

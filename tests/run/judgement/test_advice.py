@@ -89,6 +89,31 @@ def test_growth_along_the_run_is_told_with_the_damping_that_the_coupling_takes_a
 
 
 @of_machine_code
+def test_a_run_of_few_macro_steps_is_not_called_stable():
+    """Growth ends at bounds within few steps; what it shows as unstable is."""
+    few = load_scene("lumped-catenary").with_changes({"master.step": 5e-3, "stop_time": 0.9})
+    assert advise(few, in_process=True).stability.why == "the run has too few macro steps to see growth along it"
+    assert advise(few.with_changes({"master.step": 2e-2}), in_process=True).stability.growth.unstable
+
+
+@of_machine_code
+def test_what_grows_by_itself_is_no_fault_of_the_step():
+    """A ground that a negative damper drives lets a mass swing up, whatever the step."""
+    mass, between = (f"cosimo.tests.derivatives.coupled_masses:{name}" for name in ("Owner", "Between"))
+    scene = read_scene(
+        {
+            "stop_time": 20.0,
+            "connections": ["s.force -> m.force", "m.x_out -> s.x1", "m.v_out -> s.v1"],
+            "units": {"m": {"component": mass, "parameters": {"c": -0.2, "v0": 1.0}}, "s": {"component": between}},
+            "master": {"algorithm": "jacobi", "step": 1e-3, "extrapolation": 2},
+        }
+    )
+    advice = advise(scene)
+    assert "grows by a factor of 2.7 in 1.05e+04 steps, as it does with shorter steps" in next(advice.lines())
+    assert advice.warnings(scene) == []
+
+
+@of_machine_code
 def test_a_long_run_is_examined_over_its_beginning(monkeypatch):
     scene = load_scene("lumped-catenary")
     work = advise(scene, in_process=True).work * scene.duration / scene.master.step
