@@ -320,6 +320,7 @@ print(result.outcome, result.message)
 
 
 @posix
+@pytest.mark.first
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_a_signal_leaves_a_whole_result(number, tmp_path):
     process = started(tmp_path)

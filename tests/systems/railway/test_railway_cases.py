@@ -52,6 +52,7 @@ def test_the_reference_model_lies_in_the_published_ranges(speed):
     assert outcome(rows) == "passed"
 
 
+@pytest.mark.full
 def test_bilateral_droppers_fail_the_table():
     """The table tells models apart: droppers that push, which no published result allows, are far outside."""
     scene = load_scene("en50318-2002")

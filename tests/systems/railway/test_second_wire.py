@@ -103,6 +103,7 @@ def test_wires_of_an_overlap_move_by_themselves():
     assert made["second_wire.wire_height[1]"] == pytest.approx(10.0, abs=1e-9)
 
 
+@pytest.mark.full
 def test_a_line_with_one_wire_has_the_second_out_of_reach():
     made = Catenary(["line_table", "second_wire"], {"method": "implicit", "element": 2.0})
     made.set("second_wire.contact_force[1]", 100.0)

@@ -82,6 +82,7 @@ def test_the_first_acceleration_is_that_of_the_unbalance_that_sets_in():
     np.testing.assert_allclose(force, expected, atol=1e-6)  # N; rounding of 1e9 N/m times the sag of 1 mm
 
 
+@pytest.mark.full
 def test_energy_is_kept_without_damping():
     """The midpoint rule keeps a quadratic energy, gyroscopic forces do no work: rounding of 20 000 steps."""
     rotor = started((*FRISWELL, "gravity"), start_speed=500.0)
