@@ -36,7 +36,6 @@ from ..core.variables import PARTS, count, input_, integer, output, parameter
 from .geometry import BallGeometry
 from .races import BallDefect, CageFault, Defect, Waviness, wave_shapes
 from .two_dof import (
-    CONSTANTS,
     COSINE,
     DISPLACED_TOO_FAR,
     GAP,
@@ -47,7 +46,7 @@ from .two_dof import (
     SINCE,
     SINE,
     TOO_STIFF,
-    constants,
+    Constants,
     fill_gaps,
 )
 from .two_dof_start import bearing_kernels, bearing_start, put_constants
@@ -175,13 +174,13 @@ class TwoDofBearing(OdeComponent):
         return 7 if "ball_defect" in self.on else 6
 
     def shapes(self) -> dict[str, Any]:
-        """`constants`: as of `two_dof.Constants`.  `balls`: see there.  `message`: numbers of a message.  Waves: see `races`."""
+        """`constants`: see `two_dof`.  `balls`: see there.  `message`: numbers of a message.  Waves: see `races`."""
         n: Any = self.get("balls")
         if "ball_defect" in self.on and (ball := self.get("ball_defect.ball")) > n:
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"one of the {n} balls")
         if "cage_fault" in self.on and ((ball := self.get("cage_fault.ball")) > n or n < 4):
             raise BadInput(self.name, f"cage_fault.ball = {ball}", f"one of four or more balls, here {n}")
-        return super().shapes() | {"constants": CONSTANTS, "balls": (SINCE + 1, n), "message": MESSAGE} | wave_shapes(self.on, n)
+        return super().shapes() | {"constants": Constants, "balls": (SINCE + 1, n), "message": MESSAGE} | wave_shapes(self.on, n)
 
     def _check(self, status: int) -> None:
         if status == TOO_STIFF:  # a run under way
@@ -192,7 +191,7 @@ class TwoDofBearing(OdeComponent):
     def energy(self) -> float:
         """Kinetic energy plus that of the contacts, J (or in units of the scales); the load is not counted."""
         s, _, e = self.arguments
-        k = constants(s)
+        k = s.constants
         fill_gaps(self.x, 0.0, k, s.balls, s.inner_waves, s.outer_waves, e)
         cosine, sine, gap = s.balls[[COSINE, SINE, GAP]]
         at = self.x[5] + np.arctan2(sine, cosine)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
-from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
 from ..core.variables import PARTS, count, input_, integer, output, parameter
 from .constriction import (
     bridged_resistance,
@@ -24,7 +24,7 @@ from .constriction import (
     thermal_contact,
     through_gap,
 )
-from .contacts import LARGEST_CONTACT, LOAD, BallContacts, groove_contacts, set_balls
+from .contacts import LARGEST_CONTACT, LOAD, BallContacts, groove_contacts, note_contacts, set_balls
 from .geometry import INNER, OUTER, BallGeometry, diameter_share, grooved_contact, relative_radii
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_stiffness, two_in_series
 from .loads import equilibrium
@@ -32,7 +32,7 @@ from .radiation import radiative_coefficient
 
 LARGE_BALLS, LINE_CONTACT, THIN_WALLS, NARROW_RINGS, WIDE_MENISCUS, WIDE_GAP = range(OWN + 1, OWN + 7)  # status
 AS_FAR_AS_THE_BALL = (
-    "at most {refused[0]} m, where the gap beside the contact reaches as far out as the ball's radius of {refused[1]} m"
+    "at most {refused.gap} m, where the gap beside the contact reaches as far out as the ball's radius of {refused.radius} m"
 )
 
 
@@ -116,13 +116,13 @@ class AngularContactConductance(KernelComponent):
             "balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m", "balls smaller than the pitch diameter"
         ),
         LINE_CONTACT: Refusal(
-            "Ry/Rx = {refused} of a ball in its groove",
+            "Ry/Rx = {refused.ratio} of a ball in its groove",
             f"a ratio in [1, {LARGEST_RATIO:g}]",
             "Correct the conformities or the diameters.",
         ),
         THIN_WALLS: Refusal(
             "rings from {ring_walls.bore} m to {ring_walls.outside_diameter} m",
-            "walls around {refused[0]} m and {refused[1]} m, the diameters where the balls touch",
+            "walls around {refused.inside} m and {refused.outside} m, the diameters where the balls touch",
             "Correct bore and outside_diameter.",
         ),
         NARROW_RINGS: Refusal(
@@ -210,20 +210,20 @@ class AngularContactConductance(KernelComponent):
 
     def shapes(self) -> dict[str, Any]:
         """`places`: (Z, 4) of the balls, see `contacts`, with their loads.  `ring`: (3, 5) force on the inner ring, whether it is
-        free to move, displacement.  `bearing`: of `BallContacts` but the number of balls.  `races`: (2, 5) of `ThermalContact`.
-        `rings`: of `Rings`.  `ball`: radius in m and conductivity in W/(m.K), for its spreading.  `tangent`, `rows`: work of
-        `loads.equilibrium`.  `refused`: numbers for a message.
+        free to move, displacement.  `contacts`: `BallContacts`.  `races`: (2, 5) of `ThermalContact`.
+        `rings`, `ball`, `refused`: see there.  `tangent`, `rows`: work of
+        `loads.equilibrium`.
         """
         return {
             "places": (self.parameters["balls"], 4),
             "ring": (3, 5),
-            "bearing": 5,
+            "contacts": BallContacts,
             "races": (2, 5),
-            "rings": 5,
-            "ball": 2 if "ball_bulk" in self.on else None,
+            "rings": Rings,
+            "ball": Ball if "ball_bulk" in self.on else None,
             "tangent": (2, 5, 5),
             "rows": (5, 8),
-            "refused": 2,
+            "refused": Refused,
         }
 
     def left_range(self) -> str:
@@ -236,9 +236,8 @@ IN = AngularContactConductance.input_places()
 OUT = AngularContactConductance.output_places()
 
 
-@kernel_tuple
 class Rings(NamedTuple):
-    """Constants of the rings, from the parameters."""
+    """The record `s.rings`: what the parameters determine of the rings."""
 
     wall: float  # 1 / (2 pi k width) of a ring, K/W
     inner_relief: float  # reduction of the constriction by a ring's finite size, K/W
@@ -247,25 +246,28 @@ class Rings(NamedTuple):
     area: float  # of each ring towards the other, m2
 
 
+class Ball(NamedTuple):
+    """The record `s.ball`, for the spreading of heat in a ball."""
+
+    radius: float  # m
+    conductivity: float  # W/(m.K)
+
+
+class Refused(NamedTuple):
+    """The record `s.refused`: numbers of messages."""
+
+    ratio: float  # Ry/Rx
+    inside: float  # m, diameters where the balls touch
+    outside: float
+    gap: float  # m, of which the contact is still a small spot
+    radius: float  # m, of a ball
+
+
 @kernel
 def raceway_diameters(ball_diameter, pitch_diameter, contact_angle):
     """Diameters where the balls touch the inner and the outer ring, m."""
     across = ball_diameter * math.cos(contact_angle)
     return pitch_diameter - across, pitch_diameter + across
-
-
-@kernel
-def ball_contacts_of(s, p):
-    """`BallContacts` of the bearing."""
-    c = s.bearing
-    return BallContacts(p.balls, c[0], c[1], c[2], c[3], c[4])
-
-
-@kernel
-def rings_of(s):
-    """`Rings` of the bearing."""
-    c = s.rings
-    return Rings(c[0], c[1], c[2], c[3], c[4])
 
 
 @kernel
@@ -278,8 +280,8 @@ def conductance_start(t, s, p, e):
     modulus = effective_modulus(p.modulus, p.poisson_ratio, p.modulus, p.poisson_ratio)
     inner_along, inner_across = relative_radii(INNER, p.inner_conformity, d, gamma)
     outer_along, outer_across = relative_radii(OUTER, p.outer_conformity, d, gamma)
-    s.refused[0] = max(inner_across / inner_along, outer_across / outer_along)
-    if s.refused[0] > LARGEST_RATIO:
+    s.refused.ratio = max(inner_across / inner_along, outer_across / outer_along)
+    if s.refused.ratio > LARGEST_RATIO:
         return LINE_CONTACT
     inner = grooved_contact(inner_along, inner_across, modulus, False)
     outer = grooved_contact(outer_along, outer_across, modulus, False)
@@ -296,10 +298,9 @@ def conductance_start(t, s, p, e):
     contacts = groove_contacts(
         p.balls, stiffness, p.inner_conformity, p.outer_conformity, d, p.pitch_diameter, p.contact_angle, 0.0
     )
-    s.bearing[0], s.bearing[1], s.bearing[2] = contacts.stiffness, contacts.distance, contacts.radial
-    s.bearing[3], s.bearing[4] = contacts.axial, contacts.lever
+    note_contacts(contacts, s.contacts)
     if e.ball_bulk is not None:
-        s.ball[0], s.ball[1] = 0.5 * d, p.ball_conductivity
+        s.ball.radius, s.ball.conductivity = 0.5 * d, p.ball_conductivity
     set_balls(s.places, 0.0)
     s.ring[1, 0] = s.ring[1, 2] = 1.0  # it moves along the radial load and along the shaft, and does not tilt
     return DONE
@@ -310,15 +311,16 @@ def rings_status(s, p, e):
     """The numbers of `Rings`, and whether there is a wall around the balls and room for their heat in it."""
     inside, outside = raceway_diameters(p.ball_diameter, p.pitch_diameter, p.contact_angle)
     if e.ring_walls is not None:
-        s.refused[0], s.refused[1] = inside, outside
+        s.refused.inside, s.refused.outside = inside, outside
         if not (e.ring_walls.bore < inside and outside < e.ring_walls.outside_diameter):
             return THIN_WALLS
         if ring_part(inside, p.width, p.balls) < 0.5 * p.ball_diameter:
             return NARROW_RINGS
-    s.rings[0] = 1.0 / (2.0 * math.pi * p.ring_conductivity * p.width)
-    s.rings[1] = finite_ring(ring_part(inside, p.width, p.balls), p.ring_conductivity)
-    s.rings[2] = finite_ring(ring_part(outside, p.width, p.balls), p.ring_conductivity)
-    s.rings[3], s.rings[4] = outside / inside, math.pi * p.pitch_diameter * p.width
+    r = s.rings
+    r.wall = 1.0 / (2.0 * math.pi * p.ring_conductivity * p.width)
+    r.inner_relief = finite_ring(ring_part(inside, p.width, p.balls), p.ring_conductivity)
+    r.outer_relief = finite_ring(ring_part(outside, p.width, p.balls), p.ring_conductivity)
+    r.raceways, r.area = outside / inside, math.pi * p.pitch_diameter * p.width
     return DONE
 
 
@@ -326,10 +328,10 @@ def rings_status(s, p, e):
 def gaps_status(across, s, p, e):
     """Whether no gap is bridged as far out as the ball's equator; across: the larger relative radius Ry, m."""
     radius = 0.5 * p.ball_diameter
-    s.refused[0], s.refused[1] = 0.5 * radius**2 / across, radius
-    if e.lubricant_path is not None and e.lubricant_path.meniscus_height > s.refused[0]:
+    s.refused.gap, s.refused.radius = 0.5 * radius**2 / across, radius
+    if e.lubricant_path is not None and e.lubricant_path.meniscus_height > s.refused.gap:
         return WIDE_MENISCUS
-    if e.gas_path is not None and e.gas_path.widest_gap > s.refused[0]:
+    if e.gas_path is not None and e.gas_path.widest_gap > s.refused.gap:
         return WIDE_GAP
     return DONE
 
@@ -372,10 +374,10 @@ def conductance_outputs(t, s, p, e):
     forces, free, q = s.ring[0], s.ring[1], s.ring[2]
     forces[0], forces[2] = u[IN.radial_force], max(u[IN.axial_force], 0.0)
     q[:] = 0.0  # always the same way to the equilibrium: a repeated step is bit-identical
-    status = equilibrium(forces, free, ball_contacts_of(s, p), places, q, (s.tangent[0], s.tangent[1], s.rows))
+    status = equilibrium(forces, free, s.contacts, places, q, (s.tangent[0], s.tangent[1], s.rows))
     if status != DONE:
         return status
-    inner, outer, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), rings_of(s)
+    inner, outer, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), s.rings
     thickness = 0.0
     if e.film is not None:
         thickness = max(u[e.film.u], 0.0)

@@ -111,7 +111,7 @@ def noted_contact(numbers):
 def bridged_resistance(width, cube_root, contact, ball):
     """Constriction on both sides of the contact and the gap beside it as far as it is up to `width` m wide, K/W.
 
-    cube_root: of the load, N^(1/3).  ball: its radius in m and its conductivity, for its spreading, or None. Without load and
+    cube_root: of the load, N^(1/3).  ball: its `radius` in m and `conductivity`, for its spreading, or None. Without load and
     width the constriction is infinite.
     """
     along = math.sqrt((contact.along * cube_root) ** 2 + 2.0 * contact.radius_along * width)
@@ -120,7 +120,7 @@ def bridged_resistance(width, cube_root, contact, ball):
         return math.inf
     resistance = 1.0 / (4.0 * contact.conductivity * arithmetic_geometric_mean(along, across))
     if ball is not None:
-        resistance += ball_spreading(along, across, ball[0], ball[1])
+        resistance += ball_spreading(along, across, ball.radius, ball.conductivity)
     return resistance
 
 

@@ -58,6 +58,13 @@ def groove_contacts(balls, stiffness, inner_conformity, outer_conformity, ball_d
 
 
 @kernel
+def note_contacts(contacts, record):
+    """Contacts into a record of the block."""
+    record.balls, record.stiffness, record.distance = contacts.balls, contacts.stiffness, contacts.distance
+    record.radial, record.axial, record.lever = contacts.radial, contacts.axial, contacts.lever
+
+
+@kernel
 def set_balls(balls, first):
     """Cosine and sine of the angles of balls (Z, 4) at equal distances, the first one at `first` rad; nothing else is touched."""
     for j in range(balls.shape[0]):

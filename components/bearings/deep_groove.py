@@ -29,14 +29,13 @@ from ..core.contract import KernelComponent, Refusal
 from ..core.errors import BadInput, StepFailed
 from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import PARTS, choice, count, input_, integer, output, parameter
-from .contacts import GAP
+from .contacts import GAP, BallContacts
 from .geometry import BallGeometry
 from .hertz import LARGEST_RATIO
 from .loads import StaticLoads, static_loads
 from .races import BallDefect, Defect, Waviness, wave_shapes
 from .six_dof import (
     COARSE,
-    CONSTANTS,
     FEATURES,
     HERTZ,
     KERNELS,
@@ -48,7 +47,7 @@ from .six_dof import (
     SPEED,
     TIGHT,
     UNSEEN,
-    constants,
+    Constants,
     elastic_energy,
     place,
     present_contacts,
@@ -285,8 +284,8 @@ class DeepGrooveBearing(KernelComponent):
         return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"])
 
     def shapes(self) -> dict[str, Any]:
-        """`constants`: as of `six_dof.Constants`.  `directions`: cosine and sine of each ball seen from ball 0.  `balls`, `sums`,
-        `stiffness`, `damping`: see `contacts`.  `features`, `noted`: see `check_passages`.  `message`: a number of a message.
+        """`constants`: see `six_dof`.  `directions`: cosine and sine of each ball seen from ball 0.  `balls`, `sums`,
+        `stiffness`, `damping`, `contacts`: see `contacts`.  `features`, `noted`: see `check_passages`.  `message`: a number of a message.
         `initializing`: whether a master looks for the static position.
         """
         n: Any = self.get("balls")
@@ -294,7 +293,8 @@ class DeepGrooveBearing(KernelComponent):
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"a ball of the {n} there are")
         return {
             "x": 3 if "ball_defect" in self.on else 2,
-            "constants": CONSTANTS,
+            "constants": Constants,
+            "contacts": BallContacts,
             "directions": (2, n),
             "balls": (n, 4),
             "sums": 8,
@@ -333,7 +333,7 @@ class DeepGrooveBearing(KernelComponent):
         """The displacements, and the bearing's range."""
         names = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
         given = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in names)
-        limit = constants(self.arguments[0]).largest_load
+        limit = self.arguments[0].constants.largest_load
         return f"{given}, expected a ring inside the grooves and less than {limit:.4g} N on a ball"
 
     def energy(self) -> float:
@@ -347,12 +347,12 @@ class DeepGrooveBearing(KernelComponent):
         Its status is OUT_OF_RANGE, too, for a ball beyond its largest load.
         """
         s, _, e = self.arguments
-        k = constants(s)
+        k = s.constants
         place(self.x, self.u[0, SPEED], k, s, e)
         load = np.array(forces, dtype=float)
         if e.published_levers is not None:
             load[3:] /= k.levers
-        contacts = present_contacts(self.u[0], k.contacts, e.thermal_growth)
+        contacts = present_contacts(self.u[0], s.contacts, e.thermal_growth)
         loads = static_loads(contacts, load, first_ball=self.x[1], held=held, gap=s.balls[:, GAP].copy())
         return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > k.largest_load else loads
 

@@ -10,8 +10,20 @@ import math
 from typing import NamedTuple
 
 from ..core.contract import Kernels
-from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
-from .contacts import COS, ENERGY, GAP, LARGEST_CONTACT, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces, groove_contacts
+from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, OWN, hold_inputs, kernel
+from .contacts import (
+    COS,
+    ENERGY,
+    GAP,
+    LARGEST_CONTACT,
+    LOADED,
+    MAX_LOAD,
+    SIN,
+    BallContacts,
+    contact_forces,
+    groove_contacts,
+    note_contacts,
+)
 from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
 from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
 from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
@@ -24,7 +36,6 @@ FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five el
 HERTZ = ("exact", "brewe-hamrock")
 FITTED = 1  # of them
 
-CONSTANTS = 11  # elements of `s.constants`
 # Rows of `s.features`: extent, rad, turn of the feature under a ball per turn of the inner ring, and of waves the highest order.
 # Without a turn it is not there.
 EXTENT, TURN, ORDER = range(3)
@@ -41,33 +52,15 @@ LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
 MISSED = OWN + 5
 
 
-@kernel_tuple
 class Constants(NamedTuple):
-    """Constants that the parameters determine."""
+    """The record `s.constants`: what the parameters determine, beside that of the contacts, `s.contacts`."""
 
-    contacts: BallContacts
     cage_ratio: float
     spin_ratio: float
     largest_load: float  # N, of a ball; beyond it the contacts are no small spots any more
     inner_film: float  # m (s/rad)^0.67; thickness = factor * |speed|^0.67
     outer_film: float
     levers: float  # lever of the moments over that of the tilts
-
-
-@kernel
-def constants(s):
-    """The elements of `s.constants`."""
-    c = s.constants
-    contacts = BallContacts(s.balls.shape[0], c[0], c[1], c[2], c[3], c[4])
-    return Constants(contacts, c[5], c[6], c[7], c[8], c[9], c[10])
-
-
-@kernel
-def put_constants(s, contacts, cage_ratio, spin_ratio, largest_load):
-    """All of them but the films and the levers."""
-    c = s.constants
-    c[0], c[1], c[2], c[3], c[4] = contacts.stiffness, contacts.distance, contacts.radial, contacts.axial, contacts.lever
-    c[5], c[6], c[7] = cage_ratio, spin_ratio, largest_load
 
 
 @kernel
@@ -100,14 +93,17 @@ def bearing_start(t, s, p, e):
     s.message[0] = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
     if p.diametral_clearance < s.message[0]:
         return TIGHT
-    put_constants(s, contacts, cage_turn(gamma), spin_turn(p.ball_diameter, p.pitch_diameter, gamma), largest_load)
+    k = s.constants
+    note_contacts(contacts, s.contacts)
+    k.cage_ratio, k.spin_ratio = cage_turn(gamma), spin_turn(p.ball_diameter, p.pitch_diameter, gamma)
+    k.largest_load = largest_load
     if e.film is not None:
         load, speed = 5.0 * e.film.nominal_load / p.balls, mean_surface_speed(p.ball_diameter, p.pitch_diameter, 1.0)
-        s.constants[8] = film_height(inner, inner_x, load, speed, e.film, False)
-        s.constants[9] = film_height(outer, outer_x, load, speed, e.film, False)
+        k.inner_film = film_height(inner, inner_x, load, speed, e.film, False)
+        k.outer_film = film_height(outer, outer_x, load, speed, e.film, False)
     if e.published_levers is not None:
         # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
-        s.constants[10] = (0.5 * p.pitch_diameter - 0.25 * p.diametral_clearance) / contacts.lever
+        k.levers = (0.5 * p.pitch_diameter - 0.25 * p.diametral_clearance) / contacts.lever
     for j in range(p.balls):
         at = TWO_PI * j / p.balls
         s.directions[0, j], s.directions[1, j] = math.cos(at), math.sin(at)
@@ -124,7 +120,7 @@ def bearing_start(t, s, p, e):
 @kernel
 def list_features(s, e):
     """Features that a ball should not pass within one step, into s.features."""
-    k, features = constants(s), s.features
+    k, features = s.constants, s.features
     inner, outer = 1.0 - k.cage_ratio, k.cage_ratio
     if e.inner_waviness is not None:
         put_waves(features[0], highest_order(e.inner_waviness), inner)
@@ -149,9 +145,9 @@ def put_waves(feature, order, turn):
 def preload(s, e):
     """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
     u = s.u[0]
-    k = constants(s)
+    k = s.constants
     place(s.x, u[SPEED], k, s, e)
-    contacts, tightest = present_contacts(u, k.contacts, e.thermal_growth), math.inf
+    contacts, tightest = present_contacts(u, s.contacts, e.thermal_growth), math.inf
     for j in range(s.balls.shape[0]):
         tightest = min(tightest, s.balls[j, GAP])
     return contacts.stiffness * max(contacts.radial - contacts.distance - tightest, 0.0) ** 1.5
@@ -174,10 +170,11 @@ def place(x, speed, k, s, e):
 
 @kernel
 def present_contacts(u, k, growth):
-    """The contacts with the present clearance."""
+    """The contacts k with the present clearance."""
+    radial = k.radial
     if growth is not None:
-        return BallContacts(k.balls, k.stiffness, k.distance, k.radial - 0.5 * u[growth.u], k.axial, k.lever)
-    return k
+        radial -= 0.5 * u[growth.u]
+    return BallContacts(k.balls, k.stiffness, k.distance, radial, k.axial, k.lever)
 
 
 @kernel
@@ -225,7 +222,7 @@ def bearing_step(t, h, s, p, e):
         return status
     s.counts[0] += 1
     s.initializing[0] = 0.0
-    roll(h, s.x, s.u, constants(s))
+    roll(h, s.x, s.u, s.constants)
     hold_inputs(s.u, h)
     return bearing_outputs(t + h, s, p, e)
 
@@ -238,12 +235,12 @@ def bearing_outputs(t, s, p, e):
     master looks for the static position, which ends with the first outputs behind `bearing_start`, a load may be beyond it, for a
     step of Newton's method may go too far.
     """
-    k, x, y, u, sums = constants(s), s.x, s.y, s.u[0], s.sums
+    k, x, y, u, sums = s.constants, s.x, s.y, s.u[0], s.sums
     initializing = s.initializing[0] > 0.0
     s.initializing[0] = 0.0
     speed = u[SPEED]
     place(x, speed, k, s, e)
-    contacts = present_contacts(u, k.contacts, e.thermal_growth)
+    contacts = present_contacts(u, s.contacts, e.thermal_growth)
     if e.linearisation is not None and e.damping is not None:
         status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, u[5:10], e.damping.factor, s.damping)
     elif e.linearisation is not None:
@@ -301,9 +298,9 @@ def linearise(u, y, k, s, initializing, e):
 @kernel
 def elastic_energy(s, e):
     """Energy of the contacts, J."""
-    k, u = constants(s), s.u[0]
-    place(s.x, u[SPEED], k, s, e)
-    contact_forces(u[:5], present_contacts(u, k.contacts, e.thermal_growth), s.balls, s.sums, None, None, None, None)
+    u = s.u[0]
+    place(s.x, u[SPEED], s.constants, s, e)
+    contact_forces(u[:5], present_contacts(u, s.contacts, e.thermal_growth), s.balls, s.sums, None, None, None, None)
     return s.sums[ENERGY]
 
 

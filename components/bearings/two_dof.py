@@ -19,7 +19,7 @@ import math
 from typing import NamedTuple
 
 from ..core.integrators import SUBSTEP, finished, rk4_step
-from ..core.kernels import DONE, OWN, inlined_kernel, kernel, kernel_tuple
+from ..core.kernels import DONE, OWN, inlined_kernel, kernel
 from .races import TWO_PI, add_faults, wrapped
 
 SPEED, LOAD, TRANSVERSE_LOAD = range(3)
@@ -31,7 +31,6 @@ X, Y, VELOCITY_X, VELOCITY_Y, ACCELERATION_X, ACCELERATION_Y, FORCE_X, FORCE_Y, 
 # slope + growth * (t - since). One array, as each that is handed on costs as much as a ball.
 COSINE, SINE, GAP, RATE, DEEPEST, SLOPE, GROWTH, SINCE = range(8)
 
-CONSTANTS = 7  # elements of `s.constants`, those of `Constants`
 MESSAGE = 3  # elements of `s.message`, numbers of a message
 
 # Statuses; the last are of what a ball must not step over, in this order
@@ -46,9 +45,8 @@ NARROW = (
 )
 
 
-@kernel_tuple
 class Constants(NamedTuple):
-    """Constants that the parameters determine."""
+    """The record `s.constants`: what the parameters determine."""
 
     mass: float
     damping: float
@@ -57,13 +55,6 @@ class Constants(NamedTuple):
     spin_ratio: float
     sharing: float  # how many balls resist one direction at most: the largest sum of their squared cosines
     pass_angle: float  # turn of the inner ring, rad, in which a ball passes a quarter of the narrowest pit or half wave
-
-
-@kernel
-def constants(s):
-    """The elements of `s.constants`."""
-    c = s.constants
-    return Constants(c[0], c[1], c[2], c[3], c[4], c[5], c[6])
 
 
 @kernel
@@ -164,7 +155,7 @@ def accelerations(t, x, u, bearing_x, bearing_y, k, balls, e):
 @inlined_kernel
 def bearing_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (x, y, x', y', inner angle, cage angle[, spin])."""
-    k = constants(s)
+    k = s.constants
     speed, _ = ring_speed(t, u, e.speed_ramp)
     bearing_x, bearing_y, _, _ = ball_loads(x, speed, k, s.balls, s.inner_waves, s.outer_waves, e)
     dx[0], dx[1] = x[2], x[3]
@@ -177,7 +168,7 @@ def bearing_derivatives(t, x, u, dx, s, p, e):
 @kernel
 def bearing_outputs(t, s, p, e):
     """Motion, forces on the shaft, angles."""
-    k, x, y, u = constants(s), s.x, s.y, s.u[0]
+    k, x, y, u = s.constants, s.x, s.y, s.u[0]
     speed, _ = ring_speed(t, u, e.speed_ramp)
     bearing_x, bearing_y, largest, loaded = ball_loads(x, speed, k, s.balls, s.inner_waves, s.outer_waves, e)
     y[X], y[Y], y[VELOCITY_X], y[VELOCITY_Y] = x[0], x[1], x[2], x[3]
@@ -236,7 +227,7 @@ def bearing_step(t, h, s, p, e):
     Angles are brought back into [0, 2 pi), so that they keep their digits however long the run. A run whose contacts became
     too stiff for its internal steps ends: it would stay finite, and be wrong.
     """
-    k, x, balls = constants(s), s.x, s.balls
+    k, x, balls = s.constants, s.x, s.balls
     substep = s.limits[SUBSTEP]
     if k.pass_angle < math.inf:
         substep = min(substep, longest_passing(k.pass_angle, fastest(t, h, s, e)))  # where the speed has grown since the start
@@ -268,7 +259,7 @@ bearing_step.parts = ("rk4_step", "finished")  # type: ignore[attr-defined]
 @kernel
 def elastic_force(x, s):
     """(Fx, Fy, kxx, kxy, kyy): sums of the balls' elastic loads for the gaps in s.balls, and their derivatives by x and y."""
-    cosine, sine, stiffness, balls = math.cos(x[5]), math.sin(x[5]), constants(s).stiffness, s.balls
+    cosine, sine, stiffness, balls = math.cos(x[5]), math.sin(x[5]), s.constants.stiffness, s.balls
     fx, fy, kxx, kxy, kyy = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(balls.shape[1]):
         nx, ny = cosine * balls[COSINE, j] - sine * balls[SINE, j], sine * balls[COSINE, j] + cosine * balls[SINE, j]

@@ -25,7 +25,6 @@ from .two_dof import (
     bearing_derivatives,
     bearing_outputs,
     bearing_step,
-    constants,
     elastic_force,
     fastest,
     fill_gaps,
@@ -39,8 +38,9 @@ from .two_dof import (
 def put_constants(s, mass, damping, stiffness, ball_diameter, pitch_diameter, contact_angle):
     """Constants that a bearing's own parameters determine."""
     gamma = diameter_share(ball_diameter, pitch_diameter, contact_angle)
-    s.constants[0], s.constants[1], s.constants[2] = mass, damping, stiffness
-    s.constants[3], s.constants[4] = cage_turn(gamma), spin_turn(ball_diameter, pitch_diameter, gamma)
+    k = s.constants
+    k.mass, k.damping, k.stiffness = mass, damping, stiffness
+    k.cage_ratio, k.spin_ratio = cage_turn(gamma), spin_turn(ball_diameter, pitch_diameter, gamma)
 
 
 @kernel
@@ -57,9 +57,9 @@ def bearing_start(first_ball, s, e):
             return DISPLACED_TOO_FAR
         at = TWO_PI * (e.cage_fault.ball - 1) / n + e.cage_fault.offset
         balls[COSINE, e.cage_fault.ball - 1], balls[SINE, e.cage_fault.ball - 1] = math.cos(at), math.sin(at)
-    s.constants[5] = sharing(balls)
+    s.constants.sharing = sharing(balls)
     start_waves(s, e)
-    s.constants[6], _, _ = shortest_pass(s, e)
+    s.constants.pass_angle, _, _ = shortest_pass(s, e)
     x[5] = wrapped(first_ball)
     if e.given_start is not None:
         x[0], x[1] = e.given_start.x, e.given_start.y
@@ -85,7 +85,7 @@ def sharing(balls):
 def shortest_pass(s, e):
     """(turn of the inner ring, rad, during which a ball passes a quarter of the narrowest pit or half wave, its place in
     `NARROW`, its order)."""
-    k = constants(s)
+    k = s.constants
     angle, which, order = math.inf, 0, 0
     if e.inner_defect is not None:
         angle = 0.25 * e.inner_defect.width / (1.0 - k.cage_ratio)
@@ -110,7 +110,7 @@ def bearing_stable(t, s, p, e):
 
     With the forces of the start; every step checks for a greater load or resonance.
     """
-    k, gap, speed = constants(s), radial_gap(e.clearance), s.u[0, SPEED]
+    k, gap, speed = s.constants, radial_gap(e.clearance), s.u[0, SPEED]
     force = math.hypot(s.u[0, LOAD], s.u[0, TRANSVERSE_LOAD])
     if e.load_variation is not None:
         force += abs(e.load_variation.amplitude)
@@ -175,7 +175,7 @@ def static_position(x, load_x, load_y, s, e):
     if there is one. There is none where no ball stands on the side to which the load pushes. Across the line of a single
     loaded ball there is no stiffness: a trace of the identity keeps the matrix regular and moves nothing, as nothing pushes.
     """
-    k, balls = constants(s), s.balls
+    k, balls = s.constants, s.balls
     fill_gaps(x, 0.0, k, balls, s.inner_waves, s.outer_waves, e)
     widest, largest = -math.inf, 0.0
     for j in range(balls.shape[1]):

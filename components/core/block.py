@@ -2,7 +2,7 @@
 
 A kernel of a component gets `s`, `p` and `e`, NamedTuples of views of the block (see `contract`). The block consists of cells of
 eight bytes: the time, `u`, `y`, `x`, the counters, the parameters, and behind them what follows from the parameters, and
-workspace. A number of `p` or `e` is one cell, an array as many as it has bytes for.
+workspace. A number of `p` or `e`, and of a record of `s`, is one cell, an array as many as it has bytes for.
 
 An entry is a function `int32 f(double t, double h, void *block)`, made from the layout alone: it loads the numbers, adds the
 offsets of the arrays to the address of the block and calls the kernel, with the arguments that Numba flattens `s`, `p` and `e`
@@ -43,7 +43,7 @@ class Entry(NamedTuple):
 
 
 class Leaf(NamedTuple):
-    """A number or an array of the block; kind: "f8", "i8", "array" or "none", which takes no cell."""
+    """A number, an array or a record of the block; kind: "f8", "i8", "array", "record" or "none", which takes no cell."""
 
     kind: str
     cell: int = 0
@@ -54,7 +54,7 @@ class Leaf(NamedTuple):
 class Block:
     """The layout of `s`, `p` and `e`, and the memory itself, (cells,) float64.
 
-    `s` holds arrays, whose contents are those that the block begins with.
+    `s` holds arrays and records, whose contents are those that the block begins with.
     """
 
     def __init__(self, s: Any, p: Any, e: Any, entries: Mapping[str, tuple[str, ...]] = ENTRIES, constant: tuple[str, ...] = ()):
@@ -90,7 +90,8 @@ class Block:
             for name, item in zip(getattr(value, "_fields", range(len(value))), value, strict=True):
                 self._place((*path, name), item)
         elif isinstance(value, np.ndarray):
-            self._leaves[path] = Leaf("array", self.cells, value.shape, value.itemsize)
+            kind = "array" if value.shape or value.dtype.names is None else "record"
+            self._leaves[path] = Leaf(kind, self.cells, value.shape, value.itemsize)
             self.cells += max(1, -(-value.nbytes // CELL))
         elif value is None:
             self._leaves[path] = Leaf("none")
@@ -106,7 +107,7 @@ class Block:
             return None
         view = self.view(path, value.dtype)
         view[...] = value
-        return view
+        return view[()] if self._leaves[path].kind == "record" else view
 
     def view(self, path: tuple[str | int, ...], dtype: Any = np.float64) -> np.ndarray:
         """An array of the block."""
@@ -116,8 +117,8 @@ class Block:
         return self.memory.view(np.uint8)[first : first + size * leaf.itemsize].view(dtype).reshape(leaf.shape)
 
     def ranges(self, name: str) -> list[tuple[int, int]]:
-        """First cells and those behind the last of the arrays of a field of `s`."""
-        leaves = [leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name) and leaf.kind == "array"]
+        """First cells and those behind the last of the arrays and records of a field of `s`."""
+        leaves = [leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name) and leaf.kind in ("array", "record")]
         return [(at.cell, at.cell + max(1, -(-int(np.prod(at.shape)) * at.itemsize // CELL))) for at in leaves]
 
     def cell(self, *path: str | int) -> int:
@@ -190,6 +191,8 @@ class Block:
                 arguments += [
                     f"{next(given)} {value}" for value in ("null", "null", size, leaf.itemsize, f"%p{k}", *leaf.shape, *strides)
                 ]
+            elif leaf.kind == "record":
+                arguments.append(f"{next(given)} %p{k}")
             elif leaf.kind == "none":
                 kind = next(given)
                 arguments.append(f"{kind} {'null' if kind == 'ptr' else 0}")

@@ -2,7 +2,7 @@
 
     initialize(t, s, p, e) -> status        step(t, h, s, p, e) -> status        outputs(t, s, p, e) -> status
 
-`s` is what a run changes and what follows from the parameters, arrays all: inputs `u` (3, m), value, slope and half of the second
+`s` is what a run changes and what follows from the parameters, arrays and records: inputs `u` (3, m), value, slope and half of the second
 derivative over the coming step; outputs `y` (k,); state `x` (n,); `counts`; and what the component's `shapes` names. `p` are the
 parameters, `e` the effects: of each its `Values`, or None where it is off. A status that is not `DONE` ends the initialization or
 the step; `refusals` of the class lists those that the user can correct.
@@ -17,6 +17,7 @@ import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import reduce
 from threading import Lock
 from typing import Any, ClassVar, NamedTuple
 
@@ -48,13 +49,21 @@ class Kernels(NamedTuple):
 class Refusal(NamedTuple):
     """The message of a status by which `initialize` refuses parameters or inputs.
 
-    The texts may name parameters, inputs and elements of `s` in braces, such as {substep} and {limits[1]}: their values; also
-    attributes of the component that are texts.
+    The texts may name parameters, inputs, and elements and fields of `s` in braces, such as {substep}, {limits[1]} and
+    {inertias.least}: their values; also attributes of the component that are texts.
     """
 
     actual: str
     expected: str
     remedy: str = ""
+
+
+def contents_of(shape: Any) -> Any:
+    """What a field of `s` begins with: see `KernelComponent.shapes`."""
+    if isinstance(shape, type):
+        kinds = [(name, np.int64 if kind in ("int", int) else np.float64) for name, kind in shape.__annotations__.items()]
+        return np.zeros((), np.dtype((np.record, np.dtype(kinds, align=True))))
+    return shape if isinstance(shape, np.ndarray) or shape is None or hasattr(shape, "_fields") else np.zeros(shape)
 
 
 def filled(text: str, value: Callable[[str], str]) -> str:
@@ -86,7 +95,8 @@ class KernelComponent(Component):
     def shapes(self) -> dict[str, Any]:
         """The arrays of `s` besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
 
-        `x` is the state. It depends on the structural parameters and the effects that are on; its names are always the same.
+        A NamedTuple's class is a record: a kernel reads and writes its numbers as `s.name.field`. `x` is the state. It depends on
+        the structural parameters and the effects that are on; its names are always the same.
         """
         return {}
 
@@ -116,9 +126,7 @@ class KernelComponent(Component):
         shapes = self.shapes()
         contents: dict[str, Any] = {n: np.zeros_like(getattr(self, n)) for n in ("u", "y")}
         contents |= {"x": np.zeros(0), "counts": np.zeros_like(self.counts)}
-        contents |= {
-            n: v if isinstance(v, np.ndarray) or v is None or hasattr(v, "_fields") else np.zeros(v) for n, v in shapes.items()
-        }
+        contents |= {name: contents_of(shape) for name, shape in shapes.items()}
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
@@ -236,7 +244,8 @@ class KernelComponent(Component):
                 number = self.parameters.get(name, inputs.get(name))
             else:
                 array, _, index = name.partition("[")
-                number = float(getattr(self.arguments[0], array).flat[int(index.rstrip("]") or 0)])
+                of = reduce(getattr, array.split("."), self.arguments[0])
+                number = float(of.flat[int(index.rstrip("]") or 0)])
             return f"{number:.6g}" if isinstance(number, float) else f"{number}"
 
         return filled(text, value)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -341,7 +341,7 @@ class RovHull(OdeComponent):
         """Constants that masses, arrangement and weight determine; (X, Y, Z, K, M, N) in body axes about the origin.
 
         `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
-        wrench per thrust, those of `further_thrusters` last.  `righting`: (3,) N m.  `matrix`: of the linear equations, and
+        wrench per thrust, those of `further_thrusters` last.  `righting`: see `Righting`.  `matrix`: of the linear equations, and
         workspace.  `refused`: (4,) numbers of a refusal.
         """
         n = 8 if "further_thrusters" in self.on else 6
@@ -350,7 +350,7 @@ class RovHull(OdeComponent):
             "added": 6,
             "inverse": (6, 6),
             "thrusters": (6, n),
-            "righting": 3,
+            "righting": Righting,
             "matrix": (2, 12, 12),
             "refused": 4,
         }
@@ -379,6 +379,14 @@ class RovHull(OdeComponent):
 OUT = RovHull.output_places()
 
 
+class Righting(NamedTuple):
+    """The record `s.righting`: weight times its arm less buoyancy times its own, N.m."""
+
+    x: float
+    y: float
+    z: float
+
+
 @kernel
 def hull_start(t, s, p, e):
     """Masses, arrangement and righting moment; then the pose and the velocities given."""
@@ -397,9 +405,9 @@ def hull_start(t, s, p, e):
         return status
     if e.restoring is not None:
         r = e.restoring
-        s.righting[0] = r.weight * p.centre_of_gravity_x - r.buoyancy * r.centre_of_buoyancy_x
-        s.righting[1] = r.weight * p.centre_of_gravity_y - r.buoyancy * r.centre_of_buoyancy_y
-        s.righting[2] = r.weight * p.centre_of_gravity_z - r.buoyancy * r.centre_of_buoyancy_z
+        s.righting.x = r.weight * p.centre_of_gravity_x - r.buoyancy * r.centre_of_buoyancy_x
+        s.righting.y = r.weight * p.centre_of_gravity_y - r.buoyancy * r.centre_of_buoyancy_y
+        s.righting.z = r.weight * p.centre_of_gravity_z - r.buoyancy * r.centre_of_buoyancy_z
     x[0], x[1], x[2] = p.start_position_north, p.start_position_east, p.start_depth
     x[3], x[4], x[5], x[6] = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
     x[7], x[8], x[9] = p.start_surge, p.start_sway, p.start_heave
@@ -475,7 +483,7 @@ def hull_stable(t, s, p, e):
     A[:] = 0.0
     spin, stiffness = TOP_RATE, 0.0
     if e.restoring is not None:
-        stiffness = math.sqrt(s.righting[0] ** 2 + s.righting[1] ** 2 + s.righting[2] ** 2)
+        stiffness = math.sqrt(s.righting.x**2 + s.righting.y**2 + s.righting.z**2)
     for j in range(6):
         fastest = max(abs(s.x[7 + j]), TOP_SPEED if j < 3 else TOP_RATE)
         if j > 2:

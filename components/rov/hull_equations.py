@@ -59,8 +59,9 @@ def wrench(x, u, s, v, e):
         M -= r * Hx - p * Hz + vz * Px - vx * Pz
         N -= p * Hy - q * Hx + vx * Py - vy * Px
         if e.added_mass is not None:
-            Px, Py, Pz = s.added[0] * rx, s.added[1] * ry, s.added[2] * rz
-            Hx, Hy, Hz = s.added[3] * p, s.added[4] * q, s.added[5] * r
+            added = e.added_mass
+            Px, Py, Pz = added.surge * rx, added.sway * ry, added.heave * rz
+            Hx, Hy, Hz = added.roll * p, added.pitch * q, added.yaw * r
             X, Y, Z = X - (q * Pz - r * Py), Y - (r * Px - p * Pz), Z - (p * Py - q * Px)
             K -= q * Hz - r * Hy + ry * Pz - rz * Py
             M -= r * Hx - p * Hz + rz * Px - rx * Pz
@@ -77,15 +78,15 @@ def wrench(x, u, s, v, e):
         dx, dy, dz = to_body(w, i, j, k, 0.0, 0.0, 1.0)  # downwards
         weight = e.restoring.weight - e.restoring.buoyancy  # in water
         X, Y, Z = X + weight * dx, Y + weight * dy, Z + weight * dz
-        K += s.righting[1] * dz - s.righting[2] * dy
-        M += s.righting[2] * dx - s.righting[0] * dz
-        N += s.righting[0] * dy - s.righting[1] * dx
+        K += s.righting.y * dz - s.righting.z * dy
+        M += s.righting.z * dx - s.righting.x * dz
+        N += s.righting.x * dy - s.righting.y * dx
     if e.current is not None and e.added_mass is not None:
         n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
         if e.coriolis is not None:
             ax, ay, az = ax - (q * cz - r * cy), ay - (r * cx - p * cz), az - (p * cy - q * cx)
-        X, Y, Z = X + s.added[0] * ax, Y + s.added[1] * ay, Z + s.added[2] * az
+        X, Y, Z = X + e.added_mass.surge * ax, Y + e.added_mass.sway * ay, Z + e.added_mass.heave * az
     if e.current is not None and e.pressure_gradient is not None:
         n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])

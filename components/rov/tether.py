@@ -10,7 +10,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
-from ..core.kernels import DONE, OWN, kernel, kernel_tuple
+from ..core.kernels import DONE, OWN, kernel
 from ..core.spectrum import fastest_rate, step_within
 from ..core.variables import input_, integer, output, parameter
 from .tether_statics import ROWS, WAY, hanging_chain
@@ -124,13 +124,13 @@ class Tether(OdeComponent):
         return 6 * (self.get("segments") - 1)
 
     def shapes(self) -> dict[str, Any]:
-        """`constants`: of the chain, see `Chain`.  `statics`: workspace of the shape at rest."""
-        return super().shapes() | {"constants": len(Chain._fields), "statics": (ROWS, 3)}
+        """`chain`: see `Chain`.  `statics`: workspace of the shape at rest."""
+        return super().shapes() | {"chain": Chain, "statics": (ROWS, 3)}
 
     def energy(self) -> float:
         """Energy of motion, of strain and of height, half of the outermost segments' weight at the ends included, J."""
         s, p, _ = self.arguments
-        length, stiffness, mass, weight = s.constants
+        length, stiffness, mass, weight = s.chain
         x = self.x.reshape(2, -1, 3)
         ends = np.array([[p.anchor_north, p.anchor_east, p.anchor_down]]), self.u[:1, :3]
         points = np.concatenate((ends[0], x[0], ends[1]))
@@ -143,9 +143,8 @@ IN = Tether.input_places()
 OUT = Tether.output_places()
 
 
-@kernel_tuple
 class Chain(NamedTuple):
-    """Constants that the parameters determine."""
+    """The record `s.chain`: what the parameters determine."""
 
     length: float  # m, of a segment without tension
     stiffness: float  # N, tension per strain
@@ -154,25 +153,18 @@ class Chain(NamedTuple):
 
 
 @kernel
-def chain(s):
-    """The constants of the chain."""
-    c = s.constants
-    return Chain(c[0], c[1], c[2], c[3])
-
-
-@kernel
 def tether_start(t, s, p, e):
     """Nodes at rest between the present ends; no shape between them is refused."""
-    n, c, x, way = p.segments, s.constants, s.x, s.statics[WAY]
-    c[0], c[1] = p.length / n, p.youngs_modulus * 0.25 * math.pi * p.diameter**2
-    c[2] = p.mass_per_length * p.length / n
-    c[3] = (p.mass_per_length - p.water_density * 0.25 * math.pi * p.diameter**2) * p.gravity * p.length / n
+    n, c, x, way = p.segments, s.chain, s.x, s.statics[WAY]
+    c.length, c.stiffness = p.length / n, p.youngs_modulus * 0.25 * math.pi * p.diameter**2
+    c.mass = p.mass_per_length * p.length / n
+    c.weight = (p.mass_per_length - p.water_density * 0.25 * math.pi * p.diameter**2) * p.gravity * p.length / n
     anchor = p.anchor_north, p.anchor_east, p.anchor_down
     for j in range(3):
         way[j] = s.u[0, j] - anchor[j]
     area = 0.25 * math.pi * p.diameter**2  # in another order than above: where it starts, bit for bit
-    load = (p.mass_per_length - p.water_density * area) * p.gravity * c[0]
-    if hanging_chain(x, s.statics, n, c[0], p.youngs_modulus * area, load) != DONE:
+    load = (p.mass_per_length - p.water_density * area) * p.gravity * c.length
+    if hanging_chain(x, s.statics, n, c.length, p.youngs_modulus * area, load) != DONE:
         return NO_SHAPE
     for i in range(n - 1):
         for j in range(3):
@@ -183,7 +175,7 @@ def tether_start(t, s, p, e):
 @kernel
 def tether_stable(t, s, p, e):
     """RK4's limit, radius / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
-    c, damping = chain(s), 0.0
+    c, damping = s.chain, 0.0
     if e.internal_damping is not None:
         damping += 4.0 * e.internal_damping.coefficient
     if e.drag is not None:
@@ -251,7 +243,7 @@ def segment_forces(k, x, u, c, p, e):
 @kernel
 def tether_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the positions and velocities of the inner nodes."""
-    n, c = p.segments, chain(s)
+    n, c = p.segments, s.chain
     size = 3 * (n - 1)
     for i in range(n - 1):
         for j in range(3):
@@ -277,7 +269,7 @@ def tether_derivatives(t, x, u, dx, s, p, e):
 @kernel
 def tether_outputs(t, s, p, e):
     """Force on the vehicle, tensions at both ends, depth of the lowest node."""
-    n, c, x, u, y = p.segments, chain(s), s.x, s.u[0], s.y
+    n, c, x, u, y = p.segments, s.chain, s.x, s.u[0], s.y
     y[OUT.anchor_tension] = segment_forces(0, x, u, c, p, e)[6]
     tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, c, p, e)
     y[OUT.force_north], y[OUT.force_east], y[OUT.force_down], y[OUT.tension] = ex - tx, ey - ty, ez - tz + 0.5 * c.weight, tension

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..core import high_order
 from ..core.component import Effect, Preset
@@ -192,8 +192,8 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
     )
     refusals = {
         GIMBAL_LOCK: Refusal(
-            "an inertia about the outer axis that falls to {inertias[0]} kg.m2",
-            "at least {inertias[1]} kg.m2 at every inner angle",
+            "an inertia about the outer axis that falls to {inertias.least} kg.m2",
+            "at least {inertias.allowed} kg.m2 at every inner angle",
             "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock).",
         ),
         OUTER_STOPS: Refusal("stops of the outer axis at {stops.outer_lower} and {stops.outer_upper} rad", "first the lower"),
@@ -267,8 +267,8 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
         return 6 if {"lugre_friction", "stick_friction"} & set(self.on) else 4
 
     def shapes(self) -> dict[str, Any]:
-        """`inertias`: the least about the outer axis, and the least of those allowed, kg.m².  `matrix`: for the stable step."""
-        return super().shapes() | {"inertias": 2, "matrix": (2, 4, 4)}
+        """`inertias`: see `Inertias`.  `matrix`: for the stable step."""
+        return super().shapes() | {"inertias": Inertias, "matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
@@ -289,13 +289,20 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
 OUT = GimbalBody.output_places()
 
 
+class Inertias(NamedTuple):
+    """The record `s.inertias`, kg.m², about the outer axis."""
+
+    least: float
+    allowed: float  # the least of those
+
+
 @kernel
 def gimbal_start(t, s, p, e):
     """Angles and rates of the parameters, bristles relaxed; axes at rest stay so where friction holds them."""
     x = s.x
-    s.inertias[0] = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
-    s.inertias[1] = VANISHING * p.inner_inertia
-    if s.inertias[0] < s.inertias[1]:
+    s.inertias.least = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
+    s.inertias.allowed = VANISHING * p.inner_inertia
+    if s.inertias.least < s.inertias.allowed:
         return GIMBAL_LOCK
     if e.stops is not None:
         if not e.stops.outer_lower < e.stops.outer_upper:
@@ -331,7 +338,7 @@ def gimbal_stable(t, s, p, e):
         outer, inner = outer + e.stops.stiffness, inner + e.stops.stiffness
     if e.rotor is not None:
         gyroscopic = e.rotor.spin_momentum
-    A, inertia = s.matrix[0], s.inertias[0]
+    A, inertia = s.matrix[0], s.inertias.least
     A[:] = 0.0
     A[0, 2], A[1, 3] = 1.0, 1.0
     A[2, 0], A[2, 2], A[2, 3] = -outer / inertia, -outer_damping / inertia, -gyroscopic / inertia

@@ -87,7 +87,7 @@ class PlanetaryTransmission(Transmission):
         return 5 if "dry_brake" in self.on else 4
 
     def shapes(self) -> dict[str, Any]:
-        """`ratios`: those of `Gear`.  `matrix`: of the linear equations, and workspace."""
+        """`ratios`: see `Ratios`.  `matrix`: of the linear equations, and workspace."""
         if self.parameters["turbine_on"] == self.parameters["pump_on"]:
             raise BadInput(
                 self.name,
@@ -95,7 +95,7 @@ class PlanetaryTransmission(Transmission):
                 "two different shafts of the gear set",
                 "Change turbine_on or pump_on.",
             )
-        return super().shapes() | {"ratios": 2, "matrix": (2, 3, 3)}
+        return super().shapes() | {"ratios": Ratios, "matrix": (2, 3, 3)}
 
     def energy(self) -> float:
         """Energy of both shafts' rotation and of the twist, J."""
@@ -109,6 +109,13 @@ class PlanetaryTransmission(Transmission):
             f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the third shaft at {self.x[THIRD]:g} rad/s, "
             f"expected within -{limit:g} and {limit:g} rad/s (centrifugal_brake.largest_speed)"
         )
+
+
+class Ratios(NamedTuple):
+    """The record `s.ratios`: w_turbine = driven * w + third * w_3."""
+
+    driven: float
+    third: float
 
 
 @kernel_tuple
@@ -134,7 +141,7 @@ def coefficient(shaft, k):
 @kernel
 def gear_of(s, p):
     """The gear set in its arrangement."""
-    return Gear(s.ratios[0], s.ratios[1], p.stiffness, p.shaft_damping)
+    return Gear(s.ratios.driven, s.ratios.third, p.stiffness, p.shaft_damping)
 
 
 @kernel
@@ -164,8 +171,8 @@ def gear_start(t, s, p, e):
     if e.dry_brake is not None and e.dry_brake.static < e.dry_brake.kinetic:
         return STATIC_BELOW_KINETIC
     into, out = coefficient(p.turbine_on, p.teeth_ratio), coefficient(p.pump_on, p.teeth_ratio)
-    s.ratios[0], s.ratios[1] = abs(out / into), -coefficient(3 - p.turbine_on - p.pump_on, p.teeth_ratio) / into
-    third = (s.u[0, IN.turbine_speed] - s.ratios[0] * p.start_speed) / s.ratios[1]
+    s.ratios.driven, s.ratios.third = abs(out / into), -coefficient(3 - p.turbine_on - p.pump_on, p.teeth_ratio) / into
+    third = (s.u[0, IN.turbine_speed] - s.ratios.driven * p.start_speed) / s.ratios.third
     s.x[SPEED], s.x[THIRD], s.x[MODE] = p.start_speed, third, shaft_mode(p.start_speed, 0.0, s.u[0, IN.load_torque])
     if e.dry_brake is not None:
         s.x[SLIP] = stick_mode(third, 0.0, e.dry_brake.static)
@@ -178,14 +185,14 @@ def gear_stable(t, s, p, e):
     b3 = p.third_damping
     if e.centrifugal_brake is not None:
         b3 += 2.0 * e.centrifugal_brake.coefficient * e.centrifugal_brake.largest_speed
-    A = s.matrix[0]
+    A, ratios = s.matrix[0], (s.ratios.driven, s.ratios.third)
     A[0, 0] = 0.0
     for i in range(2):
         inertia, damping = (p.driven_inertia, p.driven_damping) if i == 0 else (p.third_inertia, b3)
-        A[0, i + 1] = -s.ratios[i]
-        A[i + 1, 0] = p.stiffness * s.ratios[i] / inertia
+        A[0, i + 1] = -ratios[i]
+        A[i + 1, 0] = p.stiffness * ratios[i] / inertia
         for j in range(2):
-            A[i + 1, j + 1] = -(p.shaft_damping * s.ratios[i] * s.ratios[j] + (damping if i == j else 0.0)) / inertia
+            A[i + 1, j + 1] = -(p.shaft_damping * ratios[i] * ratios[j] + (damping if i == j else 0.0)) / inertia
     return RK4_STABILITY_RADIUS / spectral_radius(A, s.matrix[1])
 
 

@@ -11,7 +11,6 @@ import time
 import numpy as np
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.dimensionless import scales
-from cosimo.components.bearings.two_dof import constants
 from numba import njit
 from scipy.integrate import solve_ivp
 
@@ -49,7 +48,7 @@ LOAD = 196.0
 def right_hand_side():
     """x' of the bearing, compiled with its constants."""
     s = bearing(5e-5).arguments[0]
-    p = constants(s)
+    p = s.constants
     (cosine, sine), k, m, damping, cage = s.balls[:2].copy(), p.stiffness, p.mass, p.damping, p.cage_ratio * SPEED
 
     @njit(error_model="numpy")

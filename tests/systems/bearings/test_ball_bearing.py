@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.bearings import six_dof, two_dof
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.dimensionless import DimensionlessBallBearing, dimensionless, scales
@@ -163,7 +162,7 @@ def test_dimensional_and_dimensionless_are_the_same_trajectory(effects):
     bearing = ball_bearing(effects, given, transverse_load=10.0)
     other, by = dimensionless(bearing)
     other.initialize(0.0)
-    scaled = two_dof.constants(other.arguments[0])
+    scaled = other.arguments[0].constants
     assert scaled[:3] == pytest.approx((1.0, bearing["damping"] / (bearing["mass"] / by.time), 1.0), rel=1e-14)
     largest = np.zeros(bearing.y.size)
     worst = np.zeros(bearing.y.size)
@@ -216,7 +215,7 @@ def test_radial_clearance_is_half_the_diametral_one():
     """The commonest mistake: a diametral clearance of 20 um in one model is a radial gap of 10 um in the other."""
     other = DeepGrooveBearing((), {"diametral_clearance": 20e-6})
     other.initialize(0.0)
-    ours = {"balls": 9, "contact_stiffness": six_dof.constants(other.arguments[0]).contacts.stiffness}
+    ours = {"balls": 9, "contact_stiffness": other.arguments[0].contacts.stiffness}
     radial = with_clearance(10.0, **ours)
     # the other one's balls stand at the same angles; held in the plane, its contact lines do not turn out of it
     diametral = other.equilibrium(np.array([196.0, 0.0, 0.0, 0.0, 0.0]), held=("z", "tilt_x", "tilt_y"))

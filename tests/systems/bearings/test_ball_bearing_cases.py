@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from cosimo.components.bearings.ball_bearing import BallBearing
-from cosimo.components.bearings.two_dof import Constants
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run.run import run
@@ -19,7 +18,7 @@ def test_lines_are_measured_not_assumed(monkeypatch):
 
     def slipping(bearing, t, initialize=BallBearing._initialize):
         status = initialize(bearing, t)
-        bearing.arguments[0].constants[Constants._fields.index("cage_ratio")] *= 0.99
+        bearing.arguments[0].constants.cage_ratio *= 0.99
         return status
 
     monkeypatch.setattr(BallBearing, "_initialize", slipping)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.dimensionless import dimensionless
-from cosimo.components.bearings.two_dof import bearing_derivatives, constants
+from cosimo.components.bearings.two_dof import bearing_derivatives
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.tests.support import RPM, ball_bearing
 from scipy.integrate import solve_ivp
@@ -135,7 +135,7 @@ def test_ten_million_steps_do_not_drift_the_angle():
     for k in range(10_000):
         bearing.step(k * steps * h, steps * h)
     assert bearing.work["steps"] == 10_000_000
-    turn, cage = np.longdouble("6.28318530717958647692528676655900577"), constants(bearing.arguments[0]).cage_ratio
+    turn, cage = np.longdouble("6.28318530717958647692528676655900577"), bearing.arguments[0].constants.cage_ratio
     for name, ratio in (("inner_angle", np.longdouble(1)), ("cage_angle", np.longdouble(cage))):
         exact = np.longdouble(bearing["speed"]) * ratio * np.longdouble(100)
         off = float((np.longdouble(bearing[name]) - exact) % turn)

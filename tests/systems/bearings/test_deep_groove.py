@@ -8,7 +8,6 @@ import pytest
 from cosimo.components.bearings.deep_groove import DISPLACEMENT, VELOCITY, DeepGrooveBearing
 from cosimo.components.bearings.film import Lubricant, film_thickness
 from cosimo.components.bearings.hertz import effective_modulus, exact_ellipse
-from cosimo.components.bearings.six_dof import constants
 from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
 
@@ -195,7 +194,7 @@ def test_a_contact_longer_than_the_radius_of_its_ball_is_refused():
     inner = bearing.geometry.contact("inner", effective_modulus(2.06e11, 0.3, 2.06e11, 0.3))
     k, E = inner.ellipse.k, inner.ellipse.second
     largest = (0.5 * 0.0111 / 2.0) ** 3 * math.pi * inner.modulus / (6.0 * k * k * E * inner.radius)
-    K = constants(bearing.arguments[0]).contacts.stiffness
+    K = bearing.arguments[0].contacts.stiffness
     for share in (0.99, 1.01):
         approach = (share * largest / K) ** (2.0 / 3.0)
         for name, value in (("displacement_x", approach), ("thermal_growth.clearance_change", -2.0 * approach)):
@@ -412,10 +411,10 @@ def test_newton_with_the_tangent_settles_a_weight_in_a_bearing_with_clearance():
 @pytest.mark.full
 def test_ten_million_steps_do_not_drift():
     """The angles' sum in one compiled loop: 1e7 steps of an exactly known turn, against the product."""
-    from cosimo.components.bearings.six_dof import constants, roll
+    from cosimo.components.bearings.six_dof import roll
 
     bearing = moved(speed=314.159)
-    k, u, h = constants(bearing.arguments[0]), bearing.u, 1e-5
+    k, u, h = bearing.arguments[0].constants, bearing.u, 1e-5
 
     def many(x, n):
         for _ in range(n):

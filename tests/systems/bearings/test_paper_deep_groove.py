@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.bearings.six_dof import constants
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems.bearings.cases.paper_deep_groove import clearance, defects, shaft, waviness
 from scipy.optimize import brentq, root
@@ -84,7 +83,7 @@ def test_axial_preload_is_in_equilibrium():
     given = shaft.scene(0.1, 1e-4, 1.0, gravity=0.0, axial=200.0).units["bearing"].parameters
     model = shaft.bearing(diametral_clearance=given["diametral_clearance"])
     model.initialize(0.0)
-    contacts = constants(model.arguments[0]).contacts
+    contacts = model.arguments[0].contacts
     angle = lambda z: math.atan2(z, contacts.radial)  # noqa: E731
 
     def axial(z):

@@ -13,7 +13,6 @@ import numpy as np
 from .....components.bearings.deep_groove import DeepGrooveBearing
 from .....components.bearings.load_zone import load_integrals, stribeck_number
 from .....components.bearings.loads import StaticLoads
-from .....components.bearings.six_dof import constants
 from .....components.core.errors import StepFailed
 from .....components.core.kernels import DONE, REASONS
 from ....harness.validation import Evidence, Runs
@@ -54,7 +53,7 @@ def displacements(runs: Runs) -> Evidence:
         "10.radial": 1e6 * at_rest(loose, LOAD * RADIAL).displacement[0],
         "0.first": radial.ball_loads[0],
         "0.second": radial.ball_loads[1],
-        "stiffness": constants(tight.arguments[0]).contacts.stiffness / NEWTON_PER_MM,
+        "stiffness": tight.arguments[0].contacts.stiffness / NEWTON_PER_MM,
     }
     loads = np.geomspace(1.0, 5000.0, 60)
     drawn = {
