@@ -6,7 +6,7 @@ The conductance is the quantity, not the resistance: without load no ball touche
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -236,7 +236,7 @@ IN = AngularContactConductance.input_places()
 OUT = AngularContactConductance.output_places()
 
 
-class Rings(NamedTuple):
+class Rings:
     """The record `s.rings`: what the parameters determine of the rings."""
 
     wall: float  # 1 / (2 pi k width) of a ring, K/W
@@ -246,14 +246,14 @@ class Rings(NamedTuple):
     area: float  # of each ring towards the other, m2
 
 
-class Ball(NamedTuple):
+class Ball:
     """The record `s.ball`, for the spreading of heat in a ball."""
 
     radius: float  # m
     conductivity: float  # W/(m.K)
 
 
-class Refused(NamedTuple):
+class Refused:
     """The record `s.refused`: numbers of messages."""
 
     ratio: float  # Ry/Rx

@@ -7,7 +7,6 @@ The balls' angles are those of ball 0 and a fixed table: a call costs one sine a
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from ..core.contract import Kernels
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, OWN, hold_inputs, kernel
@@ -52,7 +51,7 @@ LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
 MISSED = OWN + 5
 
 
-class Constants(NamedTuple):
+class Constants:
     """The record `s.constants`: what the parameters determine, beside that of the contacts, `s.contacts`."""
 
     cage_ratio: float

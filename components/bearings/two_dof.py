@@ -16,7 +16,6 @@ once, so that a call costs one sine and cosine however many balls there are, and
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from ..core.integrators import SUBSTEP, finished, rk4_step
 from ..core.kernels import DONE, OWN, inlined_kernel, kernel
@@ -45,7 +44,7 @@ NARROW = (
 )
 
 
-class Constants(NamedTuple):
+class Constants:
     """The record `s.constants`: what the parameters determine."""
 
     mass: float

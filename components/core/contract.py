@@ -95,7 +95,7 @@ class KernelComponent(Component):
     def shapes(self) -> dict[str, Any]:
         """The arrays of `s` besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
 
-        A NamedTuple's class is a record: a kernel reads and writes its numbers as `s.name.field`. `x` is the state. It depends on
+        A class of annotated numbers is a record: a kernel reads and writes its numbers as `s.name.field`. `x` is the state. It depends on
         the structural parameters and the effects that are on; its names are always the same.
         """
         return {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -379,7 +379,7 @@ class RovHull(OdeComponent):
 OUT = RovHull.output_places()
 
 
-class Righting(NamedTuple):
+class Righting:
     """The record `s.righting`: weight times its arm less buoyancy times its own, N.m."""
 
     x: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -143,7 +143,7 @@ IN = Tether.input_places()
 OUT = Tether.output_places()
 
 
-class Chain(NamedTuple):
+class Chain:
     """The record `s.chain`: what the parameters determine."""
 
     length: float  # m, of a segment without tension

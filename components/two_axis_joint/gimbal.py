@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..core import high_order
 from ..core.component import Effect, Preset
@@ -289,7 +289,7 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
 OUT = GimbalBody.output_places()
 
 
-class Inertias(NamedTuple):
+class Inertias:
     """The record `s.inertias`, kg.m², about the outer axis."""
 
     least: float

@@ -111,7 +111,7 @@ class PlanetaryTransmission(Transmission):
         )
 
 
-class Ratios(NamedTuple):
+class Ratios:
     """The record `s.ratios`: w_turbine = driven * w + third * w_3."""
 
     driven: float

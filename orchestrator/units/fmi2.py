@@ -45,22 +45,11 @@ def _LOGGER(environment, _name, status, _category, text):
 
 
 class Fmi2Simulator(FmuSimulator):
-    """What model exchange and co-simulation share. `fmpy_class` is FMPy's class of the interface."""
+    """What model exchange and co-simulation share."""
 
     prefix = "fmi2"
-    fmpy_class: Any = FMU2Slave
 
-    def _instantiate(self) -> Any:
-        fmu = self.fmpy_class(
-            instanceName=self.name,
-            guid=self.description.model.guid,
-            unzipDirectory=self._folder,
-            modelIdentifier=self._interface().modelIdentifier,
-        )
-        fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
-        return fmu
-
-    def _callbacks(self) -> fmi2CallbackFunctions:
+    def _callbacks(self) -> dict[str, Any]:
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = _LOGGER
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -68,30 +57,19 @@ class Fmi2Simulator(FmuSimulator):
         _running[id(self)] = self
         callbacks.componentEnvironment = id(self)
         addLoggerProxy(ctypes.byref(callbacks))
-        return callbacks
+        return {"callbacks": callbacks}
 
     def _set_up(self) -> None:
-        tolerance, (start, stop, _) = self._tolerance or 0.0, self._span
-        self._call(
-            "SetupExperiment",
-            ctypes.c_int(tolerance > 0.0),
-            ctypes.c_double(tolerance),
-            ctypes.c_double(start),
-            ctypes.c_int(stop is not None),
-            ctypes.c_double(stop or 0.0),
-        )
+        self._tell_span("SetupExperiment")
 
     def _enter_initialization(self) -> None:
         self._call("EnterInitializationMode")
-
-    def start(self) -> None:
-        self._call("ExitInitializationMode")
-        self._started = True
 
 
 class Fmi2CoSimulation(Fmi2Simulator):
     """An FMU of FMI 2.0 for co-simulation. `driven`: its inputs over the step that compiled code has begun, as of `drive`."""
 
+    fmpy_class = FMU2Slave
     driven: Callable[[], Sequence[PortValues | None]]
     _before: State | None = None  # where the present step began, if the FMU can go back there
 
@@ -167,13 +145,10 @@ class Fmi2CoSimulation(Fmi2Simulator):
         self._not_done(status - OF_STEP, t, t + h)
 
     def step(self, t: float, h: float) -> None:
-        if self._ended is not None:
-            raise SimulationEnded(self.name, self._ended)
-        self._time = t
+        self._begin_step(t, h)
         if self._before is not None:
             self._states.note(self._before)
         status = self._do_step(self._instance, t, h, self._forget)
-        self._steps += 1
         if status > WARNING:
             self._not_done(status, t, t + h)
         elif status == WARNING:

@@ -19,9 +19,7 @@ from ...components.core.errors import StepFailed
 from .discarded import ShorterSteps
 from .fmu_simulator import DISCARD, DiscreteStates, FmuSimulator
 from .inputs import Others, Reals, Requested
-from .interface import SimulationEnded
 
-ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
 BOOLEAN, DOUBLE, POINTER = ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
 
@@ -30,6 +28,10 @@ class Fmi3Simulator(FmuSimulator):
     """What model exchange and co-simulation share."""
 
     prefix = "fmi3"
+    truth_value = BOOLEAN
+
+    def _callbacks(self) -> dict[str, Any]:
+        return {"logMessage": self._logged}
 
     def _logged(self, _environment: Any, status: int, _category: bytes, text: bytes) -> None:
         self.noted(text, status)
@@ -44,19 +46,7 @@ class Fmi3Simulator(FmuSimulator):
         super()._set_values({n: v for n, v in values.items() if n not in sizes})
 
     def _enter_initialization(self) -> None:
-        tolerance, (start, stop, _) = self._tolerance or 0.0, self._span
-        self._call(
-            "EnterInitializationMode",
-            BOOLEAN(tolerance > 0.0),
-            DOUBLE(tolerance),
-            DOUBLE(start),
-            BOOLEAN(stop is not None),
-            DOUBLE(stop or 0.0),
-        )
-
-    def start(self) -> None:
-        self._call("ExitInitializationMode")
-        self._started = True
+        self._tell_span("EnterInitializationMode")
 
     def _update_states(self) -> DiscreteStates:
         """In event mode: one iteration of the discrete states."""
@@ -70,23 +60,19 @@ class Fmi3Simulator(FmuSimulator):
 class Fmi3CoSimulation(Fmi3Simulator):
     """An FMU of FMI 3.0 for co-simulation."""
 
-    def _instantiate(self) -> Any:
-        interface, model = self._interface(), self.description.model
+    fmpy_class = FMU3Slave
+
+    def _callbacks(self) -> dict[str, Any]:
+        interface = self._interface()
         self._events = interface.hasEventMode
         self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
-        fmu = FMU3Slave(
-            instanceName=self.name, guid=model.guid, unzipDirectory=self._folder, modelIdentifier=interface.modelIdentifier
-        )
         asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
-        fmu.instantiate(
-            loggingOn=True,
-            eventModeUsed=self._events,
-            earlyReturnAllowed=True,
-            requiredIntermediateVariables=sorted(asked),
-            intermediateUpdate=self._requested if asked else None,
-            logMessage=self._logged,
-        )
-        return fmu
+        return super()._callbacks() | {
+            "eventModeUsed": self._events,
+            "earlyReturnAllowed": True,
+            "requiredIntermediateVariables": sorted(asked),
+            "intermediateUpdate": self._requested if asked else None,
+        }
 
     def _requested(
         self,
@@ -145,25 +131,11 @@ class Fmi3CoSimulation(Fmi3Simulator):
 
     def _handle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
-        for _ in range(ITERATIONS):
-            states = self._update_states()
-            if states.ends:
-                self._end_at(self._time)
-                return
-            if not states.again:
-                break
-        else:
-            raise StepFailed(
-                self.name, self._time, f"the discrete states do not converge in {ITERATIONS} iterations{self._log_lines()}"
-            )
-        self.next_event = states.next_event
-        self._check(self._enter_step_mode(self._fmu.component))
+        if not self._settled().ends:
+            self._check(self._enter_step_mode(self._fmu.component))
 
     def step(self, t: float, h: float) -> None:
-        if self._ended is not None:
-            raise SimulationEnded(self.name, self._ended)
-        self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
-        self._steps += 1
+        self._begin_step(t, h)
         if self.next_event <= t + h:
             self._parts.begin(h)
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))

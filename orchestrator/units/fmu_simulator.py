@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 LOG = logging.getLogger("cosimo.units")  # a worker process keeps it for the message about its end
 DISCARD, FATAL = 2, 4
 NEAR = 1e-6  # of a step
+ITERATIONS = 100  # of the discrete states at an event
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
 _once: set[str] = set()  # running FMUs that allow one instance in a process only
 
@@ -52,11 +53,17 @@ class DiscreteStates(NamedTuple):
 class FmuSimulator:
     """An FMU that is extracted, instantiated and has its parameters; see `Simulator` for the order of calls.
 
-    A subclass gives `prefix`, `_instantiate`, `_set_up`, `_enter_initialization`, `start` and `step`.
+    A version of FMI gives `prefix`, `truth_value`, `_callbacks`, `_set_up` and `_enter_initialization`, an interface of it
+    `fmpy_class` and `step`; what has event mode `_update_states`, and model exchange `_sizes`, too.
     """
 
     kind = "FMU"
     prefix = ""
+    truth_value: Any = ctypes.c_int
+    fmpy_class: Any
+    _update_states: Callable[[], DiscreteStates]  # in event mode: one iteration of the discrete states
+    step: Callable[[float, float], None]
+    _sizes: Callable[[], tuple[int, int]]  # numbers of continuous states and of event indicators
     event: float | None = None
     time_of_step: Callable[[], float] | None = None  # s, where compiled code takes the steps
     next_event = float("inf")  # s, where the FMU asks for an event
@@ -138,6 +145,17 @@ class FmuSimulator:
 
     def _instantiate(self) -> Any:
         """FMPy's object of the FMU with an instance."""
+        fmu = self.fmpy_class(
+            instanceName=self.name,
+            guid=self.description.model.guid,
+            unzipDirectory=self._folder,
+            modelIdentifier=self._interface().modelIdentifier,
+        )
+        fmu.instantiate(loggingOn=True, **self._callbacks())
+        return fmu
+
+    def _callbacks(self) -> dict[str, Any]:
+        """Arguments of FMPy's `instantiate`."""
         raise NotImplementedError
 
     def _set_up(self) -> None:
@@ -146,19 +164,37 @@ class FmuSimulator:
     def _enter_initialization(self) -> None:
         raise NotImplementedError
 
-    def _sizes(self) -> tuple[int, int]:
-        """Of model exchange: numbers of continuous states and of event indicators."""
-        raise NotImplementedError
-
-    def _update_states(self) -> DiscreteStates:
-        """In event mode: one iteration of the discrete states."""
-        raise NotImplementedError
+    def _tell_span(self, function: str) -> None:
+        """Call a function that takes tolerance, start and stop of the run."""
+        tolerance, (start, stop, _), real = self._tolerance or 0.0, self._span, ctypes.c_double
+        given = self.truth_value(tolerance > 0.0), real(tolerance), real(start), self.truth_value(stop is not None)
+        self._call(function, *given, real(stop or 0.0))
 
     def start(self) -> None:
-        raise NotImplementedError
+        self._call("ExitInitializationMode")
+        self._started = True
 
-    def step(self, t: float, h: float) -> None:
-        raise NotImplementedError
+    def _begin_step(self, t: float, h: float) -> None:
+        """A step from t to t + h begins; raises `SimulationEnded` where the FMU has ended it."""
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
+        self._steps += 1
+
+    def _settled(self) -> DiscreteStates:
+        """In event mode: the answer to the last iteration of the discrete states, where they no longer change."""
+        nominals = False
+        for _ in range(ITERATIONS):
+            states = self._update_states()
+            nominals = nominals or states.nominals
+            if states.ends:
+                self._end_at(self._time)
+                return states
+            if not states.again:
+                self.next_event = states.next_event
+                return states._replace(nominals=nominals)
+        reason = f"the discrete states do not converge in {ITERATIONS} iterations"
+        raise StepFailed(self.name, self._time, reason + self._log_lines())
 
     # Calls of the library
 

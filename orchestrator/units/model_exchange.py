@@ -25,14 +25,13 @@ from .fmi2 import Fmi2Simulator
 from .fmi3 import Fmi3Simulator
 from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING
-from .interface import PortValues, SimulationEnded, Span
+from .interface import PortValues, Span
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
 from .states import State
 from .values import signature
 
 DISCARD = 2
 TOLERANCE = 1e-8  # relative, where neither scene nor FMU gives one; Van der Pol's oscillator over 20 s is then within 3e-6
-ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
 EVENT_ULPS = (
     32.0  # units in the last place: an event of time is within a step where a sum of its period is that far behind its end
@@ -43,10 +42,9 @@ REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
 class ModelExchange(FmuSimulator):
     """What FMUs for model exchange share, whatever their version, with an integrator.
 
-    A version gives `_sizes` and `_update_states`, the names of two functions and C's type of its truth values.
+    A version gives `_sizes` and `_update_states`, and the name of a function.
     """
 
-    truth_value: Any = ctypes.c_int
     derivatives_function = "GetDerivatives"
 
     def __init__(
@@ -143,21 +141,12 @@ class ModelExchange(FmuSimulator):
 
     def _find_discrete_states(self, nominals: bool = False) -> None:
         self._goes_on_at = None
-        for _ in range(ITERATIONS):
-            states = self._update_states()
-            if states.ends:
-                self._end_at(self._time)
-                return
-            nominals = nominals or states.nominals
-            if not states.again:
-                break
-        else:
-            reason = f"discrete states that do not converge in {ITERATIONS} iterations"
-            raise StepFailed(self.name, self._time, reason + self._log_lines())
-        self.next_event = states.next_event
+        states = self._settled()
+        if states.ends:
+            return
         self._call("EnterContinuousTimeMode")
         assert self._solver is not None
-        if nominals and self._n:
+        if (nominals or states.nominals) and self._n:
             sizes = np.zeros(self._n)
             self._call("GetNominalsOfContinuousStates", POINTER(sizes.ctypes.data), SIZE(self._n))
             self._solver.tolerate(self._relative * np.abs(sizes))
@@ -219,11 +208,8 @@ class ModelExchange(FmuSimulator):
     # The step
 
     def step(self, t: float, h: float) -> None:
-        if self._ended is not None:
-            raise SimulationEnded(self.name, self._ended)
-        self._time, self.event, self._origin = t, None, t
-        self._steps += 1
-        self._step_start, self._step_end = t, t + h
+        self._begin_step(t, h)
+        self._origin = t
         try:
             self._integrate(t, t + h)
         except SolverFailed as error:
@@ -354,18 +340,8 @@ class Fmi2ModelExchange(ModelExchange, Fmi2Simulator):
 class Fmi3ModelExchange(ModelExchange, Fmi3Simulator):
     """Of FMI 3.0: the numbers of states and indicators may follow from structural parameters."""
 
-    truth_value = ctypes.c_bool
+    fmpy_class = FMU3Model
     derivatives_function = "GetContinuousStateDerivatives"
-
-    def _instantiate(self) -> Any:
-        fmu = FMU3Model(
-            instanceName=self.name,
-            guid=self.description.model.guid,
-            unzipDirectory=self._folder,
-            modelIdentifier=self._interface().modelIdentifier,
-        )
-        fmu.instantiate(loggingOn=True, logMessage=self._logged)
-        return fmu
 
     def _sizes(self) -> tuple[int, int]:
         sizes = (ctypes.c_size_t(), ctypes.c_size_t())
