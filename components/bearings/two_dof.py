@@ -117,12 +117,13 @@ def ball_loads(x, speed, k, balls, inner_waves, outer_waves, e):
     if e.contact_damping is not None:
         turn = k.cage_ratio * speed
         v_along, v_across = cosine * x[2] + sine * x[3] + turn * across, cosine * x[3] - sine * x[2] - turn * along
+    stiffness = k.stiffness  # not read anew behind each write to the balls
     sum_along, sum_across, largest, loaded, deepest = 0.0, 0.0, 0.0, 0, balls[DEEPEST, 0]
     for j in range(balls.shape[1]):
         delta = along * balls[COSINE, j] + across * balls[SINE, j] - balls[GAP, j]
         if delta > 0.0:
             deepest = max(deepest, delta)
-            load = k.stiffness * delta * math.sqrt(delta)
+            load = stiffness * delta * math.sqrt(delta)
             if e.contact_damping is not None:
                 approach = v_along * balls[COSINE, j] + v_across * balls[SINE, j] - balls[RATE, j]
                 load = max(load * (1.0 + 1.5 * e.contact_damping.coefficient * approach), 0.0)  # a contact cannot pull

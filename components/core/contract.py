@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import reduce
 from threading import Lock
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -61,7 +61,7 @@ class Refusal(NamedTuple):
 def contents_of(shape: Any) -> Any:
     """What a field of `s` begins with: see `KernelComponent.shapes`."""
     if isinstance(shape, type):
-        kinds = [(name, np.int64 if kind in ("int", int) else np.float64) for name, kind in shape.__annotations__.items()]
+        kinds = [(name, np.int64 if kind is int else np.float64) for name, kind in get_type_hints(shape).items()]
         return np.zeros((), np.dtype((np.record, np.dtype(kinds, align=True))))
     return shape if isinstance(shape, np.ndarray) or shape is None or hasattr(shape, "_fields") else np.zeros(shape)
 

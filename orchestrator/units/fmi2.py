@@ -76,7 +76,6 @@ class Fmi2CoSimulation(Fmi2Simulator):
     def wire(self, inputs: Any, outputs: Any) -> None:
         super().wire(inputs, outputs)
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
-        self._instance = self._fmu.component
         self._held_values = np.zeros(len(self._rows[2]))
         self._parts = ShorterSteps(self._interface(), self._span.parts and not self.description.holds_component)
 
@@ -145,7 +144,10 @@ class Fmi2CoSimulation(Fmi2Simulator):
         self._not_done(status - OF_STEP, t, t + h)
 
     def step(self, t: float, h: float) -> None:
-        self._begin_step(t, h)
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        self._time = t
+        self._steps += 1
         if self._before is not None:
             self._states.note(self._before)
         status = self._do_step(self._instance, t, h, self._forget)

@@ -19,6 +19,7 @@ from ...components.core.errors import StepFailed
 from .discarded import ShorterSteps
 from .fmu_simulator import DISCARD, DiscreteStates, FmuSimulator
 from .inputs import Others, Reals, Requested
+from .interface import SimulationEnded
 
 EVENTS = 10_000  # in one step
 BOOLEAN, DOUBLE, POINTER = ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
@@ -106,7 +107,6 @@ class Fmi3CoSimulation(Fmi3Simulator):
         super().wire(inputs, outputs)
         self._do_step = self._function("DoStep", DOUBLE, DOUBLE, BOOLEAN, POINTER, POINTER, POINTER, POINTER)
         self._enter_event_mode, self._enter_step_mode = (self._guarded(n) for n in ("EnterEventMode", "EnterStepMode"))
-        self._instance = self._fmu.component
         self._parts = ShorterSteps(self._interface(), self._span.parts and not self.description.holds_component)
         # event, termination, early return: three bytes that are looked at as one word
         self._origin = 0.0  # s, the beginning of the step
@@ -135,7 +135,10 @@ class Fmi3CoSimulation(Fmi3Simulator):
             self._check(self._enter_step_mode(self._fmu.component))
 
     def step(self, t: float, h: float) -> None:
-        self._begin_step(t, h)
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
+        self._steps += 1
         if self.next_event <= t + h:
             self._parts.begin(h)
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))

@@ -174,13 +174,6 @@ class FmuSimulator:
         self._call("ExitInitializationMode")
         self._started = True
 
-    def _begin_step(self, t: float, h: float) -> None:
-        """A step from t to t + h begins; raises `SimulationEnded` where the FMU has ended it."""
-        if self._ended is not None:
-            raise SimulationEnded(self.name, self._ended)
-        self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
-        self._steps += 1
-
     def _settled(self) -> DiscreteStates:
         """In event mode: the answer to the last iteration of the discrete states, where they no longer change."""
         nominals = False
@@ -300,7 +293,7 @@ class FmuSimulator:
         return {n: actual[n] for n, value in values.items() if not same(value, actual[n])}
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        self._input_names, self._output_names = tuple(inputs), tuple(outputs)
+        self._input_names, self._output_names, self._instance = tuple(inputs), tuple(outputs), self._fmu.component
         scalars = [self._scalars[n] for n in inputs]
         held = [k for k, s in enumerate(scalars) if s.discrete]
         levels = [k for k, s in enumerate(scalars) if not s.discrete and s.variable.type == "Float32"]

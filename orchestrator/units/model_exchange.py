@@ -25,7 +25,7 @@ from .fmi2 import Fmi2Simulator
 from .fmi3 import Fmi3Simulator
 from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING
-from .interface import PortValues, Span
+from .interface import PortValues, SimulationEnded, Span
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
 from .states import State
 from .values import signature
@@ -64,7 +64,6 @@ class ModelExchange(FmuSimulator):
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         super().wire(inputs, outputs)
-        self._instance = self._fmu.component
         self._polynomial: tuple[np.ndarray, ...] | None = None  # values, slopes, quadratic of the moving inputs over this step
         self._origin = 0.0  # and when they begin
         self._last_held: list[Any] | None = None
@@ -208,8 +207,11 @@ class ModelExchange(FmuSimulator):
     # The step
 
     def step(self, t: float, h: float) -> None:
-        self._begin_step(t, h)
-        self._origin = t
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        self._time, self.event, self._origin = t, None, t
+        self._steps += 1
+        self._step_start, self._step_end = t, t + h
         try:
             self._integrate(t, t + h)
         except SolverFailed as error:

@@ -165,36 +165,16 @@ class WorkerSimulator:
         if self._lost:
             raise StepFailed(self.name, self._time, "its worker process has ended")
         self._requests += 1
-        self._since = monotonic()
-        try:
-            self._channel.send(code, content)
-        except Late:
-            raise self._too_late() from None
-        except BrokenPipeError:
-            raise self._end() from None
-        except KeyboardInterrupt:
-            self._lost = True  # part of a message may be left in the pipe
-            raise
-        self._expected, self._since = expected, None
+        self._through(self._channel.send, code, content)
+        self._expected = expected
 
     def _receive(self) -> Any:
         """The answer to the last request; raises what the unit raised, or `StepFailed` where its process has ended."""
-        expected, self._since = self._expected, monotonic()
+        expected = self._expected
         if expected is None:  # the process had ended before the request was sent
             raise self._end()
-        content: Any
-        try:
-            code, content = self._channel.receive(max(expected.longest, REPORT))
-        except NoMessage:
-            raise self._no_answer() from None
-        except Late:
-            raise self._too_late() from None
-        except EOFError:
-            raise self._end() from None
-        except KeyboardInterrupt:
-            self._lost = True  # part of a message may be left in the pipe
-            raise
-        self._expected = self._since = answer = None
+        code, content = self._through(self._channel.receive, max(expected.longest, REPORT))
+        self._expected = answer = None
         texts: list[str] = []
         failure: Exception | None = None
         try:
@@ -214,6 +194,23 @@ class WorkerSimulator:
             self._stale = True
             raise failure
         return answer
+
+    def _through(self, transfer: Callable[..., Any], *message: Any) -> Any:
+        """Send or receive; raises `StepFailed` with what has become of the process where that fails."""
+        self._since = monotonic()
+        try:
+            transferred = transfer(*message)
+        except NoMessage:
+            raise self._no_answer() from None
+        except Late:
+            raise self._too_late() from None
+        except (EOFError, BrokenPipeError):
+            raise self._end() from None
+        except KeyboardInterrupt:
+            self._lost = True  # part of a message may be left in the pipe
+            raise
+        self._since = None
+        return transferred
 
     def _read_values(self, content: Any) -> None:
         """Event and outputs of the unit."""

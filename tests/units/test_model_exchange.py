@@ -222,7 +222,7 @@ def test_too_many_events_fail_the_step():
 
 def test_discrete_states_that_do_not_converge_fail_the_run():
     result = run(read_scene(scene({"k": -1.0})))
-    assert result.message.startswith("f failed at t = 0 s: discrete states that do not converge in 100 iterations")
+    assert result.message.startswith("f failed at t = 0 s: the discrete states do not converge in 100 iterations")
 
 
 @pytest.mark.parametrize("solver", ["CVode", "BDF", "RK45", "Radau", "LSODA"])

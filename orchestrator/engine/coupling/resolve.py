@@ -24,8 +24,6 @@ from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discre
 
 LONGEST_RECORDED = 100  # elements of an array that are recorded without being named
 SHOWN = 8  # names in a message
-SHOWN_CHARACTERS = 100  # of a unit of measure
-FACTOR = "Or give the factor, and an offset, yourself: { source = ..., target = ..., factor = ... }."
 
 
 @dataclass(frozen=True)

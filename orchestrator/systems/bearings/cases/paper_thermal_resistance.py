@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .....components.bearings.conductance import AngularContactConductance, rings_of, side_of_ball
+from .....components.bearings.conductance import AngularContactConductance, side_of_ball
 from .....components.bearings.constriction import conductances_in_series, noted_contact
 from .....components.bearings.load_zone import load_integrals
 from .....components.bearings.radiation import STEFAN_BOLTZMANN
@@ -75,7 +75,7 @@ def exponent(model: AngularContactConductance, axial: float, ratio: float = 0.0,
 def ball_conductances(model: AngularContactConductance) -> np.ndarray:
     """Conductance of each ball under the present loads, (Z,) W/K, without films."""
     s = model.arguments[0]
-    inner_race, outer_race, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), rings_of(s)
+    inner_race, outer_race, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), s.rings
     each = []
     for load in model.ball_loads:
         inner = side_of_ball(load, 0.0, inner_race, rings.inner_relief, *model.arguments)

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
-from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
+from ......components.bearings.two_dof import bearing_derivatives, elastic_force, fill_gaps
 from .....harness.validation import Evidence, Runs
 
 RPM = 2.0 * math.pi / 60.0
@@ -104,7 +104,7 @@ def jacobian(model: TwoDofBearing) -> np.ndarray:
     """Derivative of the rates of (x, y, x', y') by them in equilibrium, (4, 4)."""
     model.initialize(0.0)
     s, _, e = model.arguments
-    k = constants(s)
+    k = s.constants
     fill_gaps(model.x, 0.0, k, s.balls, s.inner_waves, s.outer_waves, e)
     _, _, kxx, kxy, kyy = elastic_force(model.x, s)
     K = np.array([[kxx, kxy], [kxy, kyy]]) / k.mass
@@ -143,7 +143,7 @@ def _decades(numbers: Any) -> float:
 def solved(model: TwoDofBearing, end: float, **options: Any) -> tuple[np.ndarray, int]:
     """Displacements by SciPy on a grid of times, (2, n), and calls of the equations; angles are functions of time."""
     full, dx = model.x.copy(), np.empty(model.x.size)
-    speed, start, ratio = model["speed"], model.x[5], constants(model.arguments[0]).cage_ratio
+    speed, start, ratio = model["speed"], model.x[5], model.arguments[0].constants.cage_ratio
 
     def rates(t: float, x: np.ndarray) -> np.ndarray:
         full[:4], full[4], full[5] = x, speed * t, start + ratio * speed * t
