@@ -127,7 +127,7 @@ def test_a_gap_lies_between_nothing_and_all_in_parallel():
     assert 1.0 / (1.0 / bare + gap) < resistance < bare
 
 
-@pytest.mark.parametrize("ball", [None, np.array([4e-3, 46.0])])
+@pytest.mark.parametrize("ball", [None, np.rec.array([(4e-3, 46.0)], names="radius, conductivity")[0]])
 def test_two_ladders_are_one(ball):
     """From 0 to 5 and on to 20 um; the ladder's own step error is 0.1 %."""
     c = contact()
