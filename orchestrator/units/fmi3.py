@@ -131,7 +131,7 @@ class Fmi3CoSimulation(Fmi3Simulator):
 
     def _handle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
-        if not self._settled().ends:
+        if not self._iterate_discrete_states().ends:
             self._check(self._enter_step_mode(self._fmu.component))
 
     def step(self, t: float, h: float) -> None:

@@ -174,7 +174,7 @@ class FmuSimulator:
         self._call("ExitInitializationMode")
         self._started = True
 
-    def _settled(self) -> DiscreteStates:
+    def _iterate_discrete_states(self) -> DiscreteStates:
         """In event mode: the answer to the last iteration of the discrete states, where they no longer change."""
         nominals = False
         for _ in range(ITERATIONS):

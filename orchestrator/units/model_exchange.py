@@ -140,7 +140,7 @@ class ModelExchange(FmuSimulator):
 
     def _find_discrete_states(self, nominals: bool = False) -> None:
         self._goes_on_at = None
-        states = self._settled()
+        states = self._iterate_discrete_states()
         if states.ends:
             return
         self._call("EnterContinuousTimeMode")
