@@ -15,7 +15,17 @@ from ..core.rotation import angles, quaternion_of_angles, to_body, to_world
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import flag, input_, output, parameter
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
-from .hull_equations import hull_derivatives, invert, least_moment, rigid_mass, six, tether_velocity, water_velocity, wrench
+from .hull_equations import (
+    Righting,
+    hull_derivatives,
+    invert,
+    least_moment,
+    rigid_mass,
+    six,
+    tether_velocity,
+    water_velocity,
+    wrench,
+)
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
@@ -377,14 +387,6 @@ class RovHull(OdeComponent):
 
 
 OUT = RovHull.output_places()
-
-
-class Righting:
-    """The record `s.righting`: weight times its arm less buoyancy times its own, N.m."""
-
-    x: float
-    y: float
-    z: float
 
 
 @kernel

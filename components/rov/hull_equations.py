@@ -9,6 +9,14 @@ from ..core.linear import solve_dense
 from ..core.rotation import quaternion_rate, to_body, to_world
 
 
+class Righting:
+    """The record `s.righting`: weight times its arm less buoyancy times its own, N.m."""
+
+    x: float
+    y: float
+    z: float
+
+
 @kernel
 def water_velocity(x, u, current):
     """Velocity of the water in body axes, m/s."""
