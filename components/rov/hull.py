@@ -14,18 +14,9 @@ from ..core.kernels import DONE, OWN, in_python, kernel
 from ..core.rotation import angles, quaternion_of_angles, to_body, to_world
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import flag, input_, output, parameter
+from . import hull_equations
 from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
-from .hull_equations import (
-    Righting,
-    hull_derivatives,
-    invert,
-    least_moment,
-    rigid_mass,
-    six,
-    tether_velocity,
-    water_velocity,
-    wrench,
-)
+from .hull_equations import hull_derivatives, invert, least_moment, rigid_mass, six, tether_velocity, water_velocity, wrench
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
@@ -351,7 +342,7 @@ class RovHull(OdeComponent):
         """Constants that masses, arrangement and weight determine; (X, Y, Z, K, M, N) in body axes about the origin.
 
         `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
-        wrench per thrust, those of `further_thrusters` last.  `righting`: see `Righting`.  `matrix`: of the linear equations, and
+        wrench per thrust, those of `further_thrusters` last.  `righting`: see `hull_equations`.  `matrix`: of the linear equations, and
         workspace.  `refused`: (4,) numbers of a refusal.
         """
         n = 8 if "further_thrusters" in self.on else 6
@@ -360,7 +351,7 @@ class RovHull(OdeComponent):
             "added": 6,
             "inverse": (6, 6),
             "thrusters": (6, n),
-            "righting": Righting,
+            "righting": hull_equations.Righting,
             "matrix": (2, 12, 12),
             "refused": 4,
         }
