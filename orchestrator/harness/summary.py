@@ -152,7 +152,7 @@ COLUMNS = ("quantity", "value", "error", "unit", "text")
 def to_table(summary: Summary) -> tuple[Sequence[str], list[tuple[str | float, ...]]]:
     """(names of the columns, rows) of summary.csv; an empty cell is a number that is not known."""
     known = lambda number: number if isfinite(number) else ""  # noqa: E731
-    table = [(row.name, known(row.value), known(row.error), row.unit, row.text) for row in summary]
+    table: list[tuple[str | float, ...]] = [(row.name, known(row.value), known(row.error), row.unit, row.text) for row in summary]
     if not any(isfinite(row.parameters) for row in summary):
         return COLUMNS, table
     return (*COLUMNS, "parameter error"), [(*cells, known(row.parameters)) for cells, row in zip(table, summary, strict=True)]

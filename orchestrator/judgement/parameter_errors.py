@@ -107,7 +107,7 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
     }
     moves, changes = _samples(result, values, tolerances, again) if allows(first + PARAMETER_SAMPLES) else (None, None)
     rest: dict[str, float] = {}
-    if moves is not None and len(moves):
+    if moves is not None and changes is not None and len(moves):
         beside = np.sqrt(np.mean((changes - moves @ derivatives.T) ** 2, axis=0))
         whole = np.sqrt(np.mean(changes**2, axis=0))
         for k, figure in enumerate(values):

@@ -45,7 +45,7 @@ def tolerances_of(scene: Scene) -> Tolerances | None:
             share = isinstance(tolerance, str)
             if share and not value:
                 raise BadInput(where, f"{tolerance} of 0", "a tolerance in the unit of the parameter")
-            deviations[f"{unit}.{name}"] = number_in(tolerance, "1", where) * abs(value) if share else float(tolerance)
+            deviations[f"{unit}.{name}"] = number_in(str(tolerance), "1", where) * abs(value) if share else float(tolerance)
     if not values:
         return None
     names = tuple(values)

@@ -93,8 +93,8 @@ def tolerance_of(variables: Mapping[str, Any], name: str, tolerance: Any, where:
     number = tolerance
     if is_quantity(tolerance):
         share = tolerance.strip().endswith("%")
-        measure = (getattr(variable, "measure", None), True)
-        number = number_in(tolerance, "1", where) if share else number_in(tolerance, variable.unit or "1", where, *measure)
+        measure = getattr(variable, "measure", None)
+        number = number_in(tolerance, "1", where) if share else number_in(tolerance, variable.unit or "1", where, measure, True)
     if isinstance(number, bool) or not isinstance(number, int | float) or not 0.0 <= number < inf:
         raise BadInput(
             where, repr(tolerance), f'a standard deviation of at least 0, in {variable.unit or "its unit"} or as "3 %"'
