@@ -54,7 +54,10 @@ def expanded(
         if twice := entries.keys() & units.keys():
             raise BadInput(f"{name}: units", f"two units {min(twice)!r}", "names that are unique")
         units |= entries
-    joined = {key: [*own, *more] for key, more in added.items() if more and isinstance(own := data.get(key, []), list | tuple)}
+    joined: dict[str, Any] = {}
+    for key, more in added.items():
+        if more and isinstance(own := data.get(key, []), list | tuple):
+            joined[key] = [*own, *more]
     if correlations:
         joined["correlations"] = {**data.get("correlations", {}), **correlations}
     return {**data, **joined, "units": units}, tuple(remarks)

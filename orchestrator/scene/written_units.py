@@ -87,8 +87,9 @@ def tolerance_of(variables: Mapping[str, Any], name: str, tolerance: Any, where:
         raise BadInput(where, repr(name), "a parameter", nearest(name, variables))
     real = variable.kind in (Kind.REAL, Kind.REAL.value)
     parameter = getattr(variable, "causality", Causality.PARAMETER) is Causality.PARAMETER
-    if not real or not parameter or getattr(variable, "structural", "") or name in NUMERICAL:
-        reason = NUMERICAL.get(name) or getattr(variable, "structural", "") or "nothing has a derivative by it"
+    structural: Any = getattr(variable, "structural", None)  # of an FMU's: whether it is; of a component's: why
+    if not real or not parameter or structural or name in NUMERICAL:
+        reason = NUMERICAL.get(name) or (structural if isinstance(structural, str) else "nothing has a derivative by it")
         raise BadInput(where, f"{name}: {reason}", "a real parameter that is not structural", "Remove it.")
     number = tolerance
     if is_quantity(tolerance):
