@@ -50,6 +50,10 @@ function settingsOf({ values, off, step, algorithm, extrapolation }) {
   Object.assign(settings.master, { step: data.steps[step].length, algorithm, extrapolation });
   return settings;
 }
+function inPython(changes) {
+  const literal = (value) => (typeof value === "boolean" ? (value ? "True" : "False") : JSON.stringify(value));
+  return `{\n${Object.entries(changes).map(([name, value]) => `    ${JSON.stringify(name)}: ${literal(value)},\n`).join("")}}`;
+}
 function elsewhere() {
   const { values, off, step, algorithm, extrapolation } = state, numbers = Object.entries(values).filter(([name]) => available(name));
   const sets = numbers.map(([name, value]) => ` --set ${name}=${text(value)}`);
@@ -58,7 +62,7 @@ function elsewhere() {
   if (extrapolation !== usual.extrapolation) sets.push(` --extrapolation ${extrapolation}`);
   for (const name of off) sets.push(` --set ${unitOf(name).join(".effects.")}=false`);
   byId("command").value = `cosimo run ${data.name}${sets.join("")}`;
-  const changes = JSON.stringify(changesOf({ ...state, values: Object.fromEntries(numbers) }), null, 4);
+  const changes = inPython(changesOf({ ...state, values: Object.fromEntries(numbers) }));
   const changed = address(state) !== address(initial());
   byId("python").value = `import cosimo\n\nscene = cosimo.load_scene(${JSON.stringify(data.name)})${changed ? `.with_changes(${changes})` : ""}\nresult = cosimo.run(scene)\nprint(result.summary)`;
   byId("toml").value = toml(settingsOf(state));
