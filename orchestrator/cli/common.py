@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, as shells give it
 NAMED = 5  # changes that a title names
+NO_PART = re.compile(r"\.isolation$|\.tolerances\b")  # of what is simulated
 OPTIONS = {
     "start_time": "--start",
     "stop_time": "--stop",
@@ -345,7 +347,7 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """
     if not changes:
         return scene
-    named = [_named(scene, name, value) for name, value in changes.items() if not name.endswith(".isolation")]
+    named = [_named(scene, name, value) for name, value in changes.items() if not NO_PART.search(name)]
     named = [text for text in named if text]
     rest = f" and {len(named) - NAMED} more changes" if len(named) > NAMED else ""
     title = {"title": f"{scene.name}, changed: {', '.join(named[:NAMED])}{rest}"} if named else {}

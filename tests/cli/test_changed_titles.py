@@ -26,6 +26,7 @@ def test_a_changed_scene_is_titled_as_changed(tmp_path):
 def test_a_scene_as_it_was_written_keeps_its_title():
     assert changed(SCENE, {}).title == SCENE.title
     assert changed(SCENE, {"master.step": 1e-3, "stop_time": 2.0}).title == SCENE.title  # how it is computed, and how long
+    assert changed(SCENE, {"units.mass.tolerances.mass": "1 %"}).title == SCENE.title  # how well it is known
 
 
 @pytest.mark.parametrize(
