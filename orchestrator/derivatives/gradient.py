@@ -35,6 +35,7 @@ STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
     "standard deviation": np.std,
     "last": lambda values: values[-1],
 }
+MISSING = nan, ""  # a figure that a run does not have
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
@@ -235,7 +236,7 @@ def _along(
 
     def numbers(result: Result) -> np.ndarray:
         of_run = figures(result)
-        return np.array([of_run[figure][0] for figure in values])
+        return np.array([of_run.get(figure, MISSING)[0] for figure in values])
 
     first = np.array([value for value, _ in values.values()])
     whole, _ = along(base, tangents, numbers, first, name, at, step)
@@ -256,7 +257,9 @@ def _beside(
         try:
             there, half = (figures(_run(scene.with_changes({name: at + share * way}))) for share in (1.0, 0.5))
             for figure, (value, _) in values.items():
-                whole, near = (there[figure][0] - value) / way, (half[figure][0] - value) / (0.5 * way)
+                whole, near = (
+                    (run.get(figure, MISSING)[0] - value) / (share * way) for run, share in ((there, 1.0), (half, 0.5))
+                )
                 side[figure] = 2.0 * near - whole, abs(near - whole) + 1e-11 * abs(value) / step
         except (BadInput, StepFailed):
             side = dict.fromkeys(values, (nan, nan))
@@ -289,7 +292,8 @@ def by_differences(base: Result, figures: Figures, steps: Mapping[str, float]) -
         at = _value(scene, name)
         runs = [figures(_run(scene.with_changes({name: at + way * step}))) for way in (1.0, -1.0, 0.5, -0.5)]
         for figure, (value, unit) in values.items():
-            whole, half = ((runs[k][figure][0] - runs[k + 1][figure][0]) / (width * step) for k, width in ((0, 2.0), (2, 1.0)))
+            ends = [run.get(figure, MISSING)[0] for run in runs]
+            whole, half = ((ends[k] - ends[k + 1]) / (width * step) for k, width in ((0, 2.0), (2, 1.0)))
             error = float(abs(half - whole))
             slopes[figure, name] = Slope(figure, unit, float(value), name, at, float(half), error, DIFFERENCES)
     return slopes

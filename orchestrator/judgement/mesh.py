@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from math import isfinite, nan
 from typing import Any
 
 from ...components.core.errors import BadInput
@@ -76,8 +76,9 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     left_out = _never_covered(scene)
     if not meshes_of(scene):
         return MeshError(left_out=left_out)
-    place = Kept(FOLDER, "mesh 1", digest(scene), components_digest(scene))
-    if distances is None and (kept := _read(place)) is not None and {*result.columns, *result.texts} <= {*kept.signals}:
+    place = Kept(FOLDER, "mesh 2", digest(scene), components_digest(scene), scene.model_dump_json(include={"analysis", "limits"}))
+    kept = _read(place) if distances is None else None
+    if kept and {*result.columns, *result.texts} <= {*kept.signals} and {*_figures(result)} <= {*kept.figures}:
         return replace(kept, left_out=left_out, kept=True)
     places = tuple(meshes_of(scene))
     if not affordable():
@@ -140,9 +141,9 @@ def _of_figures(
     fine: Mapping[str, float], coarse: Mapping[str, float], coarsest: Mapping[str, float] | None = None
 ) -> dict[str, float]:
     errors = {}
-    for name in fine.keys() & coarse.keys():
-        chance = abs(coarse[name] - coarsest[name]) / LEFT if coarsest and name in coarsest else 0.0
-        errors[name] = abs(fine[name] - coarse[name]) + (chance if isfinite(chance) else 0.0)
+    for name in fine:
+        chance = abs(coarse.get(name, nan) - coarsest[name]) / LEFT if coarsest and name in coarsest else 0.0
+        errors[name] = abs(fine[name] - coarse.get(name, nan)) + (chance if isfinite(chance) else 0.0)
     return errors
 
 

@@ -89,7 +89,7 @@ def tolerance_of(variables: Mapping[str, Any], name: str, tolerance: Any, where:
     parameter = getattr(variable, "causality", Causality.PARAMETER) is Causality.PARAMETER
     structural: Any = getattr(variable, "structural", None)  # of an FMU's: whether it is; of a component's: why
     if not real or not parameter or structural or name in NUMERICAL:
-        reason = NUMERICAL.get(name) or (structural if isinstance(structural, str) else "nothing has a derivative by it")
+        reason = NUMERICAL.get(name) or (isinstance(structural, str) and structural) or "nothing has a derivative by it"
         raise BadInput(where, f"{name}: {reason}", "a real parameter that is not structural", "Remove it.")
     number = tolerance
     if is_quantity(tolerance):

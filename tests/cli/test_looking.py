@@ -51,7 +51,7 @@ def test_looking_executes_nothing(name, folder, capsys, monkeypatch):
     assert "looking executes none" in capsys.readouterr().out
     assert exit_code("run", name, "--dry-run", "--step", "1e-3") == 0
     shown = capsys.readouterr()
-    assert "left out: the longest stable step" in shown.out
+    assert "left out: the stability of the coupling" in shown.out
     assert "--isolate executes FMUs in a sandbox" in shown.out
 
 

@@ -240,7 +240,7 @@ def fixed(**changes) -> dict[str, Interface]:
         ),
         ({"events": ["rigid.y"]}, {"saves_state": False}, "master.events: .* that save their state, .*; rigid cannot"),
         ({"events": ["rigid.y"]}, {"variable_step": False}, "units that change the length of a step; rigid cannot"),
-        ({"control": {"method": "milne"}}, {}, "expected connections whose values change inside a step"),
+        ({"control": {"method": "milne"}}, {}, "expected a connection whose value changes within a step"),
     ],
 )
 def test_units_that_cannot_are_named_before_the_run(master, capability, message):

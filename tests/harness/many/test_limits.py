@@ -73,7 +73,7 @@ def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
         ("", "", ""),
     ]
     page = answers.for_uncertainty(answer, tmp_path).read_text()
-    assert "Probability of keeping the limits" in page
+    assert "Probability that the limits are met" in page
 
 
 def test_intervals_of_probabilities_where_all_or_none_are_inside():

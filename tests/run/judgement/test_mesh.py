@@ -103,6 +103,8 @@ def test_a_second_run_of_a_scene_pays_nothing_and_a_changed_or_damaged_one_is_me
     assert first[1] == second[1] != third[1]
     assert (first[2], second[2], third[2]) == (False, True, False)
     assert first[0] - second[0] == 2
+    other = scene().with_changes({"analysis.transient": 1.0})  # whose figures are others
+    assert not cosimo.run(other, in_process=True).info["verification"]["mesh"]["kept"]
     for file in cache.iterdir():
         file.write_bytes(file.read_bytes()[:-1] + b" ")
     assert made() == first
