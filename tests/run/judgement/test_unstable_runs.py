@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.judgement.comparison import difference, signal_errors
 from cosimo.orchestrator.judgement.verification import made_by_coupling
+from numba import config
 from scipy.linalg import expm
 
 STIFFNESS = 100.0  # N/m, of 1 kg
@@ -146,7 +147,8 @@ def test_runs_of_any_length_are_judged_by_the_map(algorithm, damping, degree, sh
 def test_growth_beyond_bounds_is_seen_without_a_repetition(steps):
     result = cosimo.run(scene("gauss-seidel", 1, 4.0, 0.5, steps), in_process=True, verify="no")
     assert result.outcome == "unstable"
-    assert "stable up to 0.121 s" in result.message
+    without_kernels = "Reduce the macro step"  # in plain Python nothing has a derivative
+    assert (without_kernels if config.DISABLE_JIT else "stable up to 0.121 s") in result.message
 
 
 def test_without_a_repetition_a_run_warns_that_it_is_not_verified():
