@@ -58,9 +58,14 @@ def expanded(
     for key, more in added.items():
         if more and isinstance(own := data.get(key, []), list | tuple):
             joined[key] = [*own, *more]
-    if correlations:
-        joined["correlations"] = {**data.get("correlations", {}), **correlations}
+    if correlations and isinstance(own := data.get("correlations", {}), Mapping):
+        given = [_pair(p) for p in own]  # which the including scene says otherwise
+        joined["correlations"] = {**{p: r for p, r in correlations.items() if _pair(p) not in given}, **own}
     return {**data, **joined, "units": units}, tuple(remarks)
+
+
+def _pair(names: str) -> set[str]:
+    return {name.strip() for name in names.split(",")}
 
 
 def _part(

@@ -76,6 +76,8 @@ def with_tolerances(scene: Scene, names: Sequence[str], covariance: np.ndarray) 
             tolerance_of(declared(scene, place.unit), place.parameter, float(deviations[k]), name)
             units.setdefault(place.unit, dict(scene.units[place.unit].tolerances))[place.parameter] = float(deviations[k])
             known.append((f"{place.unit}.{place.parameter}", k))
-    pairs = {f"{a}, {b}": float(correlation[i, j]) for n, (a, i) in enumerate(known) for b, j in known[:n] if correlation[i, j]}
+    pairs = {  # of deviations that are 0 there is none
+        f"{a}, {b}": float(r) for n, (a, i) in enumerate(known) for b, j in known[:n] if np.isfinite(r := correlation[i, j]) and r
+    }
     others = {p: r for p, r in scene.correlations.items() if not {n.strip() for n in p.split(",")} & {n for n, _ in known}}
     return scene.with_changes({**{f"units.{u}.tolerances": t for u, t in units.items()}, "correlations": others | pairs})

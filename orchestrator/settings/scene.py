@@ -269,8 +269,12 @@ class SceneSettings(Model):
     @model_validator(mode="after")
     def _tolerances_correlate(self) -> Self:
         known = [f"{unit}.{name}" for unit, settings in self.units.items() for name in settings.tolerances]
+        before: list[set[str]] = []
         for pair in self.correlations:
             names = [name.strip() for name in pair.split(",")]
+            if set(names) in before:
+                raise BadInput("correlations", f"{pair!r} twice", "each pair once, in one order", "Remove one.")
+            before.append(set(names))
             if len(names) != 2 or names[0] == names[1] or not set(names) <= set(known):
                 raise BadInput(
                     "correlations", repr(pair), '"unit.parameter, unit.parameter", two with tolerances', nearest(pair, known)

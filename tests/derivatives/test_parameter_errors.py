@@ -122,6 +122,7 @@ def test_structural_parameters_have_no_tolerance():
     [
         ({"pantograph.head_mass, pantograph.frame_mass": 0.5}, "two with tolerances"),
         ({"pantograph.head_mass": 0.5}, "two with tolerances"),
+        ({", ".join(NAMES): 0.5, ", ".join(reversed(NAMES)): -0.5}, "twice"),
         ({"pantograph.head_mass, pantograph.static_force": 1.5}, "less than or equal to 1|at most 1"),
     ],
 )
@@ -149,6 +150,9 @@ def test_tolerances_of_a_subsystem_come_along_with_their_correlations(scene, tmp
     whole = tolerances_of(cosimo.load_scene(tmp_path / "outer.toml"))
     assert set(whole.names) == {f"train.{n}" for n in NAMES}
     assert whole.correlation[0, 1] == 0.5
+    around["correlations"] = {"train.pantograph.static_force, train.pantograph.head_mass": -0.9}
+    (tmp_path / "outer.toml").write_text(tomli_w.dumps(around))
+    assert tolerances_of(cosimo.load_scene(tmp_path / "outer.toml")).correlation[0, 1] == -0.9
 
 
 def test_a_covariance_becomes_tolerances_of_the_scene(scene, tmp_path):
@@ -163,6 +167,8 @@ def test_a_covariance_becomes_tolerances_of_the_scene(scene, tmp_path):
     order = [tolerances.names.index(n) for n in ("pantograph.static_force", "pantograph.head_mass")]
     np.testing.assert_allclose(tolerances.covariance[np.ix_(order, order)], covariance[:2, :2], rtol=1e-12)
     assert len(tolerances.names) == 3
+    exact = tolerances_of(with_tolerances(given, NAMES, np.zeros((2, 2))))  # a fit without residuals
+    assert not exact.deviations[[exact.names.index(n) for n in NAMES]].any()
 
 
 @pytest.mark.parametrize(

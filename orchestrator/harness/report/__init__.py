@@ -44,12 +44,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     scene = result.scene
     blocks: list[Block] = []
     if result.outcome != "done":
-        blocks.append(
-            Text(
-                [f"This run {_ENDED[result.outcome]} and . The report shows the results up to that point. {result.message}"],
-                "warning",
-            )
-        )
+        blocks.append(Text([_ended(result)], "warning"))
     warnings = result.info.get("warnings", ())
     doubts = [_sentence(text, scene) for text in warnings if text not in scene.remarks]
     for texts, tone in ((doubts, "warning"), (list(scene.remarks), "note")):
@@ -74,6 +69,11 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     title = scene.title or scene.name
     lead = f"{judged[0].case.title}. {judged[0].verdict} {_verdict(result)}" if judged else _verdict(result)
     return write_page(Page(title, lead, sections, PROVENANCE if judged else ()), Path(directory) / "report.html")
+
+
+def _ended(result: Result) -> str:
+    """How a run ended that did not reach its end."""
+    return f"This run {_ENDED[result.outcome]}. The report shows the results up to that point. {result.message}"
 
 
 def _sentence(warning: str, scene: Scene) -> str:
@@ -238,12 +238,7 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
         rows = [r for r in plain if r.reference.condition == label]
         blocks: list[Block] = []
         if run.outcome != "done":
-            blocks.append(
-                Text(
-                    [f"This run {_ENDED[run.outcome]} and . The report shows the results up to that point. {run.message}"],
-                    "warning",
-                )
-            )
+            blocks.append(Text([_ended(run)], "warning"))
         if not rows and (numbers := _summary(run, systems)):
             blocks.append(_all_figures(numbers))
         of_system = special(run, rows) if special and run.outcome == "done" else []

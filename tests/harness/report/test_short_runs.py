@@ -45,7 +45,7 @@ def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
     result = run(load_scene("rov-added-mass").with_changes({f"master.{k}": v for k, v in told.items()}), in_process=True)
     assert (result.outcome, result.time.size > 10) == ("unstable", True)
     html = page(result, tmp_path)
-    assert "This run is unstable" in html
+    assert "This run is unstable. The report shows the results up to that point. " in html
     assert "feedthrough" in result.message  # a shorter step fails earlier: it is not what to advise
     assert "Reduce" not in " ".join([result.message, *result.info["warnings"]])
     assert "Depth and attitude" in html
