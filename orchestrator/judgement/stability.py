@@ -74,21 +74,24 @@ class CouplingStability:
 
     # -- where the derivative is the same ----------------------------------------------------------------------------
     @cached_property
-    def _map(self) -> np.ndarray | None:
-        """Cells of the state that couple units, where the derivative of a macro step by them is the same all along the run."""
+    def _map(self) -> tuple[np.ndarray, int] | None:
+        """Cells of the state that couple units, where the derivative of a macro step by them is the same all along the run.
+
+        Beside them how many eigenvalues are at 1, of free bodies: with shorter steps those of slow modes come as near to 1.
+        """
         if sum(unit.component.x.size for unit in self._pushed.layout.units) > MOST:
             return None
-        cells, first = np.zeros(0, dtype=int), np.zeros(0)
         try:
-            for instant in self._instants:
+            cells, first = self._coupling(self._instants[0])
+            for instant in self._instants[1:]:
                 now, matrix = self._coupling(instant)
-                if not first.size:
-                    cells, first = now, matrix
-                elif now.tolist() != cells.tolist() or np.abs(matrix - first).max() > SAME_MAP * np.abs(first).max():
+                if now.tolist() != cells.tolist() or np.abs(matrix - first).max(initial=0.0) > SAME_MAP * np.abs(first).max(
+                    initial=0.0
+                ):
                     return None
         except (BadInput, StepFailed):  # such as controllers without a common period
             return None
-        return cells if cells.size else None
+        return (cells, int((np.abs(np.linalg.eigvals(first) - 1.0) <= AT_REST).sum())) if cells.size else None
 
     def _coupling(self, instant: Instant) -> tuple[np.ndarray, np.ndarray]:
         """Cells of the state that couple units at an instant, (n,), and the derivative of a macro step by them, (n, n)."""
@@ -106,11 +109,12 @@ class CouplingStability:
         step.advance(WARM * step.steps)
         return step
 
-    def _radius(self, h: float, cells: np.ndarray) -> float:
-        """The largest absolute eigenvalue of the coupling in a macro step of h, s, but for those at 1, of free bodies."""
+    def _radius(self, h: float, cells: np.ndarray, at_rest: int) -> float:
+        """The largest absolute eigenvalue of the coupling in a macro step of h, s, but for so many next to 1, of free bodies."""
         step = self._step(h, self._instants[0])
         values = np.linalg.eigvals(step.products(np.eye(cells.size), step.steps, cells))
-        radius = float(np.abs(values[np.abs(values - 1.0) > AT_REST]).max(initial=np.finfo(float).tiny))
+        moving = values[np.argsort(np.abs(values - 1.0))[at_rest:]]
+        radius = float(np.abs(moving).max(initial=np.finfo(float).tiny))
         return 1.0 if abs(radius - 1.0) < ROUNDING else radius ** (1.0 / step.steps)
 
     # -- where it changes --------------------------------------------------------------------------------------------
@@ -131,8 +135,8 @@ class CouplingStability:
     def _rate(self, h: float) -> tuple[float, str]:
         """Growth with macro steps of h, 1/s; and why a run ended."""
         if h not in self._known:
-            cells = self._map
-            self._known[h] = self._along_the_run(h) if cells is None else (math.log(self._radius(h, cells)) / h, "")
+            same = self._map
+            self._known[h] = self._along_the_run(h) if same is None else (math.log(self._radius(h, *same)) / h, "")
         return self._known[h]
 
     def _along_the_run(self, h: float) -> tuple[float, str]:

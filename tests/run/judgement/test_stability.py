@@ -125,6 +125,46 @@ def test_what_grows_by_itself_is_allowed():
 
 
 @of_machine_code
+def test_damping_beside_a_slow_mode_is_not_lost():
+    """The slow mode decays with k / c = 0.02 1/s: in a short step its eigenvalue is as near to 1 as that of a free body."""
+    with ExitStack() as stack:
+        growth = CouplingStability(on_spring(4.0, step=1e-3).with_changes({"spring.stiffness": 0.08}), stack).growth(1e-3)
+    assert growth.constant
+    assert growth.rate == pytest.approx(-0.0201, rel=1e-2)
+    assert growth.finer == pytest.approx(growth.rate, rel=1e-3)
+    assert growth.lost < 1e-4
+
+
+@of_machine_code
+@pytest.mark.parametrize("step", [1e-3, 5e-3])
+def test_what_grows_slowly_by_itself_is_allowed_with_any_step(step):
+    """A force of 0.04 N/m away from the place at rest: 1 kg grows with 0.2 1/s."""
+    scene = pair(
+        {"m": mass(), "s": between(0.04, 0.0)}, [{"source": "s.force", "target": "m.force", "factor": -1.0}, *ON_GROUND[1:]]
+    )
+    with ExitStack() as stack:
+        coupling = CouplingStability(scene.with_changes({"master.step": step}), stack)
+        growth = coupling.growth(step)
+        assert growth.rate == pytest.approx(0.2, rel=1e-2)
+        assert growth.finer == pytest.approx(0.2, rel=1e-2)
+        assert coupling.longest().longest > 0.1
+
+
+@of_machine_code
+def test_a_coupling_that_begins_later_is_not_constant(monkeypatch):
+    """At the first of three instants no unit acts on another."""
+    with ExitStack() as stack:
+        coupling = CouplingStability(on_spring(4.0), stack)
+        instants, real = coupling._instants, coupling._coupling
+        monkeypatch.setattr(
+            coupling,
+            "_coupling",
+            lambda instant: (np.zeros(0, dtype=int), np.zeros((0, 0))) if instant is instants[0] else real(instant),
+        )
+        assert not coupling.constant
+
+
+@of_machine_code
 def test_without_damping_no_held_force_is_stable():
     found = longest(pair({"m": mass(), "s": between(100.0, 0.0)}, ON_GROUND))[1]
     assert found.longest == 0.0
