@@ -72,7 +72,8 @@ class PointDerivatives:
             self.reasons = dict.fromkeys(names, str(error))
             return
         known = self._tangents.parameters()
-        self.reasons |= {n: "not a real parameter" for n in names if n not in known}
+        if unknown := [n for n in names if n not in known]:  # the run that the tangents follow cannot have their numbers
+            self.reasons = dict.fromkeys(names, f"{', '.join(unknown)}: not a real parameter that derivatives can be taken by")
 
     def __call__(self, point: Mapping[str, float], values: Values) -> np.ndarray:
         """(m, n) at a point, in the order of its names; NaN where there is none, as by a parameter at the boundary of a decision."""

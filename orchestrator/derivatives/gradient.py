@@ -286,10 +286,13 @@ def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, sh
 
 
 def by_differences(base: Result, figures: Figures, steps: Mapping[str, float]) -> dict[tuple[str, str], Slope]:
-    """As `slopes_of`, by runs with each parameter so far on either side. Raises `BadInput`, `StepFailed`."""
+    """As `slopes_of`, by runs with each parameter so far on either side; 0 where that is no way. Raises `BadInput`, `StepFailed`."""
     scene, values, slopes = base.scene, figures(base), {}
     for name, step in steps.items():
         at = _value(scene, name)
+        if not step:
+            slopes |= {(f, name): Slope(f, unit, float(v), name, at, 0.0, 0.0, DIFFERENCES) for f, (v, unit) in values.items()}
+            continue
         runs = [figures(_run(scene.with_changes({name: at + way * step}))) for way in (1.0, -1.0, 0.5, -0.5)]
         for figure, (value, unit) in values.items():
             ends = [run.get(figure, MISSING)[0] for run in runs]

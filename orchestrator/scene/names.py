@@ -103,7 +103,7 @@ def displaced(scene: AnyScene, numbers: Mapping[str, float]) -> AnyScene:
 def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of a scene as plain data, some of them replaced by their names.
 
-    Single effects come behind all others; one that is switched off takes its parameters with it.
+    Single effects come behind all others; one that is switched off takes its parameters with it, and their tolerances.
     """
     data, effects = scene.settings(), []
     for name, value in changes.items():
@@ -124,8 +124,13 @@ def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[s
         others = [e for e in table.get("effects", ()) if e != place.effect]
         table["effects"] = [*others, place.effect] if on else others
         if not on:  # numbers of an effect that is off are refused
-            parameters = table.get("parameters", {})
-            table["parameters"] = {n: v for n, v in parameters.items() if not n.startswith(f"{place.effect}.")}
+            for key in ("parameters", "tolerances"):
+                if key in table:
+                    table[key] = {n: v for n, v in table[key].items() if not n.startswith(f"{place.effect}.")}
+            if pairs := data.get("correlations"):
+                of_effect = f"{place.unit}.{place.effect}."
+                kept = [p for p in pairs if not any(n.strip().startswith(of_effect) for n in p.split(","))]
+                data["correlations"] = {p: pairs[p] for p in kept}
     return data
 
 

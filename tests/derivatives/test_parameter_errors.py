@@ -70,6 +70,27 @@ def test_a_scene_without_derivatives_has_differences(scene, parts):
     assert row.parameters == pytest.approx(np.hypot(*parts.values()), rel=1e-2)
 
 
+def test_a_tolerance_of_0_moves_nothing_by_differences_either():
+    fault = {"kind": "offset", "signal": "body.inner_rate", "value": 1e-9, "begin": 0.45}
+    zero = {"faults": [fault], "stop_time": 0.5, "analysis.transient": 0.1, "units.body.tolerances": {"inner_inertia": "0 %"}}
+    result = cosimo.run(cosimo.load_scene("gimbal-scan").with_changes(zero), in_process=True)
+    errors = result.info["verification"]["parameters"]
+    assert errors["how"].startswith("differences")
+    assert {figure["error"] for figure in errors["figures"].values()} == {0.0}
+
+
+def test_an_effect_that_is_switched_off_takes_its_tolerances_with_it():
+    given = cosimo.load_scene("gimbal-scan").with_changes(
+        {
+            "units.body.tolerances": {"gravity.mass": "1 %", "inner_inertia": "1 %", "frame_inertia": "1 %"},
+            "correlations": {"body.gravity.mass, body.inner_inertia": 0.5, "body.frame_inertia, body.inner_inertia": 0.25},
+        }
+    )
+    off = given.with_changes({"body.effects.gravity": False})
+    assert set(tolerances_of(off).names) == {"body.inner_inertia", "body.frame_inertia"}
+    assert off.correlations == {"body.frame_inertia, body.inner_inertia": 0.25}
+
+
 def test_without_tolerances_nothing_is_called_or_written(scene, monkeypatch, tmp_path):
     monkeypatch.setattr(verification, "parameter_errors", None)
     row, result = of_deviation(scene, {}, output=tmp_path)
@@ -194,6 +215,16 @@ def test_a_case_has_the_parameter_errors_of_its_rows(scene, parts, tmp_path):
     assert answer.findings.rows[0].parameters == pytest.approx(error, rel=1e-2)
     assert answer.outcome == "undecided"
     assert '"parameters"' in (tmp_path / "out" / "validation.csv").read_text().splitlines()[0].split(",")
+
+
+def test_a_case_whose_tolerances_cannot_be_says_so(scene, tmp_path):
+    given = {"pantograph.head_damping": 0.0, "units.pantograph.tolerances": {"head_damping": "3 %"}}
+    write_scene(scene.with_changes(given), tmp_path / "line.toml")
+    row = {"quantity": "mean", "measure": "pantograph.mean", "unit": "N", "standing": "measured", "source": "a", "low": 0.0}
+    case = {"title": "t", "scene": "line.toml", "sources": {"a": "nowhere"}, "rows": [row]}
+    (tmp_path / "case.toml").write_text(tomli_w.dumps(case))
+    (answer,) = cosimo.validate([str(tmp_path / "case.toml")], tmp_path / "out", in_process=True)
+    assert any("3 % of 0" in note for note in answer.findings.notes)
 
 
 @pytest.mark.parametrize(

@@ -62,11 +62,11 @@ def _with_parameters(
 ) -> Findings:
     """The findings with what tolerances of the scenes make of each row, by runs with each parameter a standard deviation on either
     side. A parameter of the same name is the same in all runs."""
-    given = [tolerances for one in runs if (tolerances := tolerances_of(one.scene)) is not None]
-    names = list(dict.fromkeys(name for tolerances in given for name in tolerances.names))
-    if not names:
-        return findings
     try:
+        given = [tolerances for one in runs if (tolerances := tolerances_of(one.scene)) is not None]
+        names = list(dict.fromkeys(name for tolerances in given for name in tolerances.names))
+        if not names:
+            return findings
         counted = sum(work_of(*one) for one in runs) if wish == "auto" else 0.0
         if not work.allows(counted, 2.0 * len(names), BUDGETS_OF_CASE):
             raise BadInput(case.name, "much work", "less", "Ask with --verify whole.")

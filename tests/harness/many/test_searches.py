@@ -5,12 +5,14 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import ExitStack
 
 import cosimo
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.derivatives.along import PointDerivatives
 from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.evaluations import evaluations
@@ -78,6 +80,26 @@ def test_a_fit_has_exact_jacobians_where_the_scene_has_derivatives():
     assert "iterative" in by_runs.derivatives["mass.mass"]
     assert by_runs.jacobians == 0
     assert by_runs.runs >= 3
+
+
+@pytest.mark.parametrize("name", ["units.mass.parameters.mass", "catenary.span_length"])
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_a_point_with_what_derivatives_do_not_know_has_differences(name):
+    """Structural ones, other spellings: the run that tangents follow cannot have these numbers."""
+    scene = load_scene("en50318-2002") if name.startswith("catenary") else OSCILLATOR
+    other = "pantograph.static_force" if name.startswith("catenary") else "spring.stiffness"
+    with ExitStack() as stack:
+        derivatives = PointDerivatives(scene, [other, name], stack)
+        assert derivatives({other: 100.0, name: 50.0}, lambda result: np.zeros(1)).shape == (0, 2)
+    assert all(name in derivatives.how(n) for n in (other, name))
+
+
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_a_design_with_another_spelling_of_a_parameter():
+    bounds = STIFF["vary"]
+    vary = {"units.mass.parameters.mass": bounds["mass.mass"], "spring.stiffness": bounds["spring.stiffness"]}
+    found = design(OSCILLATOR, STIFF | {"vary": vary, "method": "SLSQP", "evaluations": 1}, verify=False)
+    assert found.steps
 
 
 def test_the_runs_of_a_fit_are_kept_with_their_signals(tmp_path):
