@@ -23,19 +23,36 @@ from .tangent_run import CHUNK, TangentScene
 SAMPLES = "present", "before", "earlier"  # of a link, the newest first
 MOST = 2000  # cells of a state whose Jacobian is computed
 LONGEST = 1000  # macro steps to a common period
+SAME_INSTANT = 1e-6  # of a macro step: rounding of periods
+
+
+def sampling_periods(scene: Scene) -> dict[str, float]:
+    """Place in the scene -> period, s, of every controller."""
+    return {
+        place: period
+        for place, period in numbers_in_use(scene, "period").items()
+        if component_class(scene.units[place.removesuffix(".period")].component, place).holds_outputs
+    }
 
 
 def common_steps(scene: Scene, h: float) -> int:
     """Macro steps of h, s, behind which units with rates of their own and controllers begin anew; raises `BadInput`."""
     counts = [unit.every for unit in scene.units.values()]
-    for place, period in numbers_in_use(scene, "period").items():
-        unit = scene.units[place.removesuffix(".period")]
-        if component_class(unit.component, place).holds_outputs:
-            counts.append((Fraction(repr(period)) / Fraction(repr(h))).numerator)
+    counts += [(Fraction(repr(period)) / Fraction(repr(h))).numerator for period in sampling_periods(scene).values()]
     if (steps := lcm(*counts)) > LONGEST:
         remedy = "Choose a macro step that divides the periods, or give steps."
         raise BadInput(f"{scene.name}: steps", f"periods that meet every {steps} macro steps", f"{LONGEST} at most", remedy)
     return steps
+
+
+def check_steps(scene: Scene, steps: int) -> None:
+    """Raise `BadInput` unless units with rates of their own and controllers begin anew behind so many macro steps of the scene."""
+    expected = {f"{name}.every": float(unit.every) for name, unit in scene.units.items()}
+    expected |= {place: period / scene.master.step for place, period in sampling_periods(scene).items()}
+    for place, count in expected.items():
+        whole = max(round(steps / count), 1)
+        if abs(steps - whole * count) > SAME_INSTANT:
+            raise BadInput(f"linearization of {scene.name}: steps", str(steps), f"a multiple of the {count:g} of {place}")
 
 
 class CoupledStep:

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from ...components.core.errors import BadInput, nearest
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
-from .coupled_step import SAMPLES, CoupledStep, blocks_of
+from .coupled_step import SAMPLES, CoupledStep, blocks_of, check_steps
 from .tangent_run import TangentScene
 
 VANISHING = 1e-4  # eigenvalues below: what is left of samples, whose Jordan blocks rounding spreads
@@ -111,14 +111,18 @@ class Linear:
         return 2.0 / internal * (one - 1.0) / (one + 1.0)
 
     def response(self, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Outputs per input at frequencies, (n,) Hz below half of 1 / `step`: (n, k, m) complex."""
+        """Outputs per input at frequencies, (n,) Hz below half of 1 / `step`: (n, k, m) complex; raises `BadInput` at a pole."""
         given = np.atleast_1d(np.asarray(frequencies, dtype=float))
         if not ((given >= 0.0) & (given <= 0.5 / self.step)).all():
             raise BadInput("response", f"{given.max():g} Hz", f"0 to {0.5 / self.step:g} Hz, half of one in a step")
-        unit = np.eye(len(self.states))
-        return np.array(
-            [self.C @ np.linalg.solve(np.exp(2j * pi * f * self.step) * unit - self.A, self.B) + self.D for f in given]
-        )
+        acting = self.reduced()  # motions that are not asked for have poles, too
+        unit, values = np.eye(len(acting.states)), np.zeros((given.size, *self.D.shape), dtype=complex)
+        for value, f in zip(values, given, strict=True):
+            try:
+                value[:] = acting.C @ np.linalg.solve(np.exp(2j * pi * f * self.step) * unit - acting.A, acting.B) + self.D
+            except np.linalg.LinAlgError:
+                raise BadInput("response", f"{f:g} Hz", "a frequency that is no pole: the response is infinite there") from None
+        return values
 
     def reduced(self) -> Linear:
         """Without states that no input reaches, and those on which no output depends."""
@@ -179,6 +183,8 @@ def linearize(
     """A scene where an opening of it stands, at t, s; the rest as of `Session.linearize`."""
     if steps is not None and (type(steps) is not int or steps < 1):
         raise BadInput(f"linearization of {scene.name}: steps", repr(steps), "a whole number of macro steps, 1 at least")
+    if steps is not None:
+        check_steps(scene, steps)
     with ExitStack() as stack:
         step = CoupledStep(TangentScene(scene, stack, remedy=""), steps=steps)
         step.take(master, t)
@@ -199,6 +205,9 @@ class _Linearization:
         )
         free = {f"{u.name}.{n}" for u in layout.units for n in u.component.inputs} & set(self.tangents.parameters())
         self.inputs = [self._known(n, free) for n in inputs]
+        for names in (self.inputs, self.outputs):
+            if twice := sorted({n for n in names if names.count(n) > 1}):
+                raise BadInput(self.where, f"{', '.join(twice)} more than once", "each name once")
         self.u = np.array([self.tangents._place_of(n) for n in self.inputs], dtype=np.intp)
         self.y = np.array([layout.output(ends[n]) for n in self.outputs], dtype=np.intp)
         self.every_y = np.array([layout.output(end) for end in ends.values()], dtype=np.intp)

@@ -74,14 +74,13 @@ def modes(
     points: list[tuple[float | None, Linear]] = []
     refused: list[tuple[float | None, str]] = []
     for value in values:
-        changed = scene if value is None else scene.with_changes({parameter: value})
-        with Session(changed) as session:
-            try:
+        try:
+            with Session(scene if value is None else scene.with_changes({parameter: value})) as session:
                 session.initialize()
                 session.until(session.time if at is None else at)
                 points.append((value, session.linearize(inputs, outputs)))
-            except (BadInput, StepFailed) as error:
-                if value is None or (not points and value is values[-1]):
-                    raise
-                refused.append((value, str(error)))
+        except (BadInput, StepFailed) as error:
+            if value is None or (not points and value is values[-1]):
+                raise
+            refused.append((value, str(error)))
     return Modes(scene, parameter, tuple(points), tuple(refused))

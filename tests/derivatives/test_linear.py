@@ -11,6 +11,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.derivatives.linear import Linear
+from cosimo.orchestrator.derivatives.modes import modes
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.derivatives.test_coupled_step import by_hand, on_spring
 from scipy.io import loadmat
@@ -205,6 +207,9 @@ def test_matrices_are_written_for_numpy_and_matlab_and_handed_to_control(tmp_pat
         ({}, {"outputs": ["mass.base_xx"]}, "mass.base_x"),
         ({"master.algorithm": "iterative"}, {}, "iterative"),
         ({}, {"steps": 0}, "1 at least"),
+        ({"units.mass.every": 3}, {"steps": 4}, r"a multiple of the 3 of mass\.every"),
+        ({}, {"inputs": [INPUT, INPUT]}, "more than once"),
+        ({}, {"outputs": [*OUTPUTS, OUTPUTS[0]]}, "more than once"),
     ],
 )
 def test_what_is_no_linear_system_is_refused_by_name(changes, given, words):
@@ -222,6 +227,31 @@ def test_a_session_of_fmus_is_refused():
 def test_frequencies_beyond_the_samples_are_refused():
     with pytest.raises(BadInput, match="half of one in a step"):
         linear_of(on_spring(), inputs=[INPUT]).response([1e3])
+
+
+def test_the_response_at_rest_is_that_of_the_spring_alone():
+    """The mass follows the other end of the spring; that the mass may turn and move sideways does not matter."""
+    linear = linear_of(on_spring(), inputs=[INPUT], outputs=["mass.base_x"])
+    assert linear.response([0.0]) == pytest.approx(np.ones((1, 1, 1)), rel=1e-9)
+    assert linear.response([]).shape == (0, 1, 1)
+
+
+def test_a_frequency_at_a_pole_is_refused():
+    """A sum of its input has one at 0 Hz."""
+    one, none = np.ones((1, 1)), np.zeros((1, 1))
+    total = Linear(one, one, one, none, 0.01, 0.0, ("x",), ("sum",), ("u",), ("y",), none[0], none[0], {})
+    with pytest.raises(BadInput, match="no pole"):
+        total.response([1.0, 0.0])
+
+
+def test_steps_that_periods_fit_into_are_taken():
+    assert linear_of(on_spring(**{"units.mass.every": 3}), steps=6).step == pytest.approx(6 * on_spring().master.step)
+
+
+def test_a_value_that_the_scene_refuses_is_noted():
+    found = modes(on_spring(), over=("mass.mass", [1.0, -1.0]))
+    assert [value for value, _ in found.points] == [1.0]
+    assert [value for value, _ in found.refused] == [-1.0]
 
 
 @pytest.mark.full
