@@ -47,11 +47,10 @@ def common_steps(scene: Scene, h: float) -> int:
 
 def check_steps(scene: Scene, steps: int) -> None:
     """Raise `BadInput` unless units with rates of their own and controllers begin anew behind so many macro steps of the scene."""
-    expected = {f"{name}.every": float(unit.every) for name, unit in scene.units.items()}
-    expected |= {place: period / scene.master.step for place, period in sampling_periods(scene).items()}
-    for place, count in expected.items():
-        whole = max(round(steps / count), 1)
-        if abs(steps - whole * count) > SAME_INSTANT:
+    rates = {f"{name}.every": unit.every for name, unit in scene.units.items()}
+    periods = {place: period / scene.master.step for place, period in sampling_periods(scene).items()}
+    for place, count in {**rates, **periods}.items():
+        if abs(steps - max(round(steps / count), 1) * count) > SAME_INSTANT:
             raise BadInput(f"linearization of {scene.name}: steps", str(steps), f"a multiple of the {count:g} of {place}")
 
 

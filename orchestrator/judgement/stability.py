@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..derivatives.coupled_step import CoupledStep, blocks_of
+from ..derivatives.coupled_step import CoupledStep, blocks_of, sampling_periods
 from ..derivatives.growth import Instant, PushedScene
 from ..scene.scene import Scene
 from .growth import Growth, Limit, growth_rate, longest_stable
@@ -79,8 +79,8 @@ class CouplingStability:
 
         Beside them how many eigenvalues are at 1, of free bodies: with shorter steps those of slow modes come as near to 1.
         """
-        if sum(unit.component.x.size for unit in self._pushed.layout.units) > MOST:
-            return None
+        if sum(unit.component.x.size for unit in self._pushed.layout.units) > MOST or sampling_periods(self.scene):
+            return None  # steps that are tried have no period in common with those of controllers
         try:
             cells, first = self._coupling(self._instants[0])
             for instant in self._instants[1:]:
@@ -89,7 +89,7 @@ class CouplingStability:
                     initial=0.0
                 ):
                     return None
-        except (BadInput, StepFailed):  # such as controllers without a common period
+        except (BadInput, StepFailed):  # such as an infinite derivative
             return None
         return (cells, int((np.abs(np.linalg.eigvals(first) - 1.0) <= AT_REST).sum())) if cells.size else None
 

@@ -165,6 +165,20 @@ def test_a_coupling_that_begins_later_is_not_constant(monkeypatch):
 
 
 @of_machine_code
+@pytest.mark.parametrize("step", [1e-2, 2e-2])
+def test_periods_of_controllers_do_not_end_a_search(step):
+    """1 kg held by samples: macro steps that are tried have no common period with them."""
+    scene = pair(
+        {"m": mass(), "s": {"component": "cosimo.tests.run.judgement.sampled_spring:SampledSpring"}},
+        ["s.force -> m.force", "m.x_out -> s.x", "m.v_out -> s.v"],
+    )
+    with ExitStack() as stack:
+        coupling = CouplingStability(scene.with_changes({"master.step": step}), stack)
+        assert coupling.growth(step).rate < 0.0
+        assert coupling.longest().longest > step
+
+
+@of_machine_code
 def test_without_damping_no_held_force_is_stable():
     found = longest(pair({"m": mass(), "s": between(100.0, 0.0)}, ON_GROUND))[1]
     assert found.longest == 0.0
