@@ -58,9 +58,16 @@ def _poles(study: Modes) -> Figure:
             Panel(label, (Series(study.parameter, at, values, "points", labels=labels),))
             for label, values in (("rate, 1/s", rates), ("frequency, Hz", frequencies))
         )
-        return draw_chart(Chart(f"Modes over {study.parameter}", study.parameter, panels, "A rate above zero grows."))
+        return draw_chart(Chart(f"Modes over {study.parameter}", study.parameter, panels, "A mode with a positive rate grows."))
     panel = Panel("frequency, Hz", (Series("modes", rates, frequencies, "points", labels=labels),))
-    return draw_chart(Chart("Eigenvalues", "rate, 1/s", (panel,), "A rate above zero grows. One of each pair is drawn."))
+    return draw_chart(
+        Chart(
+            "Eigenvalues",
+            "rate, 1/s",
+            (panel,),
+            "A mode with a positive rate grows. One eigenvalue of each conjugate pair is drawn.",
+        )
+    )
 
 
 def bode(linear: Linear, name: str) -> Figure:
