@@ -34,7 +34,8 @@ PROVENANCE = (
     "Provenance of each range: verbatim = copied from a public source; computed = from a closed form or an independent solver; "
     "inferred = derived from other published values; recalled = quoted from memory, not checked against the source (hatched).",
     "± is the estimated numerical error: twice the change when all steps are halved. A row is undecided if an end of its range lies "
-    "within ±, or within two standard deviations of its parameter error. A number without ± did not change with halved steps, or its run was not repeated, as the row says.",
+    "within ±, or within two standard deviations of its parameter error. A number without ± did not change with halved steps, or "
+    "its run was not repeated, as the row says.",
 )
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
