@@ -15,7 +15,7 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ...components.core.kernels import COMPILED
 from ..run.results import Result
-from ..scene.names import NUMERICAL, displaced
+from ..scene.names import displaced, numerical_of
 from ..scene.scene import Scene
 
 ALONG = 1e-5  # length of differences in the space of signals, relative to the largest value of the signal that moves most
@@ -61,7 +61,7 @@ class PointDerivatives:
     def __init__(self, scene: Scene, names: Sequence[str], stack: ExitStack):
         """`stack` closes the units. A scene without derivatives is no error: each parameter has the reason."""
         self.points, self.missing = 0, dict.fromkeys(names, 0)
-        self.reasons = {n: reason for n in names if (reason := NUMERICAL.get(n.rpartition(".")[2]))}
+        self.reasons = numerical_of(scene, names)
         try:
             if not COMPILED:
                 raise BadInput(scene.name, "no Numba", "machine code, which derivatives are made of")

@@ -21,7 +21,7 @@ from ..judgement.comparison import SURE
 from ..output import write_table
 from ..run.results import Result
 from ..run.run import run
-from ..scene.names import NUMERICAL, place_of
+from ..scene.names import numerical_of, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
 from ..session.open_scene import OpenScene
@@ -121,7 +121,7 @@ def gradient(
     with ExitStack() as stack:
         tangents = TangentScene(scene, stack)
         names = [by] if isinstance(by, str) else tangents.parameters() if by is None else list(by)
-        refused = {n: reason for n in names if (reason := NUMERICAL.get(n.rpartition(".")[2]))}
+        refused = numerical_of(scene, names)
         names = [n for n in names if n not in refused]
         at = {n: tangents.value(n) for n in names}
         slopes = slopes_of(_run(scene), tangents, figures, names, at)
@@ -285,20 +285,27 @@ def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, sh
     return Gradient(scene, _sorted(by_differences(_run(scene), figures, steps).values()), {})
 
 
-def by_differences(base: Result, figures: Figures, steps: Mapping[str, float]) -> dict[tuple[str, str], Slope]:
-    """As `slopes_of`, by runs with each parameter so far on either side; 0 where that is no way. Raises `BadInput`, `StepFailed`."""
-    scene, values, slopes = base.scene, figures(base), {}
+def by_differences(
+    base: Result, figures: Figures, steps: Mapping[str, float], *, halved: bool = True
+) -> dict[tuple[str, str], Slope]:
+    """As `slopes_of`, by runs with each parameter so far on either side; 0 where that is no way. Raises `BadInput`, `StepFailed`.
+
+    halved: by half as far, with the error that the whole distance shows; else it is not known, and a parameter takes two runs.
+    """
+    scene, values = base.scene, figures(base)
+    slopes: dict[tuple[str, str], Slope] = {}
     for name, step in steps.items():
         at = _value(scene, name)
         if not step:
             slopes |= {(f, name): Slope(f, unit, float(v), name, at, 0.0, 0.0, DIFFERENCES) for f, (v, unit) in values.items()}
             continue
-        runs = [figures(_run(scene.with_changes({name: at + way * step}))) for way in (1.0, -1.0, 0.5, -0.5)]
+        shares = (1.0, 0.5) if halved else (1.0,)
+        runs = [[figures(_run(scene.with_changes({name: at + way * step}))) for way in (s, -s)] for s in shares]
         for figure, (value, unit) in values.items():
-            ends = [run.get(figure, MISSING)[0] for run in runs]
-            whole, half = ((ends[k] - ends[k + 1]) / (width * step) for k, width in ((0, 2.0), (2, 1.0)))
-            error = float(abs(half - whole))
-            slopes[figure, name] = Slope(figure, unit, float(value), name, at, float(half), error, DIFFERENCES)
+            ends = [[run.get(figure, MISSING)[0] for run in pair] for pair in runs]
+            quotients = [float((up - down) / (2.0 * s * step)) for s, (up, down) in zip(shares, ends, strict=True)]
+            error = abs(quotients[1] - quotients[0]) if halved else nan
+            slopes[figure, name] = Slope(figure, unit, float(value), name, at, quotients[-1], error, DIFFERENCES)
     return slopes
 
 

@@ -22,7 +22,8 @@ from ..scene.scene import Scene
 from ..scene.tolerances import Tolerances
 from .thresholds import PARAMETER_SAMPLES, SECOND_ORDER
 
-FIRST_ORDER = 8.0  # runs that eight exact derivatives take at most; differences by two parameters
+FIRST_ORDER = 8.0  # runs that eight exact derivatives take at most
+MUCH = "they are much work: ask with --verify whole"
 Again = Callable[[Scene, Mapping[str, Any]], tuple[Result | None, str]]
 
 
@@ -32,7 +33,7 @@ class ParameterErrors:
 
     figures: name -> standard deviation, in its unit, NaN where it is not known.  rest: name -> what first order leaves out, as a
     share of it; empty without samples.  largest: name -> the parameter that matters most.  refused: name -> why it has no first
-    order.  samples: that came to their end.
+    order.  samples: that came to their end, of samples_asked.
     """
 
     why: str = ""
@@ -43,6 +44,7 @@ class ParameterErrors:
     largest: Mapping[str, str] = field(default_factory=dict)
     refused: Mapping[str, str] = field(default_factory=dict)
     samples: int = 0
+    samples_asked: int = 0
 
     @property
     def warnings(self) -> list[str]:
@@ -63,9 +65,9 @@ class ParameterErrors:
             more = f", and of {len(self.refused) - 1} more," if len(self.refused) > 1 else ""
             source = f"from {self.samples} samples" if self.samples else "not known"
             texts.append(f"the parameter error of {name}{more} is {source}: {reason}")
-        if 0 < self.samples < PARAMETER_SAMPLES:
+        if self.samples < self.samples_asked:
             texts.append(
-                f"{PARAMETER_SAMPLES - self.samples} of {PARAMETER_SAMPLES} samples of the tolerances do not come to their end"
+                f"{self.samples_asked - self.samples} of {self.samples_asked} samples of the tolerances do not come to their end"
             )
         return texts
 
@@ -96,8 +98,15 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
         return ParameterErrors("the run has no key results, which are those of a system in [analysis]")
     first = FIRST_ORDER * ceil(len(names) / 8)
     if not allows(first):
-        return ParameterErrors("they are much work: ask with --verify whole")
-    slopes, how = _slopes(result, tolerances)
+        return ParameterErrors(MUCH)
+    slopes, how = _exact(result, tolerances)
+    if slopes is None:
+        first = 2.0 * len(names)
+        if not allows(first):
+            return ParameterErrors(MUCH)
+        from ..derivatives.gradient import by_differences
+
+        slopes = by_differences(result, _measured, dict(zip(names, tolerances.deviations.tolist(), strict=True)), halved=False)
     derivatives = np.array([[slopes[figure, name].derivative for name in names] for figure in values]).reshape(-1, len(names))
     refused = {f: s.how for f in values for n in names if not isfinite((s := slopes[f, n]).derivative)}
     errors = np.sqrt(np.maximum(np.einsum("fi,ij,fj->f", derivatives, tolerances.covariance, derivatives), 0.0))
@@ -123,6 +132,7 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
         largest,
         refused,
         0 if moves is None else len(moves),
+        0 if moves is None else PARAMETER_SAMPLES,
     )
 
 
@@ -131,23 +141,22 @@ def figures_of(result: Result) -> dict[str, float]:
     return {row.name: row.value for row in result.summary}
 
 
-def _slopes(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, str], Any], str]:
-    """Derivatives of the figures, exact or by runs with every parameter a standard deviation on either side, and which."""
-    from ..derivatives.gradient import by_differences, slopes_of
+def _measured(run: Result) -> dict[str, tuple[float, str]]:
+    return {row.name: (row.value, row.unit) for row in run.summary}
 
-    def figures(run: Result) -> dict[str, tuple[float, str]]:
-        return {row.name: (row.value, row.unit) for row in run.summary}
 
+def _exact(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, str], Any] | None, str]:
+    """Derivatives of the figures and "exact"; None where the scene has none, and what is taken instead, with the reason."""
     names = tolerances.names
     try:
+        from ..derivatives.gradient import slopes_of
         from ..derivatives.tangent_run import TangentScene
 
         with ExitStack() as stack:
             scene = TangentScene(result.scene, stack)
-            return slopes_of(result, scene, figures, names, {n: scene.value(n) for n in names}), "exact"
+            return slopes_of(result, scene, _measured, names, {n: scene.value(n) for n in names}), "exact"
     except (BadInput, ImportError) as error:
-        steps = dict(zip(names, tolerances.deviations.tolist(), strict=True))
-        return by_differences(result, figures, steps), f"differences ({error})"
+        return None, f"differences ({error})"
 
 
 def _samples(result: Result, values: Mapping[str, float], tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:

@@ -93,10 +93,12 @@ def from_part(part: Result, duration: float) -> float:
 
 
 def beginning(scene: Scene, length: float) -> Scene:
-    """The scene up to so many s after its start, without faults; rows that are farther apart come at every macro step."""
+    """The scene up to so many s after its start, without faults and tolerances; rows that are farther apart come at every macro step."""
     record = {
         f"record.{key}": scene.master.step
         for key in ("interval", "snapshot_interval")
         if (given := getattr(scene.record, key)) is not None and given > length
     }
-    return scene.with_changes({"stop_time": scene.start_time + length, "faults": [], **record})
+    exact: dict[str, Any] = {f"units.{name}.tolerances": {} for name, unit in scene.units.items() if unit.tolerances}
+    exact |= {"correlations": {}} if exact else {}
+    return scene.with_changes({"stop_time": scene.start_time + length, "faults": [], **record, **exact})

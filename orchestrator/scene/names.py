@@ -129,8 +129,8 @@ def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[s
                     table[key] = {n: v for n, v in table[key].items() if not n.startswith(f"{place.effect}.")}
             if pairs := data.get("correlations"):
                 of_effect = f"{place.unit}.{place.effect}."
-                kept = [p for p in pairs if not any(n.strip().startswith(of_effect) for n in p.split(","))]
-                data["correlations"] = {p: pairs[p] for p in kept}
+                left = [p for p in pairs if not any(n.strip().startswith(of_effect) for n in p.split(","))]
+                data["correlations"] = {p: pairs[p] for p in left}
     return data
 
 
@@ -182,6 +182,23 @@ def measure_of(scene: SceneSettings, name: str) -> str:
     if name in TIMES:
         return "s"
     return known.unit if (known := parameter_of(scene, name)) is not None else ""
+
+
+def numerical(component: str, parameter: str) -> str:
+    """Why nothing has a derivative by a parameter of a component, "" for an FMU, that sets the numerics; "" where none of these is.
+
+    A period is one of samples only where the component has samples; waves and tides have periods, too.
+    """
+    if parameter == "period" and not (component and component_class(component, parameter).holds_outputs):
+        return ""
+    return NUMERICAL.get(parameter, "")
+
+
+def numerical_of(scene: SceneSettings, names: Iterable[str]) -> dict[str, str]:
+    """Those of some names of a scene that set the numerics, with the reason; raises `BadInput` as `place_of`."""
+    places = ((n, place_of(scene, n)) for n in names)
+    reasons = ((n, numerical(scene.units[p.unit].component, p.parameter)) for n, p in places if p.parameter)
+    return {n: reason for n, reason in reasons if reason}
 
 
 def elements(names: Iterable[str], array: str) -> list[str]:

@@ -72,8 +72,11 @@ def with_tolerances(scene: Scene, names: Sequence[str], covariance: np.ndarray) 
     known = []
     for k, name in enumerate(names):
         place = place_of(scene, name)
+        if not place.parameter:
+            continue
         with suppress(BadInput):
-            tolerance_of(declared(scene, place.unit), place.parameter, float(deviations[k]), name)
+            unit = scene.units[place.unit]
+            tolerance_of(unit.component, unit.fmu, place.parameter, float(deviations[k]), name)
             units.setdefault(place.unit, dict(scene.units[place.unit].tolerances))[place.parameter] = float(deviations[k])
             known.append((f"{place.unit}.{place.parameter}", k))
     pairs = {  # of deviations that are 0 there is none

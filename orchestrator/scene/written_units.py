@@ -18,9 +18,9 @@ from ...components.core.variables import Causality, Kind
 from ..settings.model import flattened
 from ..settings.names import split_name
 from ..settings.units import TABLE_KEYS
-from ..units.fmu import declared_signals
+from ..units.fmu import declared_parameters, declared_signals
 from ..units.signal_files import read_signals
-from .names import NUMERICAL, TIMES, declared, place_of
+from .names import TIMES, declared, numerical, place_of
 
 Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
 
@@ -68,28 +68,23 @@ def _with_tolerances(unit: Any, where: str) -> Any:
     given = unit.get("tolerances") if isinstance(unit, Mapping) else None
     if not isinstance(given, Mapping) or not given:
         return unit
-    if isinstance(component := unit.get("component"), str) and component:
-        variables: Mapping[str, Any] = component_class(component, where).variables
-    elif isinstance(path := unit.get("fmu"), str) and path:
-        variables = declared_signals(path, f"{where}.fmu")
-    else:
+    component, fmu = (value if isinstance(value := unit.get(key), str) else "" for key in ("component", "fmu"))
+    if not component and not fmu:
         return unit
-    return {**unit, "tolerances": {n: tolerance_of(variables, n, t, f"{where}.tolerances.{n}") for n, t in flattened(given)}}
+    return {**unit, "tolerances": {n: tolerance_of(component, fmu, n, t, f"{where}.tolerances.{n}") for n, t in flattened(given)}}
 
 
-def tolerance_of(variables: Mapping[str, Any], name: str, tolerance: Any, where: str) -> float | str:
-    """That of a parameter of a component or an FMU: a number in its unit, or a share as it is written. Raises `BadInput`.
-
-    variables: that it declares.
-    """
+def tolerance_of(component: str, fmu: str, name: str, tolerance: Any, where: str) -> float | str:
+    """That of a parameter of a component or an FMU: a number in its unit, or a share as it is written. Raises `BadInput`."""
+    variables: Mapping[str, Any] = component_class(component, where).variables if component else declared_parameters(fmu, where)
     variable = variables.get(name)
     if variable is None:
         raise BadInput(where, repr(name), "a parameter", nearest(name, variables))
     real = variable.kind in (Kind.REAL, Kind.REAL.value)
     parameter = getattr(variable, "causality", Causality.PARAMETER) is Causality.PARAMETER
-    structural: Any = getattr(variable, "structural", None)  # of an FMU's: whether it is; of a component's: why
-    if not real or not parameter or structural or name in NUMERICAL:
-        reason = NUMERICAL.get(name) or (isinstance(structural, str) and structural) or "nothing has a derivative by it"
+    structural, numbers = getattr(variable, "structural", ""), numerical(component, name)  # why
+    if not real or not parameter or structural or numbers:
+        reason = numbers or structural or "nothing has a derivative by it"
         raise BadInput(where, f"{name}: {reason}", "a real parameter that is not structural", "Remove it.")
     number = tolerance
     if is_quantity(tolerance):

@@ -79,6 +79,12 @@ def declared_signals(path: str, where: str) -> dict[str, Signal]:
     return {name: _signal(scalar, (), measures) for name, scalar in description.scalars.items()}
 
 
+def declared_parameters(path: str, where: str) -> dict[str, Signal]:
+    """Those of the variables of an FMU that are parameters, and none that only sizes of arrays follow from."""
+    scalars, signals = read(path, where).scalars, declared_signals(path, where)
+    return {name: signal for name, signal in signals.items() if scalars[name].variable.causality == "parameter"}
+
+
 def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
     """Elements of each array that is an output or may be recorded."""
     arrays: dict[str, tuple[str, ...]] = {}

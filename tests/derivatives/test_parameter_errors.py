@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 
 import cosimo
 import numpy as np
@@ -11,11 +12,18 @@ import tomli_w
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.derivatives import gradient
+from cosimo.orchestrator.derivatives.along import PointDerivatives
 from cosimo.orchestrator.harness.summary import with_errors_of
 from cosimo.orchestrator.harness.validation.reference import Row, TableRow
 from cosimo.orchestrator.judgement import verification
+from cosimo.orchestrator.judgement.parameter_errors import parameter_errors
+from cosimo.orchestrator.judgement.thresholds import PARAMETER_SAMPLES
+from cosimo.orchestrator.judgement.work import beginning
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.tolerances import tolerances_of, with_tolerances
+from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.units.exchange_fmu import exchange_fmu
 
 NAMES = "pantograph.head_mass", "pantograph.static_force"
 TOLERANCES = {"units.pantograph.tolerances": {"static_force": "5 N", "head_mass": "3 %"}}
@@ -91,6 +99,50 @@ def test_an_effect_that_is_switched_off_takes_its_tolerances_with_it():
     assert off.correlations == {"body.frame_inertia, body.inner_inertia": 0.25}
 
 
+def of_gimbal(monkeypatch, tolerance, again=None):
+    """Parameter errors by differences, and how many runs were made for them."""
+    runs, kept = [], gradient._run
+    monkeypatch.setattr(gradient, "_run", lambda scene: runs.append(scene) or kept(scene))
+    changes = {"stop_time": 0.5, "analysis.transient": 0.1, "units.body.tolerances": {"inner_inertia": tolerance}}
+    fault = {"kind": "offset", "signal": "body.inner_rate", "value": 1e-9, "begin": 0.45}
+    scene = cosimo.load_scene("gimbal-scan").with_changes(changes | {"faults": [fault]})
+    result = cosimo.run(scene, in_process=True, verify="no")
+    asked = []
+    errors = parameter_errors(result, tolerances_of(scene), lambda times: asked.append(times) or True, again)
+    return errors, runs, asked
+
+
+def test_differences_are_those_of_a_standard_deviation_and_count_two_runs_a_parameter(monkeypatch):
+    _, runs, asked = of_gimbal(monkeypatch, 0.005, lambda scene, changes: (None, ""))
+    assert sorted(r.units["body"].parameters["inner_inertia"] for r in runs) == pytest.approx([0.045, 0.055])
+    assert asked[1:] == [2.0, 2.0 + PARAMETER_SAMPLES]
+
+
+def test_samples_that_all_fail_are_told(monkeypatch):
+    errors, _, _ = of_gimbal(monkeypatch, 0.005, lambda scene, changes: (None, "unstable"))
+    assert any(f"{PARAMETER_SAMPLES} of {PARAMETER_SAMPLES} samples" in text for text in errors.warnings)
+
+
+def test_the_first_part_of_a_dry_run_has_no_tolerances(scene):
+    correlated = scene.with_changes(TOLERANCES | {"correlations": {", ".join(NAMES): 0.5}})
+    part = beginning(correlated, 0.1)
+    assert tolerances_of(part) is None
+    assert not part.correlations
+
+
+@compiled
+def test_a_period_of_waves_is_no_period_of_samples():
+    scene = cosimo.load_scene("rov-waves").with_changes({"stop_time": 0.1, "analysis.transient": 0.0})
+    names = ["water.waves.period", "controller.period", "hull.substep"]
+    found = cosimo.gradient(scene, "hull.depth, last", names, halved=False)
+    assert set(found.refused) == set(names[1:])
+    assert {s.parameter for s in found.slopes} == set(names[:1])
+    with ExitStack() as stack:
+        assert set(PointDerivatives(scene, names, stack).reasons) == set(names[1:])
+    changed = scene.with_changes({"units.water.tolerances": {"waves.period": "1 %"}})
+    assert tolerances_of(changed).names == ("water.waves.period",)
+
+
 def test_without_tolerances_nothing_is_called_or_written(scene, monkeypatch, tmp_path):
     monkeypatch.setattr(verification, "parameter_errors", None)
     row, result = of_deviation(scene, {}, output=tmp_path)
@@ -131,6 +183,15 @@ def test_the_command_prints_both_errors(scene, tmp_path, capsys):
 def test_what_is_no_tolerance_is_refused(scene, tolerances, words):
     with pytest.raises(BadInput, match=words):
         scene.with_changes({"units.pantograph.tolerances": tolerances})
+
+
+@pytest.mark.parametrize("name", ["u", "x", "whole"])
+def test_inputs_and_outputs_of_an_fmu_have_no_tolerance(name):
+    unit = {"fmu": exchange_fmu(), "tolerances": {name: 0.1}}
+    data = {"stop_time": 1.0, "units": {"f": unit}, "master": {"step": 0.1}}
+    with pytest.raises(BadInput, match="a parameter"):
+        read_scene(data)
+    read_scene(data | {"units": {"f": unit | {"tolerances": {"period": 0.1}}}})  # nothing says that it samples
 
 
 def test_structural_parameters_have_no_tolerance():

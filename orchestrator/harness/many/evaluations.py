@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
 from signal import Signals
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -83,6 +83,7 @@ class Evaluations:
         self._stack = stack
         self._store = Store.of(task, folder)
         self._asked: dict[int, np.ndarray] = {}  # points by digest, in the order in which they were asked for first
+        self._last_slopes: tuple[Any, np.ndarray] = None, np.empty((0, len(vary)))
         self.names = list(vary)
         self.low, self.high = (np.array([getattr(bounds, end) for bounds in vary.values()]) for end in ("low", "high"))
 
@@ -122,7 +123,12 @@ class Evaluations:
         """Exact derivatives of numbers (m,) of a row, (m, n), at parameters p (n,); NaN, or no rows, where there are none."""
         if self._task.keep.functions:  # they may look at all of a run
             return np.full((0, len(self.names)), np.nan)
-        return self.derivatives(self.values(p), lambda result: numbers(row_of_result(result, self._task)))
+        asked = np.asarray(p, dtype=float).tobytes(), numbers
+        kept, matrix = self._last_slopes
+        if kept != asked:  # an aim and its limits are asked for one by one
+            matrix = self.derivatives(self.values(p), lambda result: numbers(row_of_result(result, self._task)))
+            self._last_slopes = asked, matrix
+        return matrix
 
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
         """Rows at points that were run, with half of every step, None where that is too much work; and what this changes."""

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from contextlib import ExitStack
+from itertools import pairwise
 
 import cosimo
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.derivatives.along import PointDerivatives
+from cosimo.orchestrator.derivatives.tangent_run import TangentScene
 from cosimo.orchestrator.harness.journal import Stopped
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.evaluations import evaluations
@@ -100,6 +102,17 @@ def test_a_design_with_another_spelling_of_a_parameter():
     vary = {"units.mass.parameters.mass": bounds["mass.mass"], "spring.stiffness": bounds["spring.stiffness"]}
     found = design(OSCILLATOR, STIFF | {"vary": vary, "method": "SLSQP", "evaluations": 1}, verify=False)
     assert found.steps
+
+
+@pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+def test_an_aim_and_its_limits_have_derivatives_of_one_run(monkeypatch):
+    points, kept = [], TangentScene.recorded
+    monkeypatch.setattr(
+        TangentScene, "recorded", lambda self, point, names: points.append(dict(point)) or kept(self, point, names)
+    )
+    assert design(OSCILLATOR, STIFF | {"method": "SLSQP", "evaluations": 3}, verify=False).steps
+    assert len(points) > 1
+    assert all(one != other for one, other in pairwise(points))
 
 
 def test_the_runs_of_a_fit_are_kept_with_their_signals(tmp_path):
