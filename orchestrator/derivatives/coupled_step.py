@@ -203,12 +203,10 @@ class CoupledStep:
         owners = self.owners()
         return [-1 in owners[block] or len(set(owners[block])) > 1 for block in blocks]
 
-    def coupling_radius(self, steps: int | None = None) -> float:
-        """The largest absolute eigenvalue of the blocks that reach from unit to unit: above 1 the coupling grows; 0 without any."""
-        matrix = self.jacobian(steps)
-        blocks = blocks_of(matrix)
-        acting = [b for b, coupled in zip(blocks, self.coupling(blocks), strict=True) if coupled]
-        return max((float(np.abs(np.linalg.eigvals(matrix[np.ix_(b, b)])).max()) for b in acting), default=0.0)
+    def coupling_blocks(self) -> list[np.ndarray]:
+        """The blocks of the state that reach from unit to unit; a coupling grows where they have an eigenvalue beyond 1."""
+        blocks = blocks_of(self.jacobian())
+        return [block for block, couples in zip(blocks, self.coupling(blocks), strict=True) if couples]
 
     # -- names -------------------------------------------------------------------------------------------------------
     def owners(self, cells: np.ndarray | None = None) -> np.ndarray:

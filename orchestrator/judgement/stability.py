@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..derivatives.coupled_step import CoupledStep, blocks_of, sampling_periods
+from ..derivatives.coupled_step import CoupledStep, sampling_periods
 from ..derivatives.growth import Instant, PushedScene
 from ..scene.scene import Scene
 from .growth import Growth, Limit, growth_rate, longest_stable
@@ -96,11 +96,8 @@ class CouplingStability:
     def _coupling(self, instant: Instant) -> tuple[np.ndarray, np.ndarray]:
         """Cells of the state that couple units at an instant, (n,), and the derivative of a macro step by them, (n, n)."""
         step = self._step(self.scene.master.step, instant)
-        matrix = step.jacobian()
-        blocks = blocks_of(matrix)
-        acting = [block for block, couples in zip(blocks, step.coupling(blocks), strict=True) if couples]
-        rows = np.sort(np.concatenate([np.zeros(0, dtype=int), *acting]))
-        return step.cells[rows], matrix[np.ix_(rows, rows)]
+        rows = np.sort(np.concatenate([np.zeros(0, dtype=int), *step.coupling_blocks()]))
+        return step.cells[rows], step.jacobian()[np.ix_(rows, rows)]
 
     def _step(self, h: float, instant: Instant) -> CoupledStep:
         self._pushed.restore(instant)

@@ -42,6 +42,11 @@ def largest(matrix: np.ndarray) -> float:
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
+def coupling_radius(step: CoupledStep) -> float:
+    matrix = step.jacobian()
+    return max((largest(matrix[np.ix_(block, block)]) for block in step.coupling_blocks()), default=0.0)
+
+
 def opened(scene, stack: ExitStack) -> CoupledStep:
     step = CoupledStep(TangentScene(scene, stack))
     step.begin()
@@ -63,7 +68,7 @@ def test_the_radius_of_a_mass_on_a_spring_is_that_of_the_matrix_by_hand(algorith
         for h in STEPS:
             step = CoupledStep(tangents, h)
             step.begin()
-            assert step.coupling_radius() == pytest.approx(largest(by_hand(degree, h)), abs=1e-13)
+            assert coupling_radius(step) == pytest.approx(largest(by_hand(degree, h)), abs=1e-13)
 
 
 def test_the_state_is_what_is_read_before_it_is_written():
@@ -96,7 +101,7 @@ def test_radii_of_two_masses_are_those_of_the_matrix_made_in_python(split, algor
                 step = CoupledStep(tangents, h)
                 step.begin()
                 expected = radius(TwoMasses().scene(split, h, 1.0, **settings))
-                assert step.coupling_radius() == pytest.approx(expected, abs=2e-13)
+                assert coupling_radius(step) == pytest.approx(expected, abs=2e-13)
 
 
 def test_a_unit_with_a_rate_of_its_own_has_the_map_of_its_period():
@@ -109,7 +114,7 @@ def test_a_unit_with_a_rate_of_its_own_has_the_map_of_its_period():
         step = opened(scene, stack)
         assert step.steps == 3
         for _ in range(4):  # at each phase
-            assert step.coupling_radius() == pytest.approx(largest(hand), abs=1e-12)
+            assert coupling_radius(step) == pytest.approx(largest(hand), abs=1e-12)
             step.advance(1)
 
 
