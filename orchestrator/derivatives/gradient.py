@@ -154,6 +154,9 @@ def _figures(of: Sequence[str] | None) -> Figures:
                 chosen[name] = summary[name]
             elif kind in STATISTICS:
                 first = int(np.searchsorted(result.time, result.scene.counts_from))
+                if first == result.time.size:
+                    transient = f"{result.scene.analysis.transient:g} s"
+                    raise BadInput(f"{result.scene.name}: analysis.transient", transient, "less than the length of the run")
                 chosen[name] = float(STATISTICS[kind](result[signal][first:])), result.measures[signal]
             else:
                 known = [*summary, *(f"{s}, {k}" for s in result.columns for k in STATISTICS)]

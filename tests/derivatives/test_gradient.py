@@ -82,6 +82,11 @@ def test_settings_of_the_numerics_are_refused(scene):
     assert {s.parameter for s in study.slopes} == {"mass.mass"}
 
 
+def test_a_transient_longer_than_the_run_is_refused(scene):
+    with pytest.raises(BadInput, match="less than the length of the run"):
+        cosimo.gradient(scene.with_changes({"analysis.transient": 2.0}), "mass.base_x, last", "mass.mass")
+
+
 def test_figures_of_snapshots_have_no_derivative():
     """They are not signals, and nothing follows them; a run may have some where figures do not read them."""
     scene = cosimo.load_scene("en50318-2002").with_changes({"stop_time": 0.05, "record.snapshot_interval": 0.01})
