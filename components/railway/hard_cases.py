@@ -229,6 +229,12 @@ HARD_CASES = {
             inputs={"contact_position": ramp(80.0, 59.0)},
             run=(0.1, 5e-3),
         ),
+        "a start off the wire": HardCase(
+            "The contact point stands behind the last span: no equilibrium is sought there.",
+            Refused("left the range", accepted={"contact_position": 50.0}),
+            parameters={"spans": 1},
+            inputs={"contact_position": 80.0},
+        ),
     },
     "LumpedCatenary": {
         "undamped": HardCase(
