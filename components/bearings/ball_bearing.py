@@ -229,12 +229,12 @@ class BallBearing(TwoDofBearing):
                 "damping": 200.0,
             },
             JIS6306_SOURCE + "; races of 40.1 and 63.9 mm; the stiffness is 18 % above that of grooves of 0.52 d",
-            "recalled",
+            "unconfirmed",
         ),
         "6205": Preset(
             {"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3, "contact_stiffness": 9.319e9},
-            "geometry of the 6205 as recalled, its stiffness for steel and grooves of 0.52 d from Hertz's solution",
-            "recalled",
+            "geometry of the 6205 from memory, its stiffness for steel and grooves of 0.52 d from Hertz's solution",
+            "unconfirmed",
         ),
     }
 

@@ -54,21 +54,21 @@ class RingWalls(Effect):
 class Film(Effect):
     """Lubricant inside the contacts, in series with the constriction: thickness / (conductivity * area of the ellipse)."""
 
-    conductivity = parameter(0.14, "W/m/K", "heat conductivity of the lubricant; mineral oil, recalled", low=1e-6)
+    conductivity = parameter(0.14, "W/m/K", "heat conductivity of the lubricant; mineral oil, from memory", low=1e-6)
     thickness = input_(5e-7, "m", "thickness of the film in each contact", nominal=1e-6)
 
 
 class LubricantPath(Effect):
     """Lubricant that fills the gap beside each contact up to the height of its meniscus; see the ladder in `constriction`."""
 
-    conductivity = parameter(0.14, "W/m/K", "heat conductivity of the lubricant; mineral oil, recalled", low=0.0)
+    conductivity = parameter(0.14, "W/m/K", "heat conductivity of the lubricant; mineral oil, from memory", low=0.0)
     meniscus_height = parameter(1e-5, "m", "width of the gap that lubricant just fills; a choice of ours", low=0.0)
 
 
 class GasPath(Effect):
     """Gas at rest: in the narrow gap beside each contact (beyond the meniscus, if there is one), and between the rings."""
 
-    conductivity = parameter(0.026, "W/m/K", "heat conductivity of the gas; air at 300 K, recalled", low=0.0)
+    conductivity = parameter(0.026, "W/m/K", "heat conductivity of the gas; air at 300 K, from memory", low=0.0)
     widest_gap = parameter(5e-5, "m", "width up to which the gap beside a contact counts as narrow; a choice of ours", low=0.0)
     ring_gap = parameter(8e-3, "m", "distance of the rings beside the balls", low=1e-6)
 

@@ -63,7 +63,7 @@ def ball_spreading(major, minor, radius, conductivity):
 def finite_ring(radius, conductivity):
     """Resistance that a small spot lacks in an insulated cylinder of `radius` m against a half space, K/W.
 
-    The leading term of R = (1 - 1.4098 a/b + ...) / (4 k a) of an isothermal circle in a tube (Yovanovich, recalled).
+    The leading term of R = (1 - 1.4098 a/b + ...) / (4 k a) of an isothermal circle in a tube (Yovanovich, from memory).
     """
     return 1.4098 / (4.0 * conductivity * radius)
 

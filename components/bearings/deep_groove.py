@@ -132,7 +132,7 @@ class Linearisation(Effect):
 
 
 class Friction(Effect):
-    """Torque 0.5 mu d P with the bore d and the resultant force P; mu recalled from bearing catalogues."""
+    """Torque 0.5 mu d P with the bore d and the resultant force P; mu from bearing catalogues, from memory."""
 
     coefficient = parameter(0.0015, "1", "mu", low=0.0)
     bore_diameter = parameter(0.035, "m", "diameter of the bore", low=1e-6)
@@ -234,13 +234,13 @@ class DeepGrooveBearing(KernelComponent):
     presets = {
         "6205": Preset(
             {"balls": 9, "ball_diameter": 7.94e-3, "pitch_diameter": 39.04e-3},
-            "geometry of the 6205 as recalled; grooves of 0.52 d are a choice",
-            "recalled",
+            "geometry of the 6205 from memory; grooves of 0.52 d are a choice",
+            "unconfirmed",
         ),
         "6207-like": Preset(
             {"balls": 9, "ball_diameter": 11.1e-3, "pitch_diameter": 53.5e-3},
-            "geometry near that of a 6207, recalled; grooves of 0.52 d are a choice",
-            "recalled",
+            "geometry near that of a 6207, from memory; grooves of 0.52 d are a choice",
+            "unconfirmed",
         ),
         "ISO/TS 16281 example": Preset(
             {

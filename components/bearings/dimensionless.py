@@ -148,7 +148,7 @@ class DimensionlessBallBearing(TwoDofBearing):
 
     presets = {
         "JIS 6306": Preset(
-            {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 3.9119e-3}, JIS6306_SOURCE + ", scaled", "recalled"
+            {"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 3.9119e-3}, JIS6306_SOURCE + ", scaled", "unconfirmed"
         )
     }
 

@@ -32,7 +32,7 @@ class OilFlow(Effect):
 class Radiation(Effect):
     """Radiation of the outermost surface, housing or outer ring, to the ambient: emissivity * area * sigma (T⁴ - Ta⁴)."""
 
-    emissivity = parameter(0.8, "1", "emissivity of the surface; painted, recalled", low=0.0, high=1.0)
+    emissivity = parameter(0.8, "1", "emissivity of the surface; painted, from memory", low=0.0, high=1.0)
     area = parameter(0.05, "m2", "area of the surface", low=0.0)
 
 
@@ -87,7 +87,7 @@ class BearingTemperatures(StiffComponent):
     outer_share = parameter(0.25, "1", "share of the friction that heats the outer ring; a choice of ours", low=0.0, high=1.0)
     ball_diameter = parameter(7.938e-3, "m", "diameter of the balls", low=1e-6)
     pitch_diameter = parameter(54e-3, "m", "pitch diameter of the balls", low=1e-6)
-    expansion = parameter(1.2e-5, "1/K", "coefficient of thermal expansion of rings and balls; steel, recalled", low=0.0)
+    expansion = parameter(1.2e-5, "1/K", "coefficient of thermal expansion of rings and balls; steel, from memory", low=0.0)
     reference_temperature = parameter(293.15, "K", "temperature of all parts at which the clearance is unchanged", low=0.0)
     start_temperature = parameter(293.15, "K", "temperature of all parts at the start", low=0.0)
     substep = parameter(1.0, "s", "longest internal step", low=1e-9)

@@ -90,7 +90,7 @@ class Preset:
 
     parameters: Mapping[str, float]
     source: str
-    provenance: str  # "verbatim", "recalled", "inferred" or "computed"
+    provenance: str  # "verbatim", "unconfirmed", "inferred" or "computed"
     effects: tuple[str, ...] = ()
 
 

@@ -66,7 +66,7 @@ class ServoMotor(MotorParameters, EventComponent):
     Without `inductance` the current is (V - k N w) / R. `load_torque` brakes a positive rate. The poles of rate and current are
     the roots of s² + (R/L + B/J) s + (k² N² + R B) / (L J), with J and B at the wheel. Servo motors that move the sleeve of a
     laparoscope by friction wheels are the subject of Frączak (2013), known to us by its abstract; the equations are the usual
-    ones of a DC motor. Defaults: numbers recalled of a motor of 12 V with a gear of 19:1, none published with that drive.
+    ones of a DC motor. Defaults: numbers from memory for a motor of 12 V with a gear of 19:1, none published with that drive.
     """
 
     title = "Servo motor with gear and wheel"
@@ -95,7 +95,7 @@ class ServoMotor(MotorParameters, EventComponent):
         "motor alone": Preset(
             {"gear_ratio": 1.0, "wheel_inertia": 1e-15, "inductance.inductance": 0.238e-3},
             "the default motor without gear and wheel: poles at -244.3 and -9419.6 1/s",
-            "recalled",
+            "unconfirmed",
             ("inductance",),
         )
     }

@@ -92,7 +92,7 @@ class Catenary(HungLine):
     leading dispersion error of space and time together, explicit (velocity Verlet) or implicit (generalised-alpha).
     Defaults: the EN 50318:2002 reference model. Tensions, masses, span, dropper positions and stiffness, messenger support:
     read in two public sources (whether the support's 50 kN/m is in the standard itself is not known). No dropper and clamp
-    masses, no damping of the supports: recalled. Element, substep and method: by error against work, docs/railway-contact.md.
+    masses, no damping of the supports: from memory. Element, substep and method: by error against work, docs/railway-contact.md.
     """
 
     title = "Distributed catenary with droppers"
@@ -190,8 +190,8 @@ class Catenary(HungLine):
                 "damping.beta": 1e-4,
             },
             "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support "
-            "damping recalled, steady arm left out",
-            "recalled",
+            "damping from memory, steady arm left out",
+            "unconfirmed",
             ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping"),
         ),
     }

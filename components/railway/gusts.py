@@ -46,8 +46,8 @@ REFUSALS = {
 class Gusts(Effect):
     """Wind across the line that fluctuates: its lift on the wires, and the damping by the air stream.
 
-    Spectra after von Karman, coherence after Davenport, forms and the decay's size (8 to 16) recalled. Intensities and lengths
-    are inferred: those of Davenport's and Panofsky's spectra 6 m above ground of 0.03 m roughness. Diameters recalled; round
+    Spectra after von Karman, coherence after Davenport, forms and the decay's size (8 to 16) from memory. Intensities and lengths
+    are inferred: those of Davenport's and Panofsky's spectra 6 m above ground of 0.03 m roughness. Diameters from memory; round
     wires, C_L = C_L' = 0, are a choice: grooves and wear give a contact wire a lift. Messengers are round, stitch wires are
     left out. u and w are independent, and the same for all wires at a place. The wind's drag, which is lateral, is not modelled.
     """

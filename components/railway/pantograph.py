@@ -71,7 +71,7 @@ class Pantograph(OdeComponent):
 
     z1, z2: head and frame, w: wire. With `lower_frame`, k2 and c2 act between frame and lower frame, and the static
     force, the lift and the base spring act on the lower frame.
-    Source: EN 50318:2002 reference pantograph (numbers read in public sources, static force recalled).
+    Source: EN 50318:2002 reference pantograph (numbers read in public sources, static force from memory).
     """
 
     title = "Lumped pantograph with contact spring"
@@ -138,13 +138,13 @@ class Pantograph(OdeComponent):
     presets = {
         "EN 50318:2002": Preset(
             bodies((7.2, 4200.0, 10.0), (15.0, 50.0, 90.0)) | {"static_force": 120.0, "contact_stiffness": 50e3},
-            "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force recalled",
+            "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force from memory",
             "verbatim",
         ),
         "EN 50318:2018": Preset(
             bodies((7.5, 7000.0, 45.0), (9.0, 15500.0, 0.1), (6.0, 160.0, 100.0)) | {"contact_stiffness": 50e3},
-            "masses and stiffnesses: two public repositories; order of the dampers and contact stiffness recalled",
-            "recalled",
+            "masses and stiffnesses: two public repositories; order of the dampers and contact stiffness from memory",
+            "unconfirmed",
             ("lower_frame",),
         ),
         "DSA380": Preset(

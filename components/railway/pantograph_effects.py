@@ -126,7 +126,7 @@ class StripLift(Effect):
 class LiftFluctuation(Effect):
     """Fluctuation of every lift about its mean: sines of equal energy and random phase, other ones for each lift.
 
-    Intensity: 5 to 10 % recalled for strips. The same for the same seed.
+    Intensity: 5 to 10 % from memory for strips. The same for the same seed.
     """
 
     requires = ("aerodynamic_uplift",)

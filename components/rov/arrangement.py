@@ -9,7 +9,7 @@ degrees (determinant -0.0172, condition 20); the matrix here is therefore built 
 
 The arrangement of eight is that of a BlueROV2 Heavy, the usual layout for six degrees of freedom: four horizontal thrusters at 45
 degrees to the axes, and four vertical ones. Places of the horizontal ones: a public allocation script for that vehicle, read;
-of the vertical ones: von Benzon et al. (2022), recalled; which of them push downwards when they turn ahead: inferred, so that
+of the vertical ones: von Benzon et al. (2022), from memory; which of them push downwards when they turn ahead: inferred, so that
 the limits of neighbours, which differ ahead and astern, cancel.
 """
 

@@ -186,7 +186,7 @@ class RovController(SampledComponent):
         EIGHT: Preset(
             eight_places(),
             "the arrangement of the hull's preset of that name; gains are the component's own",
-            "recalled",
+            "unconfirmed",
             ("further_thrusters",),
         )
     }

@@ -320,8 +320,8 @@ class RovHull(OdeComponent):
         EIGHT: Preset(
             eight_places(),
             "four horizontal thrusters of a public allocation script for this vehicle, four vertical ones of von Benzon et al. "
-            "(2022), recalled; masses and drag are the component's own, those of Wu (2018)",
-            "recalled",
+            "(2022), from memory; masses and drag are the component's own, those of Wu (2018)",
+            "unconfirmed",
             (*WATER, "further_thrusters"),
         ),
     }

@@ -14,7 +14,7 @@ deep water; the mean flow back that a closed basin asks for, as large as the dri
 which carry the water along, change the length of the waves.
 Sources: Dean and Dalrymple, Water Wave Mechanics; Peregrine, "Interaction of water waves and currents" (Adv. Appl. Mech. 16,
 1976) for the frequency; Auton, Hunt and Prud'homme, "The force exerted on a body in inviscid unsteady non-uniform rotational
-flow" (J. Fluid Mech. 197, 1988) for the acceleration (recalled).
+flow" (J. Fluid Mech. 197, 1988) for the acceleration (from memory).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ..core.variables import SEED, input_, integer, output, parameter
 
 GRAVITY = 9.80665  # m/s²
 TURN = 2.0 * math.pi
-STEEPEST = 0.142  # height over length at which a wave breaks in deep water (Miche 1944; recalled)
+STEEPEST = 0.142  # height over length at which a wave breaks in deep water (Miche 1944; from memory)
 LOWEST, HIGHEST = 0.4, 6.0  # ends of a spectrum over its peak frequency: all but 0.1 % of the energy lies between
 BLOCKED = 0.01  # largest share of a sea's energy that may be left out, as a current blocks it
 # rows of the components of a sea: m, rad/s at a fixed place, rad/s seen by one who drifts with the current, 1/m, rad
@@ -130,7 +130,7 @@ def jonswap(frequency, height, period, peakedness):
     """Spectral density of the elevation, m² s, over the frequency in Hz, of a significant height in m and a peak period in s.
 
     S = (1 - 0.287 ln G) 5/16 H² f_p⁴ f⁻⁵ exp(-5/4 (f_p/f)⁴) G^exp(-(f - f_p)² / (2 s² f_p²)),  s = 0.07 below f_p, 0.09 above
-    Source: Hasselmann et al. 1973; the factor, which keeps the significant height, as usual in the field (recalled).
+    Source: Hasselmann et al. 1973; the factor, which keeps the significant height, as usual in the field (from memory).
     """
     f, peak = frequency, 1.0 / period
     width = 0.07 if f <= peak else 0.09

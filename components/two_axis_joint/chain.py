@@ -206,8 +206,8 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
             {"first_mass": 23.9, "first_length": 0.45, "first_centre": 0.091, "first_inertia": 1.27, "second_mass": 3.88,
              "second_length": 0.45, "second_centre": 0.048, "second_inertia": 0.093, "viscous.first": 2.29,
              "viscous.second": 0.175, "stick_friction.first_level": 7.2, "stick_friction.second_level": 1.7},
-            "a two-link arm that many papers on control take, its parameters recalled; length of the second link chosen",
-            "recalled", ("gravity", "viscous", "stick_friction")),
+            "a two-link arm that many papers on control take, its parameters from memory; length of the second link chosen",
+            "unconfirmed", ("gravity", "viscous", "stick_friction")),
         "satellite panel": Preset(
             {"first_mass": 0.0, "first_inertia": 10.0, "first_centre": 0.0, "first_length": 0.5,
              "second_mass": 500.0 / 105.0, "second_length": 0.8, "second_centre": 0.4, "second_inertia": 5.0 * 0.64 / 12.0,

@@ -28,7 +28,7 @@ class CentrifugalPump(StatelessComponent):
 
     The torque is that of the efficiency's parabola, T w = rho g H Q / efficiency, with what is 0/0 without flow divided out:
     against the closed valve, and at standstill, it is an ordinary number. Affinity: Q ~ n, H ~ n², T ~ n², T w ~ n³ exactly.
-    A negative speed counts as standstill, a negative head as none. Form of curve and parabola are textbook, recalled; the
+    A negative speed counts as standstill, a negative head as none. Form of curve and parabola are textbook, from memory; the
     numbers are a small pump of ours. In a pipe with friction, head and flow follow each other at once: a loop of the coupling.
     """
 

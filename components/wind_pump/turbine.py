@@ -55,7 +55,7 @@ class WindTurbine(EventComponent):
     "variant" give no torque, "heier" 0.0068 of its linear term, and the farm windmill its largest: that is what it is built for.
     A negative wind counts as none. Coefficients refer to the undisturbed wind; without wind, and where the tips are more than 20
     times as fast as the wind, coefficient and ratio are given as 0.
-    Source of the fits: S. Heier, Grid Integration of Wind Energy, and public repositories; of the line: textbooks, recalled.
+    Source of the fits: S. Heier, Grid Integration of Wind Energy, and public repositories; of the line: textbooks, from memory.
     """
 
     title = "Wind turbine"
@@ -73,8 +73,8 @@ class WindTurbine(EventComponent):
     inertia = parameter(15.0, "kg.m2", "moment of inertia of rotor and shaft", low=1e-9)
     damping = parameter(0.0, "N.m.s/rad", "viscous friction", low=0.0)
     density = parameter(1.225, "kg/m3", "density of the air", low=1e-6)
-    standstill_coefficient = parameter(0.5, "1", "torque coefficient of the farm windmill at standstill; recalled", low=1e-6)
-    runaway_ratio = parameter(2.4, "1", "tip speed ratio at which the farm windmill gives no torque; recalled", low=1e-3)
+    standstill_coefficient = parameter(0.5, "1", "torque coefficient of the farm windmill at standstill; from memory", low=1e-6)
+    runaway_ratio = parameter(2.4, "1", "tip speed ratio at which the farm windmill gives no torque; from memory", low=1e-3)
     start_speed = parameter(0.0, "rad/s", "speed at the start")
     start_angle = parameter(0.0, "rad", "angle at the start")
     substep = parameter(5e-3, "s", "longest internal step", low=1e-9, high=1.0)
@@ -92,8 +92,8 @@ class WindTurbine(EventComponent):
     presets = {
         "farm windmill": Preset(
             {"radius": 1.5, "inertia": 15.0, "standstill_coefficient": 0.5, "runaway_ratio": 2.4},
-            "straight line of the torque coefficient as textbooks draw it; its numbers recalled, size and inertia chosen",
-            "recalled",
+            "straight line of the torque coefficient as textbooks draw it; its numbers from memory, size and inertia chosen",
+            "unconfirmed",
         )
     }
 

@@ -46,7 +46,7 @@ class Turbulence(Effect):
     explicit_only = True
 
     intensity = parameter(0.15, "1", "standard deviation over the mean speed", low=0.0, high=1.0)
-    length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, recalled", low=1e-3)
+    length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, from memory", low=1e-3)
     interval = parameter(0.5, "s", "time between samples", low=1e-3)
     seed = integer(1, "number that selects one of many equally likely winds", low=0, high=2**31 - 1, structural=SEED)
 
@@ -67,7 +67,7 @@ class Wind(KernelComponent):
     """Wind speed over time: ((mean, or ramp) * daily) * (1 + turbulence) + gusts, and never below 0.
 
     Only turbulence has a state. Source of its spectrum: H. L. Dryden's, in the form of MIL-F-8785C,
-    S(W) = sigma² 2 L / pi / (1 + (L W)²) over the wave number W; recalled.
+    S(W) = sigma² 2 L / pi / (1 + (L W)²) over the wave number W; from memory.
     """
 
     title = "Wind with ramp, gusts, turbulence and the course of a day"

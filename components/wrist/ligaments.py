@@ -77,7 +77,7 @@ class LigamentBundle(StatelessComponent):
     Its torques are for the inputs `proximal_torque` and `distal_torque` of a `Wrist` without the effect `constraint`, with the
     same axes and coupling model. Always springs: a unit without mass cannot be rigid, for it would have to know all other forces.
     Which pairs are isometric is Sandow's (2008); attachments, extents and stiffness are ours (`ligament_springs`), the latter of
-    the order that is recalled of tests of such ligaments, tens of newtons a millimetre.
+    the order of tests of such ligaments, from memory, tens of newtons a millimetre.
     """
 
     title = "Ligaments of the wrist"

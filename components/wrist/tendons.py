@@ -37,8 +37,8 @@ class Programme(Effect):
 class Fibres(Effect):
     """Force by the length of the fibres: the active one falls as exp(-(l - 1)² / width), a stretched fibre pulls passively.
 
-    Passive: (exp(4 s / stretch) - 1) / (exp(4) - 1) of the largest force at the strain s > 0. Form as in Thelen (2003), recalled.
-    Lengths of FCR, FCU and ECU are read in OpenSim's model of the wrist, the others recalled; that the fibres have their best
+    Passive: (exp(4 s / stretch) - 1) / (exp(4) - 1) of the largest force at the strain s > 0. Form as in Thelen (2003), from memory.
+    Lengths of FCR, FCU and ECU are read in OpenSim's model of the wrist, the others from memory; that the fibres have their best
     length in the neutral position is ours.
     """
 
@@ -50,7 +50,7 @@ class Fibres(Effect):
 class ForceVelocity(Effect):
     """Hill's hyperbola: shortening fibres pull less, none at the greatest rate; those that are lengthened pull more.
 
-    Ten fibre lengths a second as the greatest rate is read in OpenSim's model of the wrist; the shape is recalled.
+    Ten fibre lengths a second as the greatest rate is read in OpenSim's model of the wrist; the shape is quoted from memory.
     """
 
     greatest_rate = parameter(
@@ -81,7 +81,7 @@ class ForearmTendons(OdeComponent):
     forearm, 5.2 to 18.7 N.m in flexion (Delp, Grierson, Buchanan 1996), are larger than what these five give.
     Sources: that tendons load the linkage is the rule "load" of Sandow (2020), of which the abstract was at hand; the equations
     are ours. Largest forces of FCR, FCU, ECU: OpenSim's model of the wrist (Gonzalez, Buchanan, Delp 1997), read; of ECRL and
-    ECRB: recalled. Arms of flexion but FCU's: table at biomed.bas.bg, read; the others and the times of activation: recalled.
+    ECRB: from memory. Arms of flexion but FCU's: table at biomed.bas.bg, read; the others and the times of activation: from memory.
     """
 
     title = "Muscles of the forearm with their tendons over the wrist"

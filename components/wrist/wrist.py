@@ -126,7 +126,7 @@ class Wrist(OdeComponent):
     From the paper, known to us by its abstract, are two degrees of freedom with roll largely prevented, the four rules
     morphology, constraint, interaction and load, and the signs of the rows' motion. Axes, equations and numbers are ours, but for
     the limits of flexion and deviation (wrist model of Gonzalez, Buchanan and Delp, 1997, as it comes with OpenSim) and the
-    preset's stiffness. Mass and inertia of the hand are recalled orders of magnitude.
+    preset's stiffness. Mass and inertia of the hand are orders of magnitude from memory.
     """
 
     title = "Wrist of two rows"

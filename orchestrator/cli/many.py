@@ -216,7 +216,7 @@ def design(
     runs: Runs, plan: PlanFile, limits: Limits = "", condition: Conditions = None, output: Output = Path("design")
 ) -> None:
     """Optimize parameters under constraints. Example: cosimo design scene.toml --plan design.toml -o out"""
-    from ..harness.many.limits import recalled
+    from ..harness.many.limits import unconfirmed
     from ..harness.many.repetition import shown
     from ..harness.report import answers
     from ..systems import many
@@ -234,7 +234,7 @@ def design(
         print(f"{answer.quantity} = {shown(answer.steps[answer.best].quantity, answer.repeated, answer.quantity)}{active}")
     elif answer.best < 0:
         print("no run keeps all limits")
-    warn([*answer.messages, *recalled(answer.constraints)])
+    warn([*answer.messages, *unconfirmed(answer.constraints)])
     print_written(written, _runs(len(answer.steps), answer.computed))
     if answer.best < 0:
         raise SystemExit(FAILED_CHECK)

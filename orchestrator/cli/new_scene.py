@@ -319,7 +319,7 @@ def table(
         raise BadInput("new table", f"{result.scene.name}, which has no figures", "a scene whose [analysis] has a system")
     standings = ", ".join(standing for standing in STANDINGS if standing != MISSING)
     parts = [
-        f"# Fill in of each row low, high or both, its standing ({standings}; recalled needs a confidence), and source, a key of",
+        f"# Fill in of each row low, high or both, its standing ({standings}; unconfirmed needs a confidence), and source, a key of",
         "# [sources]. Remove rows that nothing limits. A number of a run is no source of a limit for it.",
         "",
         "[sources]",

@@ -45,7 +45,7 @@ def validate(
 ) -> None:
     """Run cases and compare them with their tables. Example: cosimo validate en50318-2018-ac-simple -o out
 
-    Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
+    Exit code 1 where a row is outside of its range; a range that is only quoted from memory decides nothing without --strict.
     Each number has its numerical error (±); where an end of the range lies within the error, the row is undecided.
     """
     from ..harness.validation.case import to_json

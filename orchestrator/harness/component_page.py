@@ -81,7 +81,7 @@ class EffectRow:
 
 @dataclass(frozen=True)
 class PresetRow:
-    """A published set of parameters. provenance: "verbatim", "recalled", "inferred" or "computed"."""
+    """A published set of parameters. provenance: "verbatim", "unconfirmed", "inferred" or "computed"."""
 
     name: str
     source: str

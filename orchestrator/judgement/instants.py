@@ -11,7 +11,7 @@ def at_instants(instants: np.ndarray, time: np.ndarray, values: np.ndarray) -> n
     Cubic polynomials through four rows, of which the two nearest always are and the others are those about which the signal
     bends least: an error of h^4 where it is smooth, and no overshoot beside a jump or a kink, which stays within its own cell
     (essentially non-oscillatory interpolation: Harten, Engquist, Osher and Chakravarthy, J. Comput. Phys. 71 (1987) 231-303;
-    recalled). Linear between rows that are no numbers.
+    from memory). Linear between rows that are no numbers.
     """
     linear = np.interp(instants, time, values)
     n = time.size

@@ -2,7 +2,7 @@
 
     s² = gᵀ C g     g = df/dp,  C: covariance of the parameters
 
-(JCGM 100:2008, law of propagation of uncertainty, 5.1 and 5.2; recalled.) Samples of a normal distribution, in pairs on either side,
+(JCGM 100:2008, law of propagation of uncertainty, 5.1 and 5.2; from memory.) Samples of a normal distribution, in pairs on either side,
 tell what first order leaves out. A scene without tolerances has nothing of this.
 """
 

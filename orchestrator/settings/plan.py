@@ -33,7 +33,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, mo
 
 from ...components.core.errors import BadInput, nearest, pick
 from .model import RANGE, Model, Number, Seconds, Truth, ranged
-from .ranges import Range
+from .ranges import OLD_STANDINGS, Range
 from .study import Quantities
 
 SAMPLED = ("latin-hypercube", "sobol", "random")
@@ -45,6 +45,12 @@ SHAPES = {  # of a distribution: what it must say, what it may say
 }
 
 
+Standing = Annotated[
+    Literal["", "verbatim", "measured", "computed", "inferred", "unconfirmed"],
+    BeforeValidator(lambda word: OLD_STANDINGS.get(word, word) if isinstance(word, str) else word),
+]
+
+
 class LimitSettings(Range, Model):
     """A column of a run that must stay between two numbers, one or both."""
 
@@ -52,9 +58,7 @@ class LimitSettings(Range, Model):
     high: Number | None = None
     quantity: str = Field(default="", description="in words, with its condition")
     unit: str = Field(default="", description="unit of measure of both numbers; it must fit the column")
-    standing: Literal["", "verbatim", "measured", "computed", "inferred", "recalled"] = Field(
-        default="", description="source of the range; a range quoted from memory is marked"
-    )
+    standing: Standing = Field(default="", description="source of the range; a range quoted from memory is marked")
     source: str = ""
 
     @model_validator(mode="after")

@@ -6,6 +6,8 @@ import math
 
 from ...components.core.errors import BadInput
 
+OLD_STANDINGS = {"recalled": "unconfirmed"}  # files of 0.7 say so
+
 
 class Range:
     """Of a class with `low` and `high`, None for an open end."""

@@ -131,7 +131,7 @@ HEAD = "from cosimo import Component, Effect, Preset, input_, integer, output, p
             "feedthrough of 'place'",
         ),
         (
-            "presets = {'a': Preset({'mas': 1.0}, 'book', 'recalled')}\n    mass = parameter(1.0, 'kg', 'mass')",
+            "presets = {'a': Preset({'mas': 1.0}, 'book', 'unconfirmed')}\n    mass = parameter(1.0, 'kg', 'mass')",
             "Did you mean 'mass'",
         ),
     ],

@@ -19,7 +19,7 @@ from cosimo.tests.commands import exit_code
 from cosimo.tests.short_run import FIRST_OF_SYSTEM, full_but, price, shipped_scenes
 
 SHORTEST = min(shipped_scenes(), key=lambda name: price(shipped_scenes()[name]))
-UNDECIDED = ("passed", "recalled", "undecided")
+UNDECIDED = ("passed", "unconfirmed", "undecided")
 SHORT = ("jeffcott", "rov-allocation", "wind-pump-equilibrium", "four-bar")  # others in their own files
 WITH_ERRORS = ("jeffcott", "four-bar", "wind-pump-equilibrium")  # every run is repeated with half of its steps
 OUTSIDE = {  # papers whose rows are looked at one by one -> the measures of those outside, as their reviews say
@@ -104,7 +104,7 @@ def test_a_case_is_validated_by_its_command(name, tmp_path, capsys):
     assert "<figure" in page or page.count("<table") > 1  # what the case shows, beside its rows
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
     assert case["outcome"] in UNDECIDED, case["verdict"]
-    outside = [row for row in case["rows"] if not row["inside"] and row["standing"] != "recalled"]
+    outside = [row for row in case["rows"] if not row["inside"] and row["standing"] != "unconfirmed"]
     assert outside == [] or case.get("claims")  # of a paper the claims decide, see `CaseResult.outcome`
     if name in OUTSIDE:
         measures = {(row.quantity, row.condition): row.measure for row in load_table(name).rows}

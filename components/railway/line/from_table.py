@@ -16,7 +16,7 @@ from .table import MOST_DROPPERS, MOST_SPANS, Dropper, DropperData, Line, Sectio
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
 NOT_AT_ANCHORS = ("stiffness", "damping", "held", "contact_stiffness", "arm", "stitch")
-SYSTEM_HEIGHT = 1.2  # m, of that model, recalled
+SYSTEM_HEIGHT = 1.2  # m, of that model, from memory
 
 
 @dataclass(frozen=True)

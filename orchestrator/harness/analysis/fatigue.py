@@ -66,7 +66,7 @@ def rainflow(values: Iterable[float]) -> Cycles:
     """Cycles of a signal (n,), of any unit.
 
     Source: ASTM E1049, rainflow counting: a range that a larger or equal one follows is a cycle, and a half cycle where it
-    begins at the record's first point; what remains are half cycles. Recalled; its worked example is a test.
+    begins at the record's first point; what remains are half cycles. From memory; its worked example is a test.
     """
     kept: list[float] = []
     cycles: list[tuple[float, float, float]] = []

@@ -2,7 +2,7 @@
 
     r(p) residuals over their standard deviations,  J = dr/dp at the fit,  C = s² (JᵀJ)⁻¹,  s² = |r|² / (m - n)
 
-(Nonlinear regression, linearised at the fit: Bates and Watts, Nonlinear Regression Analysis, 1988, chapter 2; recalled.) Where
+(Nonlinear regression, linearised at the fit: Bates and Watts, Nonlinear Regression Analysis, 1988, chapter 2; from memory.) Where
 the standard deviations of the data are known, s = 1. Identifiability is read off the singular values of J scaled by the
 parameters' sizes, so that it does not depend on units of measure.
 """

@@ -65,7 +65,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Answer:
-    """What was asked for, large: (value with its unit, what it is, what limits say: "in", "out", "undecided", "recalled" or "")."""
+    """What was asked for, large: (value with its unit, what it is, what limits say: "in", "out", "undecided", "unconfirmed" or "")."""
 
     numbers: Sequence[tuple[str, str, str]]
     kind: str = "answer"

@@ -177,12 +177,12 @@ def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
 
 def standing_colour(standing: str) -> str:
     """Ranges that decide are green, those that do not are orange (and dashed or hatched)."""
-    return ORANGE if standing in ("recalled", "inferred") else GREEN
+    return ORANGE if standing in ("unconfirmed", "inferred") else GREEN
 
 
 def standing_dash(standing: str) -> str:
     """Dash of a range's border."""
-    return "dash" if standing in ("recalled", "inferred") else "solid"
+    return "dash" if standing in ("unconfirmed", "inferred") else "solid"
 
 
 def thin_out(x: np.ndarray, y: np.ndarray, points: int = DRAWN_POINTS) -> tuple[np.ndarray, np.ndarray, bool]:

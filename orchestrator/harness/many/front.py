@@ -1,6 +1,6 @@
 """Fronts of several aims under limits: NSGA-II of pymoo over runs, a generation at a time.
 
-Deb, Pratap, Agarwal, Meyarivan, IEEE Transactions on Evolutionary Computation 6 (2002) 182-197 (recalled): of two points that
+Deb, Pratap, Agarwal, Meyarivan, IEEE Transactions on Evolutionary Computation 6 (2002) 182-197 (from memory): of two points that
 keep their limits the one that dominates is better, of two that do not the one that violates them less.
 """
 

@@ -68,10 +68,10 @@ def check_limits(limits: Limits, units: Mapping[str, str]) -> None:
             raise BadInput(f"limits: {name}", f"unit {limit.unit!r}", f"{units[name]!r}, which the column has")
 
 
-def recalled(limits: Limits) -> list[str]:
-    """A sentence that names the limits whose ranges are recalled; none without any."""
-    names = [limit.quantity or name for name, limit in limits.items() if limit.standing == "recalled"]
-    return [f"recalled ranges, which no run passes or fails by: {'; '.join(names)}"] if names else []
+def unconfirmed(limits: Limits) -> list[str]:
+    """A sentence that names the limits whose ranges are quoted from memory; none without any."""
+    names = [limit.quantity or name for name, limit in limits.items() if limit.standing == "unconfirmed"]
+    return [f"unconfirmed ranges, which no run passes or fails by: {'; '.join(names)}"] if names else []
 
 
 def _limit(row: TableRow) -> LimitSettings:

@@ -20,7 +20,7 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
-from .limits import recalled, with_rows
+from .limits import unconfirmed, with_rows
 from .plan import plan_settings
 from .repetition import blurred
 
@@ -47,7 +47,7 @@ class Spread:
 @dataclass(frozen=True)
 class Inside:
     """How often a column keeps its limit. count: samples with a number, `inside` of them in the range.  low, high: interval of
-    95 % of the probability, from independent samples (Clopper and Pearson, Biometrika 26 (1934) 404-413; recalled)."""
+    95 % of the probability, from independent samples (Clopper and Pearson, Biometrika 26 (1934) 404-413; from memory)."""
 
     column: str
     limit: LimitSettings | None  # None: all together
@@ -219,6 +219,6 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     return [
         *texts,
         *runs.doubts,
-        *recalled(runs.plan.limits),
+        *unconfirmed(runs.plan.limits),
         *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads}),
     ]

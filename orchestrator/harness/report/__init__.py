@@ -32,7 +32,7 @@ MOST_NUMBERS = 12  # of the summary at the top of a page; the table below them h
 FIRST_NUMBERS = 4  # where the system does not say which of them a run is judged by
 PROVENANCE = (
     "Provenance of each range: verbatim = copied from a public source; computed = from a closed form or an independent solver; "
-    "inferred = derived from other published values; recalled = quoted from memory, not checked against the source (hatched).",
+    "inferred = derived from other published values; unconfirmed = quoted from memory, not checked against the source (hatched).",
     "± is the estimated numerical error: twice the change when all steps are halved. A row is undecided if an end of its range lies "
     "within ±, or within two standard deviations of its parameter error. A number without ± did not change with halved steps, or "
     "its run was not repeated, as the row says.",
@@ -170,10 +170,10 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
     if len(case_results) > 1:
         overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
         sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
-    count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "undecided", "recalled")}
+    count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "undecided", "unconfirmed")}
     lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + "."
-    if count["recalled"]:
-        lead += " “Recalled”: some ranges are quoted from memory, so a result inside them does not count as passed."
+    if count["unconfirmed"]:
+        lead += " “Unconfirmed”: some ranges are quoted from memory, so a result inside them does not count as passed."
     if len(case_results) == 1:
         lead = case_results[0].verdict
     if len(case_results) == 1:

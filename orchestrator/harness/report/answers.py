@@ -13,7 +13,7 @@ from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import BLUE, ORANGE, axis, drawn, layout, number
-from ..many.limits import recalled
+from ..many.limits import unconfirmed
 from . import generic, many_runs, sweeps
 from .page import Page, Section, write_page
 
@@ -240,7 +240,7 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         lead = f"{answer.quantity} = {number(best.quantity)}, the {kind} of {len(y)} runs."
     else:
         lead = f"None of {len(y)} runs meets all limits."
-    notes = [*answer.messages, *recalled(answer.constraints)]
+    notes = [*answer.messages, *unconfirmed(answer.constraints)]
     notes.append(
         "The search is local: another start may lead to a better design."
         if answer.starts == 1
@@ -298,7 +298,7 @@ def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
         lead = f"None of {len(answer.steps)} runs meets all limits."
     notes = [
         *answer.messages,
-        *recalled(answer.constraints),
+        *unconfirmed(answer.constraints),
         "The Pareto front of these runs. NSGA-II does not prove that no better design exists.",
     ]
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)

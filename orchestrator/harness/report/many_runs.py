@@ -13,7 +13,7 @@ from ..charts.blocks import Block, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Picture, Series
 from ..charts.charts import draw_chart
 from ..charts.style import INK, RISING, drawn, layout
-from ..many.limits import recalled
+from ..many.limits import unconfirmed
 
 if TYPE_CHECKING:
     from ...settings.plan import LimitSettings
@@ -98,7 +98,7 @@ def outside_text(table: Table) -> Text | None:
     if not table.limits or not table.inside.size:
         return None
     text = f"{int(table.inside.sum())} of {table.inside.size} points keep all limits."
-    return Text([text, *recalled(table.limits)], "" if table.inside.all() else "note")
+    return Text([text, *unconfirmed(table.limits)], "" if table.inside.all() else "note")
 
 
 def map_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart | None:

@@ -26,8 +26,8 @@ from ..charts.style import DARK
 from .embed import SAMPLES_BESIDE, SAMPLES_INSIDE, embedded, lost_samples
 
 # what limits say of a figure: class of its badge, and the badge's text
-BADGES = {"in": "passed", "out": "failed", "undecided": "undecided", "recalled": "recalled"}
-LIMITS_WORDS = {"in": "within", "out": "outside", "undecided": "undecided", "recalled": "within recalled (unconfirmed) limits"}
+BADGES = {"in": "passed", "out": "failed", "undecided": "undecided", "unconfirmed": "unconfirmed"}
+LIMITS_WORDS = {"in": "within", "out": "outside", "undecided": "undecided", "unconfirmed": "within unconfirmed limits"}
 CDN = "https://cdn.plot.ly/plotly-{}.min.js"
 
 

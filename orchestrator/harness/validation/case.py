@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 
 FIRM = ("verbatim", "measured", "computed")  # provenance of ranges that decide
-DECIDES_NOTHING = ("recalled", MISSING)
+DECIDES_NOTHING = ("unconfirmed", MISSING)
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
-    """ "failed" if a row is outside a range that is not just recalled; else "undecided" if the error of one reaches beyond its
-    range, or a range is missing; else "recalled" if any range is not firm; else "passed".
+    """ "failed" if a row is outside a range that is not just unconfirmed; else "undecided" if the error of one reaches beyond its
+    range, or a range is missing; else "unconfirmed" if any range is not firm; else "passed".
 
-    Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure but a warning.
+    Unconfirmed ranges decide nothing: being inside them is no pass of a standard, being outside them no failure but a warning.
     Firm are ranges that were read or computed. No row, no pass.
     """
     deciding = [r for r in rows if r.reference.standing not in DECIDES_NOTHING]
@@ -38,7 +38,7 @@ def outcome(rows: tuple[Row, ...]) -> str:
         return "failed"
     if any(r.undecided for r in deciding) or any(r.missing for r in rows):
         return "undecided"
-    return "passed" if all(r.reference.standing in FIRM for r in rows) else "recalled"
+    return "passed" if all(r.reference.standing in FIRM for r in rows) else "unconfirmed"
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class ClaimResult:
 
     @property
     def verdict(self) -> str:
-        """What the rows show; recalled ranges decide nothing. A model without rows is shown by what it points to.
+        """What the rows show; unconfirmed ranges decide nothing. A model without rows is shown by what it points to.
 
         "contradicted" if a contradicting row is inside its range, "not shown" if no supporting row is, "shown" if all
         supporting rows are, no limiting one is and nothing is missing, else "partly". Rows by construction support nothing: a
@@ -231,7 +231,7 @@ class CaseResult:
 
     @property
     def outcome(self) -> str:
-        """ "passed", "failed", "undecided" or "recalled"; a paper passes if every claim has the verdict of its last review."""
+        """ "passed", "failed", "undecided" or "unconfirmed"; a paper passes if every claim has the verdict of its last review."""
         if not self.findings.complete:
             return "failed"
         if self.findings.claims:
@@ -252,13 +252,13 @@ class CaseResult:
 
     @property
     def doubtful_rows(self) -> list[str]:
-        """Rows outside of recalled ranges and undecided ones, one sentence each."""
+        """Rows outside of unconfirmed ranges and undecided ones, one sentence each."""
         return [
-            f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
+            f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, an unconfirmed range"
             if not r.inside
             else f"{r.reference.quantity} ({r.reference.condition}): {r.shown} {unit}is undecided: a limit is {r.margin:.2g} away"
             for r in self.findings.rows
-            if (r.reference.standing == "recalled" and not r.inside) or r.undecided
+            if (r.reference.standing == "unconfirmed" and not r.inside) or r.undecided
             for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]
         ]
 
@@ -271,7 +271,7 @@ class CaseResult:
         if self.findings.claims:
             return _claims_in_words(self.findings.claims)
         parts = []
-        kinds = ((FIRM, "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
+        kinds = ((FIRM, "range"), (("unconfirmed",), "unconfirmed range"), (("inferred",), "inferred range"))
         for names, kind in kinds:
             some = [r for r in rows if r.reference.standing in names]
             if some:
@@ -284,7 +284,7 @@ class CaseResult:
             "passed": "Passed",
             "failed": "Failed",
             "undecided": "Not assessed" if missing else "Undecided: the error interval of a result crosses a limit",
-            "recalled": "Not assessed: some ranges are recalled or inferred, not read in a source",
+            "unconfirmed": "Not assessed: some ranges are unconfirmed or inferred, not read in a source",
         }
         counted = ", ".join(parts) or "no row was compared"
         why = text[self.outcome]

@@ -134,7 +134,7 @@ def limit_numbers(result: Result, numbers: Sequence[SummaryRow]) -> list[Summary
 
 
 def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]] | None:
-    """(the run as a case with its rows, figure -> "in", "out", "undecided" or "recalled"); None without limits.
+    """(the run as a case with its rows, figure -> "in", "out", "undecided" or "unconfirmed"); None without limits.
 
     numbers: all figures of the run, with their errors. A run that did not reach its end is failed.
     """
@@ -163,7 +163,7 @@ def judge(result: Result, numbers: Summary) -> tuple[CaseResult, dict[str, str]]
     ), answers
 
 
-RANKS = ("in", "recalled", "undecided", "out")
+RANKS = ("in", "unconfirmed", "undecided", "out")
 
 
 def _answer(row: Row) -> str:
@@ -171,4 +171,4 @@ def _answer(row: Row) -> str:
         return "out"
     if row.undecided:
         return "undecided"
-    return "recalled" if row.reference.standing == "recalled" else "in"
+    return "unconfirmed" if row.reference.standing == "unconfirmed" else "in"

@@ -15,7 +15,7 @@ from typing import Any
 from ....components.core.columns import Columns, read_table, table_of
 from ....components.core.errors import BadInput, nearest, pick
 from ...scene.files import shipped
-from ...settings.ranges import Range
+from ...settings.ranges import OLD_STANDINGS, Range
 from ..summary import with_errors_of
 from .claims import CONSTRUCTION, ROLES, Claim, read_claims
 
@@ -24,7 +24,7 @@ STANDINGS = {
     "measured": "measured, and given by the user with the case",
     "computed": "computed with an independent solver or a closed form",
     "inferred": "inferred from public material",
-    "recalled": "recalled from the literature, not re-read",
+    "unconfirmed": "quoted from memory, not read again",
     "missing": "no range yet",
 }
 MISSING = "missing"  # standing of a row that is there to be filled in: nothing passes by it, nothing fails
@@ -45,7 +45,7 @@ class TableRow(Range):
     """A range for one quantity under one condition; an end that is None is open.
 
     measure: the name under which a case gives the measured number, in `unit`.
-    standing: one of `STANDINGS`; confidence belongs to recalled rows.
+    standing: one of `STANDINGS`; confidence belongs to unconfirmed rows.
     claim: number of the claim of a paper that the row is for; role: one of `ROLES`, what it says of the claim inside its range.
     """
 
@@ -84,8 +84,10 @@ class TableRow(Range):
                 )
             return
         self.check_ends(where)
-        if (self.standing == "recalled") != (self.confidence in CONFIDENCES):
-            raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
+        if (self.standing == "unconfirmed") != (self.confidence in CONFIDENCES):
+            raise BadInput(
+                where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for unconfirmed rows only"
+            )
         if not self.source.strip():
             raise BadInput(where, "no source", "where the range was read")
         if self.source.strip().endswith(PLACEHOLDER):
@@ -287,7 +289,7 @@ def _row(table: str, number: int, row: Mapping[str, Any], sources: Mapping[str, 
         row["unit"],
         low,
         high,
-        row["standing"],
+        OLD_STANDINGS.get(row["standing"], row["standing"]),
         "" if missing else sources[row["source"]],
         row.get("confidence", ""),
         row.get("claim", ""),

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...harness.analysis.signals import Filter, band, fraction_below, gaps, uniform, window
 
-ARC = 5e-3  # s, shorter losses of contact are not counted as arcs (EN 50317, recalled)
+ARC = 5e-3  # s, shorter losses of contact are not counted as arcs (EN 50317, from memory)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ TEXTS = {
     "min": ("N", "actual minimum"),
     "loss_raw": ("%", "contact loss, unfiltered force"),
     "loss_filtered": ("%", "contact loss, filtered force"),
-    "arcs": ("1", "losses of contact of more than 5 ms, unfiltered force (limit of EN 50317, recalled)"),
+    "arcs": ("1", "losses of contact of more than 5 ms, unfiltered force (limit of EN 50317, from memory)"),
     "arcing": ("%", "share of the time in these"),
     "longest_arc_ms": ("ms", "longest of these"),
     "height_range_mm": ("mm", "range of the contact point's height"),

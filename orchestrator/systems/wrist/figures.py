@@ -113,7 +113,7 @@ def posture_table(records: Sequence[WristRecord], instants: Sequence[float], sta
     text = (
         "Row rule, from the abstract of Sandow (2020): in flexion both rows flex, in radial deviation the proximal row "
         "flexes and the distal one extends, and the reverse in extension and ulnar deviation; between these the rule says "
-        "nothing. Axes, stiffness and mass behind the numbers are a choice of this project, recalled or from cadaver data, "
+        "nothing. Axes, stiffness and mass behind the numbers are a choice of this project, from memory or from cadaver data, "
         "as the components say."
     )
     header = (
@@ -170,7 +170,7 @@ def muscles_chart(record: Muscles, one_of_several: bool = False) -> Chart:
     panels = filled((label, [Series(n, t, v) for n, v in of.items()]) for label, of in parts.items())
     text = (
         "FCR, FCU: flexors on the side of radius and ulna; ECRL, ECRB, ECU: extensors. Moment arms and largest forces are "
-        "in part read, in part recalled; the component says which."
+        "in part read, in part from memory; the component says which."
     )
     text += f" Shown: those of {record.unit}." if one_of_several else ""
     return Chart("Muscles", "time, s", panels, text)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.many.design import design
-from cosimo.orchestrator.harness.many.limits import check_limits, recalled, with_rows
+from cosimo.orchestrator.harness.many.limits import check_limits, unconfirmed, with_rows
 from cosimo.orchestrator.harness.many.measures import function_of
 from cosimo.orchestrator.harness.many.plan import plan_settings
 from cosimo.orchestrator.harness.many.uncertainty import probability, uncertainty
@@ -35,7 +35,7 @@ def table(folder, *rows):
     """A file of rows (measure, condition, unit, ends, standing)."""
     keys = ("measure", "condition", "unit", "ends", "standing")
     text = "".join(ROW.format(**dict(zip(keys, row, strict=True))) for row in rows)
-    text = text.replace('standing = "recalled"', 'standing = "recalled"\nconfidence = "low"')
+    text = text.replace('standing = "unconfirmed"', 'standing = "unconfirmed"\nconfidence = "low"')
     (folder / "rows.toml").write_text('[sources]\nhere = "a test"\n' + text)
     return str(folder / "rows.toml")
 
@@ -43,7 +43,7 @@ def table(folder, *rows):
 def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
     """2 a + b of normal numbers is normal: 5 and sqrt(0.08); a + b: 4 and sqrt(0.05)."""
     limits = table(
-        tmp_path, ("f.linear, end", "x", "1", "high = 5.2", "verbatim"), ("f.total, end", "x", "1", "low = 4.0", "recalled")
+        tmp_path, ("f.linear, end", "x", "1", "high = 5.2", "verbatim"), ("f.total, end", "x", "1", "low = 4.0", "unconfirmed")
     )
     plan = {
         "method": "random",
@@ -64,12 +64,12 @@ def test_probabilities_of_rows_are_those_of_the_distribution(tmp_path):
     assert together.limit is None
     linear, total = (answer.sweep.measures[f"f.{name}, end"] for name in ("linear", "total"))
     assert together.inside == np.sum((linear <= 5.2) & (total >= 4.0))
-    assert any("recalled" in text and "f.total" in text and "f.linear" not in text for text in answer.messages)
+    assert any("unconfirmed" in text and "f.total" in text and "f.linear" not in text for text in answer.messages)
     _, file = answer.save(tmp_path)
     rows = list(csv.DictReader(file.open()))
     assert [(r["column"], r["standing"], r["source"]) for r in rows] == [
         ("f.linear, end", "verbatim", "a test"),
-        ("f.total, end", "recalled", "a test"),
+        ("f.total, end", "unconfirmed", "a test"),
         ("", "", ""),
     ]
     page = answers.for_uncertainty(answer, tmp_path).read_text()
@@ -85,7 +85,7 @@ def test_intervals_of_probabilities_where_all_or_none_are_inside():
 
 def test_a_design_keeps_the_rows_of_a_table(tmp_path):
     """(a - 1)² + (b - 2)² with a + b <= 2 of the table and a 2 a + b >= 2.6 of its own: at (0.6, 1.4) it is 0.52."""
-    table(tmp_path, ("f.total, end", "x", "1", "high = 2.0", "recalled"))
+    table(tmp_path, ("f.total, end", "x", "1", "high = 2.0", "unconfirmed"))
     (tmp_path / "design.toml").write_text("""
 minimise = "f.parabola, end"
 rows = { table = "rows.toml" }
@@ -98,7 +98,7 @@ rows = { table = "rows.toml" }
     answer = design(read_scene(formula()), tmp_path / "design.toml")
     assert answer.values == {"f.a": pytest.approx(0.6, abs=2e-3), "f.b": pytest.approx(1.4, abs=2e-3)}
     assert set(answer.active) == {"f.total, end", "f.linear, end"}
-    assert recalled(answer.constraints) == ["recalled ranges, which no run passes or fails by: f.total, end (x)"]
+    assert unconfirmed(answer.constraints) == ["unconfirmed ranges, which no run passes or fails by: f.total, end (x)"]
 
 
 def test_limits_count_all_columns_and_are_those_of_the_conditions(tmp_path):

@@ -44,10 +44,10 @@ def without_plotly(html):
 
 def made_up_case(run, charts=(), notes=(), title="A case"):
     rows = compare(load_table("en50318-2002").under("250 km/h"), MEASURED)
-    recalled = compare(load_table("en50318-2018-ac-simple").under("275 km/h"), MEASURED)
+    unconfirmed = compare(load_table("en50318-2018-ac-simple").under("275 km/h"), MEASURED)
     case = Case("a-case", title, "Shows something.", (), system="railway")
     settings = {"250 km/h": "window 240 to 360 m, 20 Hz"}
-    return CaseResult(case, Findings((*rows, *recalled), {"250 km/h": run}, charts, notes, settings))
+    return CaseResult(case, Findings((*rows, *unconfirmed), {"250 km/h": run}, charts, notes, settings))
 
 
 CHART = Chart(
@@ -57,7 +57,7 @@ CHART = Chart(
         Panel(
             "σ, N",
             (Series("250 km/h", [0, 1e-3], [30, 31], "line+points"), Series("context", [0, 1e-3], [29, 30], faint=True)),
-            (Band("range", 26, 31), Band("recalled", None, 35, "recalled")),
+            (Band("range", 26, 31), Band("unconfirmed", None, 35, "unconfirmed")),
             ((5e-4, "mark"),),
             "left",
         ),
@@ -118,7 +118,7 @@ def test_spectrum_marks_span_and_dropper_passing(run):
 def test_case_page_shows_standing_margins_settings_and_studies(run, tmp_path):
     html = report.for_cases([made_up_case(run, (CHART, GRID), ("a note",))], tmp_path, SYSTEMS).read_text(encoding="utf-8")
     own = without_plotly(html)
-    assert "recalled (medium confidence)" in own
+    assert "unconfirmed (medium confidence)" in own
     assert 'class="badge failed"' in own  # actual minimum 49.9 N lies outside 50 to 75 N
     assert "49.9" in own
     assert "−0.1" in own

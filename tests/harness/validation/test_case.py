@@ -14,7 +14,7 @@ from cosimo.orchestrator.systems import cases, validate
 
 
 def row(measured, standing="verbatim", low=0.0, high=10.0):
-    confidence = "high" if standing == "recalled" else ""
+    confidence = "high" if standing == "unconfirmed" else ""
     low, high = (None, None) if standing == "missing" else (low, high)
     return Row(TableRow("force", "mean", "250 km/h", "N", low, high, standing, "a public table", confidence), measured)
 
@@ -25,12 +25,12 @@ def row(measured, standing="verbatim", low=0.0, high=10.0):
         ([row(5), row(10)], "passed"),
         ([row(5, "computed")], "passed"),
         ([row(5), row(11)], "failed"),
-        ([row(5), row(5, "recalled")], "recalled"),
-        ([row(5), row(50, "recalled")], "recalled"),
-        ([row(50), row(5, "recalled")], "failed"),
-        ([row(5, "recalled")], "recalled"),
-        ([row(50, "recalled")], "recalled"),
-        ([row(5, "inferred")], "recalled"),
+        ([row(5), row(5, "unconfirmed")], "unconfirmed"),
+        ([row(5), row(50, "unconfirmed")], "unconfirmed"),
+        ([row(50), row(5, "unconfirmed")], "failed"),
+        ([row(5, "unconfirmed")], "unconfirmed"),
+        ([row(50, "unconfirmed")], "unconfirmed"),
+        ([row(5, "inferred")], "unconfirmed"),
         ([row(5, "missing")], "undecided"),
         ([row(5), row(5, "missing")], "undecided"),
         ([row(50), row(5, "missing")], "failed"),
@@ -43,10 +43,10 @@ def test_outcome(rows, expected):
     assert outcome(tuple(rows)) == expected
 
 
-def test_recalled_ranges_never_pass_whatever_is_measured():
+def test_unconfirmed_ranges_never_pass_whatever_is_measured():
     for measured in (-1.0, 0.0, 5.0, 10.0, 11.0, math.nan):
         for others in ((), (row(5),), (row(5, "computed"), row(1))):
-            assert outcome((row(measured, "recalled"), *others)) == "recalled"
+            assert outcome((row(measured, "unconfirmed"), *others)) == "unconfirmed"
 
 
 @pytest.mark.parametrize(
@@ -91,25 +91,27 @@ def test_a_broken_run_fails_the_case():
 
 
 def test_the_verdict_counts_by_standing():
-    text = case_result([row(5), row(5, "recalled"), row(50, "recalled")]).verdict
+    text = case_result([row(5), row(5, "unconfirmed"), row(50, "unconfirmed")]).verdict
     assert "1 of 1 rows inside the range" in text
-    assert "1 of 2 rows inside the recalled range" in text
+    assert "1 of 2 rows inside the unconfirmed range" in text
     assert "Passed" not in text
 
 
-def test_rows_outside_of_recalled_ranges_are_a_warning_that_names_them():
-    result = case_result([row(5), row(5, "recalled"), row(50, "recalled"), row(-1, "recalled"), row(math.nan, "recalled")])
+def test_rows_outside_of_unconfirmed_ranges_are_a_warning_that_names_them():
+    result = case_result(
+        [row(5), row(5, "unconfirmed"), row(50, "unconfirmed"), row(-1, "unconfirmed"), row(math.nan, "unconfirmed")]
+    )
     above, below, nothing = result.warnings
-    assert above == "force (250 km/h): 50 N is above 10, a recalled range"
+    assert above == "force (250 km/h): 50 N is above 10, an unconfirmed range"
     assert "-1 N is below 0" in below
     assert "not a number" in nothing
     assert result.to_json()["warnings"] == result.warnings
-    assert case_result([row(5), row(5, "recalled")]).warnings == []
+    assert case_result([row(5), row(5, "unconfirmed")]).warnings == []
 
 
 @pytest.mark.parametrize(("measured", "strict", "code"), [(5, False, 0), (5, True, 0), (50, False, 0), (50, True, 1)])
-def test_strict_counts_rows_outside_of_recalled_ranges(measured, strict, code, tmp_path, monkeypatch, capsys):
-    rows = (row(5), row(measured, "recalled"))
+def test_strict_counts_rows_outside_of_unconfirmed_ranges(measured, strict, code, tmp_path, monkeypatch, capsys):
+    rows = (row(5), row(measured, "unconfirmed"))
     case = Case("a-case", "A case", "text", (Question(lambda runs: Evidence(rows=rows)),))
     monkeypatch.setitem(cases(), "a-case", case)
     try:
@@ -118,7 +120,7 @@ def test_strict_counts_rows_outside_of_recalled_ranges(measured, strict, code, t
     except SystemExit as exit_:
         found = exit_.code or 0
     assert found == code
-    warned = "warning: a-case: force (250 km/h): 50 N is above 10, a recalled range"
+    warned = "warning: a-case: force (250 km/h): 50 N is above 10, an unconfirmed range"
     assert (warned in capsys.readouterr().err) == (measured > 10)
     assert ("50 N is above 10" in (tmp_path / "report.html").read_text(encoding="utf-8")) == (measured > 10)
 

@@ -20,7 +20,7 @@ STEP = 5e-3
 
 
 def table_row(low, high, standing="computed"):
-    return TableRow("position", "x", "", "m", low, high, standing, "the closed form", "high" if standing == "recalled" else "")
+    return TableRow("position", "x", "", "m", low, high, standing, "the closed form", "high" if standing == "unconfirmed" else "")
 
 
 def position(step=STEP):
@@ -57,10 +57,10 @@ def test_a_range_that_ends_within_the_error_is_undecided(share, answer, outcome)
     assert ("undecided" in result.verdict.lower()) == (answer == "undecided")
 
 
-def test_a_recalled_range_decides_nothing_even_where_it_ends_within_the_error():
+def test_an_unconfirmed_range_decides_nothing_even_where_it_ends_within_the_error():
     (row,) = find(case(-10.0, 10.0), Options()).rows
-    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + 0.3 * row.error, "recalled"), Options()))
-    assert result.outcome == "recalled"
+    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + 0.3 * row.error, "unconfirmed"), Options()))
+    assert result.outcome == "unconfirmed"
     assert "undecided" in result.warnings[0]
 
 

@@ -44,11 +44,11 @@ def test_conditions_follow_from_speed_and_supply(supply, speed, named):
     assert [c for c in conditions(supply, speed) if c in known] == named
 
 
-def test_no_row_of_the_standard_is_more_than_recalled(result):
+def test_no_row_of_the_standard_is_more_than_unconfirmed(result):
     """The standard was not at hand: nothing may pass by it."""
-    assert {row.standing for row in load_table("en50367").rows} == {"recalled"}
+    assert {row.standing for row in load_table("en50367").rows} == {"unconfirmed"}
     case, _ = judge(result, result.summary)
-    assert case.outcome == "recalled"
+    assert case.outcome == "unconfirmed"
     assert "Not assessed" in case.verdict
 
 
@@ -59,7 +59,7 @@ def test_numbers_of_rules_have_their_errors(result):
     assert rows["mean_less_target"].error == pytest.approx(errors["pantograph.mean"], rel=1e-6)
     assert rows["statistical_max"].error == errors["pantograph.statistical_max"]
     assert all(row.reference.condition.startswith("pantograph, ") for row in rows.values())
-    assert answers["pantograph.mean"] == answers["pantograph.std"] == "recalled"
+    assert answers["pantograph.mean"] == answers["pantograph.std"] == "unconfirmed"
 
 
 def test_a_condition_without_a_rule_is_named(result):
@@ -124,7 +124,7 @@ def test_what_cannot_judge_is_refused_before_the_run(tmp_path):
 def test_a_case_is_judged_by_one_line(tmp_path):
     (tmp_path / "case.toml").write_text('title = "Mine"\nscene = "lumped-catenary"\nlimits = "en50367"\n')
     (case,) = validate([str(tmp_path / "case.toml")], tmp_path / "out", in_process=True)
-    assert case.outcome == "recalled"
+    assert case.outcome == "unconfirmed"
     assert len(case.findings.rows) == 7 - 1  # a lumped catenary does not say what its wire is
 
 

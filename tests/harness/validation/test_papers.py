@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 
 def row(inside, role="supports", standing="computed", claim="X1"):
-    confidence = "high" if standing == "recalled" else ""
+    confidence = "high" if standing == "unconfirmed" else ""
     reference = TableRow("force", "force", "at rest", "N", 0.0, 1.0, standing, "a closed form", confidence, claim, role)
     return Row(reference, 0.5 if inside else 2.0)
 
@@ -41,8 +41,8 @@ def claim(kind="finding", verdict="shown", number="X1"):
         ([row(False), row(True, "limits")], "not shown"),
         ([row(True), row(True, "contradicts")], "contradicted"),
         ([row(True), row(False, "contradicts")], "shown"),
-        ([row(True), row(False, standing="recalled")], "shown"),
-        ([row(True, standing="recalled")], "not shown"),
+        ([row(True), row(False, standing="unconfirmed")], "shown"),
+        ([row(True, standing="unconfirmed")], "not shown"),
         ([], "not shown"),
         ([row(True, BUILT)], BUILT),
         ([row(True, BUILT), row(True)], "shown"),

@@ -3,6 +3,7 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.reference import CONFIDENCES, STANDINGS, load_table, parse_table, table_files
+from cosimo.orchestrator.settings.plan import LimitSettings
 
 TABLES = sorted(table_files())
 
@@ -18,7 +19,7 @@ def test_every_row_has_range_standing_and_source(name):
         assert len(row.source) > 20  # a sentence, not a key
         assert row.low is not None or row.high is not None
         assert all((row.unit, row.quantity, row.measure))
-        assert (row.standing == "recalled") == (row.confidence in CONFIDENCES)
+        assert (row.standing == "unconfirmed") == (row.confidence in CONFIDENCES)
 
 
 def test_the_2002_table_is_the_published_one():
@@ -40,7 +41,12 @@ def test_the_2002_table_is_the_published_one():
 
 
 def test_nothing_of_the_2018_table_claims_to_be_read():
-    assert {r.standing for r in load_table("en50318-2018-ac-simple").rows} == {"recalled"}
+    assert {r.standing for r in load_table("en50318-2018-ac-simple").rows} == {"unconfirmed"}
+
+
+def test_a_word_of_older_tables_is_read():
+    table = parse_table("t", TEXT, ROWS.replace("standing", "standing,confidence").replace("verbatim", "recalled,high"))
+    assert table.rows[0].standing == LimitSettings(low=0.0, standing="recalled").standing == "unconfirmed"
 
 
 def test_a_value_with_tolerance_becomes_a_range():
@@ -61,7 +67,7 @@ ROWS = "quantity,measure,condition,unit,low,high,standing,source\nq,m,c,N,1,2,ve
     ("old", "new", "message"),
     [
         ("verbatim", "read", "standing 'read'"),
-        ("verbatim", "recalled", "confidence"),
+        ("verbatim", "unconfirmed", "confidence"),
         (",s\n", ",z\n", "a key of"),
         ("1,2", "1,0", "low 1 above high 0"),
         ("1,2", ",", "at least one end"),

@@ -1,4 +1,4 @@
-"""The cases of bearing statics: what passes, what is only recalled, and rows that notice a wrong model."""
+"""The cases of bearing statics: what passes, what is unconfirmed, and rows that notice a wrong model."""
 
 import numpy as np
 import pytest

@@ -59,5 +59,5 @@ def test_every_number_of_a_model_has_its_standing(name):
     assert len(rows) == len(DATA[name]) >= 13
     values = {row[0]: float(row[1]) for row in rows}
     assert next(v for n, v in values.items() if n.endswith("contact wire, tension") or n.startswith("each contact")) > 1e4
-    assert {row[3] for row in rows} <= {"read", "recalled", "inferred"}
+    assert {row[3] for row in rows} <= {"read", "unconfirmed", "inferred"}
     assert all(row[4] for row in rows)

@@ -186,7 +186,7 @@ def test_frame_friction_holds_against_a_small_change_of_force():
 def test_presets_have_a_source_and_a_provenance():
     for name, preset in Pantograph.presets.items():
         assert preset.source, name
-        assert preset.provenance in ("verbatim", "recalled", "inferred", "computed")
+        assert preset.provenance in ("verbatim", "unconfirmed", "inferred", "computed")
         pantograph = Pantograph(preset=name)
         pantograph.initialize(0.0)
         assert np.isfinite(pantograph.y).all()

@@ -1,4 +1,4 @@
-"""EN 50318:2018, its three catenaries: against ranges that are only recalled, and statics that an independent solver computed."""
+"""EN 50318:2018, its three catenaries: against ranges that are only quoted from memory, and statics that an independent solver computed."""
 
 from __future__ import annotations
 
@@ -46,9 +46,11 @@ def measure(runs: Runs, name: str, speeds: Sequence[float], mean_at_rest: float,
         measured[AT_REST] = STATICS[statics](resting_catenary(name, MESH, bending=False))
     rows = compare(load_table(name).rows, measured)
     outside = [
-        f"{r.reference.quantity} at {r.reference.condition}" for r in rows if r.reference.standing == "recalled" and not r.inside
+        f"{r.reference.quantity} at {r.reference.condition}"
+        for r in rows
+        if r.reference.standing == "unconfirmed" and not r.inside
     ]
-    notes.append("Outside the recalled ranges: " + ("; ".join(outside) if outside else "none") + ".")
+    notes.append("Outside the unconfirmed ranges: " + ("; ".join(outside) if outside else "none") + ".")
     settings = {speed: statistics(result).settings for speed, result in results.items()}
     data = model_data(name, make("catenary", load_scene(name).units["catenary"]))
     return Evidence(measured, shown=results, notes=tuple(notes), settings=settings, data={"model": data})

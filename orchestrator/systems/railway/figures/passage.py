@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ....run.results import Result
 
 FRAMES = 60
-SYSTEM_HEIGHT = 1.2  # m, of the messenger's supports over a uniform line, which has none in the plane model (recalled)
+SYSTEM_HEIGHT = 1.2  # m, of the messenger's supports over a uniform line, which has none in the plane model (from memory)
 BELOW = 0.35  # m under the wire that are drawn
 WIDE = 900.0  # px of the panel on a usual page, for the scale in the caption
 PICTURE, LINE_SHARE = 560, 0.5  # px of the figure, share of it that the line has

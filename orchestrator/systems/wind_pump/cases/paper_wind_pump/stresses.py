@@ -20,8 +20,8 @@ SPEED, TURNS = 2.0, 10  # rad/s of the pump behind the fixed ratio; recorded tur
 TURBINE, PUMP, GEAR, RECORDED = 2.5178906, 2.6416274, 6.0, 12  # rad/s, in 3 m/s; recorded turns of the crank
 MEAN_TORQUE = 13.2435  # N.m, of the pump at 20 m
 SEEN = 200  # instants a turn
-ENDURANCE = Endurance(150e6, 2e6, 5.0)  # Pa in torsion; recalled for a shaft of plain steel
-BENDING = 200e6  # Pa, amplitude that plain steel endures in bending; recalled
+ENDURANCE = Endurance(150e6, 2e6, 5.0)  # Pa in torsion; from memory for a shaft of plain steel
+BENDING = 200e6  # Pa, amplitude that plain steel endures in bending; from memory
 STRESS = "stresses.driven_shaft_stress"
 THREE_YEARS = 3.0 * 365.25 * 86400.0  # s, of a run of three years
 

@@ -18,10 +18,10 @@ from .... import build_scene
 from .postures import NAME, STANDARD, axes
 
 FIRST, SECOND = 0.015, 0.055  # m, heights of both rows; inferred
-HINGES = {"neutral zone": 1.0, "far": 8.59}  # N.m/rad of either hinge; recalled, and from cadaver wrists
+HINGES = {"neutral zone": 1.0, "far": 8.59}  # N.m/rad of either hinge; from memory, and from cadaver wrists
 PUSH, STOP = 1e-4, 12.0  # rad; s
 SIDES = (0.97, 1.03)  # times the load at which the closed form loses its stability
-LIGHT_GRIP = 100.0  # N along the forearm; recalled, a light grip loads the wrist by more
+LIGHT_GRIP = 100.0  # N along the forearm; from memory, a light grip loads the wrist by more
 TENSE = {"constraint.off_axis": [3e-3] * COUNT, "constraint.prestrain": 0.02}
 TRIED = (0.98, 1.02, 1.05, 1.1, 1.2, 1.4, 1.7, 2.0)  # times the load without ligaments
 
