@@ -24,6 +24,7 @@ KINDS = {
     "fronts": "measured accuracy of scenes",
     "effects": "sets of effects of scenes",
     "meshes": "errors that meshes of scenes make",
+    "code": "digests of the code of components",
     "lists": "names and titles of all components, scenes and cases",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger

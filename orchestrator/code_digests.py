@@ -6,38 +6,33 @@ import ast
 import inspect
 from functools import cache
 from pathlib import Path
+from uuid import uuid4
 
 from ..components.catalogue import CATALOGUE, component_class
 from ..components.core.store import digest_of
 from ..fmus.build import sources
 from .kept import Kept
-from .scene.scene import Scene
+
+_THIS_PROCESS = uuid4().hex  # code that may be another one in the next process
 
 
-def components_digest(scene: Scene) -> str:
-    """Of the code of the scene's components; comments, docstrings and layout do not count."""
-    parts = [part for name, unit in sorted(scene.units.items()) for part in _code_digests(unit.component, name)]
-    return short_digest(" ".join(parts).encode())
+def code_digest(*components: str) -> str:
+    """Of the code of components by their names; comments, docstrings and layout do not count."""
+    return digest_of(*(part for name in components for part in _code_digests(name)))
 
 
-def component_digest(name: str) -> str:
-    """The same of one component."""
-    return short_digest(" ".join(_code_digests(name, name)).encode())
-
-
-def _code_digests(component: str, unit: str) -> list[str]:
+def _code_digests(component: str) -> list[str]:
     if component in CATALOGUE:
         return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
-    return [_code_digest(Path(inspect.getfile(component_class(component, unit))).read_bytes())] if component else []
+    try:
+        return [_code_digest(Path(inspect.getfile(component_class(component))).read_bytes())]
+    except (OSError, TypeError):  # a class of a notebook, which no file holds
+        return [_THIS_PROCESS]
 
 
 @cache
 def _code_digest(content: bytes) -> str:
-    place = Kept("code", digest_of(content))
-    digest: str | None = place.read()
-    if digest is None:
-        place.write(digest := short_digest(repr(_code(ast.parse(content))).encode()))
-    return digest
+    return Kept("code", digest_of(content)).once(lambda: digest_of(repr(_code(ast.parse(content)))))
 
 
 def _code(node: object) -> object:
@@ -50,8 +45,3 @@ def _code(node: object) -> object:
     if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node, clean=False) is not None:
         fields["body"] = node.body[1:]
     return type(node).__name__, [(name, _code(value)) for name, value in fields.items()]
-
-
-def short_digest(*parts: bytes) -> str:
-    """Sixteen hexadecimal digits."""
-    return digest_of(*parts)[:16]

@@ -7,7 +7,6 @@ without the interruption.
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -15,15 +14,10 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ...components.catalogue import component_name
-from ...components.core import store
-from ...fmus.versions import version
-from ..code_digests import component_digest, components_digest
 from ..interrupts import Interrupted, interruptible
+from ..kept import Kept
 from ..output import UNFINISHED, locked
-from ..run.checkpoint import digest
-from ..scene.scene import Scene
-from ..verified_file import read_verified, write_verified
+from ..run.dependence import depends_on
 
 T = TypeVar("T")
 FOLDER = "study"  # in the folder of what is not finished
@@ -40,7 +34,6 @@ class Journal:
 
     def __init__(self, folder: Path, resume: bool):
         self._folder = folder
-        self._code: dict[tuple[str, ...], str] = {}  # digests by the components of a scene
         if not resume:
             shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True, exist_ok=True)
@@ -48,7 +41,7 @@ class Journal:
     @property
     def kept(self) -> int:
         """How many pieces there are."""
-        return sum(1 for _ in self._folder.glob("*.msgpack"))
+        return sum(1 for _ in self._folder.iterdir())
 
     def close(self, done: bool) -> None:
         """Remove the pieces of a study that is done."""
@@ -57,33 +50,9 @@ class Journal:
         with suppress(OSError):  # where there are pieces, they stay
             self._folder.rmdir()
 
-    def piece(self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], record: type | None) -> T:
-        """See `once`."""
-        key = [version("cosimo"), kind, *map(self._key, of)]
-        path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".msgpack")
-        with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
-            name, content = read_verified(path)
-            if name == path.name:  # what it is; its digest says that it is whole
-                return _restored(content, record)
-        value = compute()
-        write_verified(path, [path.name, value])
-        return value
-
-    def _key(self, part: Any) -> Any:
-        if isinstance(part, type):
-            return component_digest(component_name(part))
-        if not isinstance(part, Scene):
-            return part
-        components = tuple(unit.component for unit in part.units.values())
-        if components not in self._code:
-            self._code[components] = components_digest(part)
-        return [digest(part), self._code[components]]
-
-
-def _restored(kept: Any, record: type | None) -> Any:
-    if record is None or kept is None:
-        return kept
-    return [record(**one) for one in kept] if isinstance(kept, list) else record(**kept)
+    def place(self, *of: Any) -> Kept:
+        """Of the piece that depends on these."""
+        return Kept(self._folder, depends_on(*of))
 
 
 _journal: ContextVar[Journal | None] = ContextVar("journal", default=None)  # of the study that is under way
@@ -96,7 +65,7 @@ def once(kind: str, of: tuple[Any, ...], compute: Callable[[], T], record: type 
     of them; its fields are numbers, texts, arrays, and lists, tuples and mappings of them, as a piece without a record is.
     """
     journal = _journal.get()
-    return compute() if journal is None else journal.piece(kind, of, compute, record)
+    return compute() if journal is None else journal.place(kind, *of).once(compute, record)
 
 
 @contextmanager

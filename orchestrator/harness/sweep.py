@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput
+from ...fmus.versions import version
 from ..output import locked
 from ..run.progress import terminal_bar
 from ..scene.scene import Scene
@@ -31,7 +32,7 @@ from .many.columns import check_columns, column_name
 from .many.execute import Computing, WorkerOptions
 from .many.files import Sweep, collect, write_data_set, write_provenance, write_tables
 from .many.limits import check_limits, with_rows
-from .many.measures import Summarize, Task, check_analysis, own_version
+from .many.measures import Summarize, Task, check_analysis
 from .many.plan import plan_of, plan_settings
 from .many.repetition import compared, ends_and_some, repeat
 from .many.store import Store, StoredPlan
@@ -187,7 +188,7 @@ def collected_sweep(
         verification = {} if repeated is None else {"verification": repeated.to_json()}
         attributes = {
             "title": scene.title or scene.name,
-            "source": f"cosimo {own_version()}",
+            "source": f"cosimo {version('cosimo')}",
             "provenance": write_provenance(folder, scene, points, collected.units, verification),
         }
         data = write_data_set(folder, collected, points, attributes)

@@ -20,9 +20,8 @@ from math import isfinite, nan
 from typing import Any
 
 from ...components.core.errors import BadInput
-from ..code_digests import components_digest
 from ..kept import Kept
-from ..run.checkpoint import digest
+from ..run.dependence import depends_on
 from ..run.results import Result
 from ..scene.meshes import coarsened, coarser, meshes_of
 from ..scene.scene import Scene
@@ -76,10 +75,10 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     left_out = _never_covered(scene)
     if not meshes_of(scene):
         return MeshError(left_out=left_out)
-    place = Kept(FOLDER, "mesh 2", digest(scene), components_digest(scene), scene.model_dump_json(include={"analysis", "limits"}))
-    kept = _read(place) if distances is None else None
+    place = place_of(scene)
+    kept: MeshError | None = place.read(MeshError) if distances is None else None
     if kept and {*result.columns, *result.texts} <= {*kept.signals} and {*_figures(result)} <= {*kept.figures}:
-        return replace(kept, left_out=left_out, kept=True)
+        return replace(kept, quantities={}, left_out=left_out, kept=True)
     places = tuple(meshes_of(scene))
     if not affordable():
         why = "a run with a coarser mesh is too much work to be made without being asked for (--verify whole)"
@@ -105,8 +104,13 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
         dict(distances(coarse, result)) if distances is not None else {},
         left_out=left_out,
     )
-    place.write({"places": places, "signals": dict(of_meshes.signals), "figures": dict(of_meshes.figures)})
+    place.write(of_meshes)
     return of_meshes
+
+
+def place_of(scene: Scene) -> Kept:
+    """Where it is kept."""
+    return Kept(FOLDER, depends_on("mesh", scene, of="figures"))
 
 
 def _never_covered(scene: Scene) -> dict[str, str]:
@@ -151,10 +155,3 @@ def _figures(result: Result) -> dict[str, float]:
     with suppress(BadInput):
         return {row.name: row.value for row in result.summary}
     return {}
-
-
-def _read(place: Kept) -> MeshError | None:
-    """What was measured of a scene, on this machine."""
-    if (kept := place.read()) is None:
-        return None
-    return MeshError(tuple(kept["places"]), {n: (rms, most) for n, (rms, most) in kept["signals"].items()}, kept["figures"])

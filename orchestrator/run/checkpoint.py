@@ -10,7 +10,6 @@ digest of the content shows damage.
 from __future__ import annotations
 
 import errno
-import json
 import os
 import warnings
 from collections.abc import Mapping
@@ -19,7 +18,6 @@ from math import floor
 from pathlib import Path
 from typing import Any, Protocol
 
-from ...components.core import store
 from ...components.core.errors import BadInput
 from ...fmus.versions import version
 from ..engine.algorithms.master import Master
@@ -27,6 +25,7 @@ from ..engine.stepping.loop import BatchObserver, Stepping
 from ..scene.scene import Scene
 from ..units import Interface
 from ..verified_file import DamagedFile, read_verified, write_verified
+from .dependence import depends_on
 
 FORMAT = "cosimo checkpoint 6"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "parts"}
@@ -125,7 +124,13 @@ class Checkpoints(BatchObserver):
 
 def header(scene: Scene, master: Master) -> dict[str, Any]:
     """What a checkpoint says of where it comes from."""
-    return {"format": FORMAT, "version": version("cosimo"), "name": scene.name, "digest": digest(scene), "kinds": _kinds(master)}
+    return {
+        "format": FORMAT,
+        "version": version("cosimo"),
+        "name": scene.name,
+        "digest": depends_on(scene),
+        "kinds": _kinds(master),
+    }
 
 
 def present(loop: Stepping, parts: Mapping[str, Part]) -> dict[str, Any]:
@@ -163,7 +168,7 @@ def checkpoint_of(content: Any, scene: Scene, where: str, shown: str, folder: Pa
         raise BadInput(where, shown, "a checkpoint that cosimo has written")
     if content["version"] != version("cosimo"):
         raise BadInput(where, f"{shown}, of cosimo {content['version']}", f"one of this version, {version('cosimo')}")
-    if content["digest"] != digest(scene):
+    if content["digest"] != depends_on(scene):
         raise BadInput(
             where,
             f"{shown}, of another scene or other settings ({content['name']})",
@@ -199,16 +204,6 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
     for name, part in parts.items():
         part.take(checkpoint.parts[name])
     loop.tick = checkpoint.tick
-
-
-def digest(scene: Scene) -> str:
-    """What the results of a scene depend on, as one number: its settings, and the files of its FMUs and tables instead of their paths."""
-    data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep", "study", "explore", "interface", "limits"})
-    for name, unit in scene.units.items():
-        if unit.fmu:
-            data["units"][name]["fmu"] = store.digest_of(Path(unit.fmu).read_bytes())
-        data["units"][name].pop("signals")  # the component has the digest of the table in its name
-    return store.digest_of(json.dumps(data, sort_keys=True))
 
 
 def _kinds(master: Master) -> dict[str, str]:

@@ -1,6 +1,5 @@
 """What is kept heals, moves and can be cleared; where nothing can be written, runs work all the same."""
 
-import contextlib
 import json
 import os
 import shutil
@@ -19,7 +18,6 @@ from cosimo.orchestrator.harness.many.measures import Row
 from cosimo.orchestrator.harness.many.store import Store
 from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
-from cosimo.orchestrator.verified_file import read_verified, write_verified
 from cosimo.tests.commands import exit_code
 
 posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
@@ -129,12 +127,6 @@ def flipped(content):
     return content[: len(content) // 2] + bytes([content[len(content) // 2] ^ 1]) + content[len(content) // 2 + 1 :]
 
 
-def read_piece(path):
-    with contextlib.suppress(OSError, ValueError):
-        name, _ = read_verified(path)
-        return b"kept" if name == path.name else None
-
-
 def read_rows(path):
     store_of_rows = Store(path.parent)
     return b"kept" if store_of_rows.size else None
@@ -150,7 +142,6 @@ def make_rows(path):
 MADE = {  # kinds of what is kept, by the way they are read: how a file of it comes to its place, and how it is read
     "content": (lambda path: store.write_kept(path, path.name.encode()), read_file),
     "fmu": (read_fmu, read_fmu),
-    "piece": (lambda path: write_verified(path, [path.name, 1.0]), read_piece),
     "rows": (make_rows, read_rows),
 }
 TAMPERED = {

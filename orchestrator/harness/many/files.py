@@ -34,7 +34,6 @@ from ...settings.plan import PlanSettings
 from ...views.data import library
 from . import store as stores
 from .failures import doubt_groups
-from .measures import own_version
 from .repetition import NONE_REPEATED, Repeated
 from .store import NUMBER, SECTION, SIGNAL, TIME, StoredPlan, array_of
 
@@ -277,7 +276,7 @@ def write_provenance(directory: Path, scene: Scene, points: StoredPlan, units: M
         "units": dict(units),
         "remarks": points.plan.remarks,
         "versions": {
-            "cosimo": own_version(),
+            "cosimo": version("cosimo"),
             "python": platform.python_version(),
             "numpy": np.__version__,
             **{name: version(name) for name in ("numba", "scipy", "pyarrow")},

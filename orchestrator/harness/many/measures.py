@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError
-from importlib.util import find_spec
-from pathlib import Path
 from signal import Signals
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....components.core.errors import BadInput, pick
-from ....components.core.store import digest_of
-from ....fmus.versions import version
-from ...code_digests import components_digest
 from ...judgement.instability import unfollowed
-from ...run.checkpoint import digest as scene_digest
+from ...run.dependence import depends_on, source_of
 from ...run.results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
@@ -79,18 +71,9 @@ class Task:
         for text in keep.functions:
             function_of(text)
         summarize = summarize if keep.summary else None
-        content = {
-            "scene": scene_digest(scene),
-            "analysis": scene.model_dump(mode="json")["analysis"],
-            "quantities": list(scene.study.quantities),
-            "keep": keep.model_dump(mode="json"),
-            "version": own_version(),
-            "summary": summarize is not None,
-            "components": components_digest(scene),
-            "functions": {text: _source(text) for text in keep.functions},
-        }
-        base = digest_of(json.dumps(content, sort_keys=True, default=str))[:16]
-        return cls(scene.settings(), scene.name, scene._models, keep, summarize, base)
+        functions = {text: source_of(text) for text in keep.functions}
+        key = depends_on(scene, keep.model_dump(mode="json"), summarize is not None, functions, of="figures")
+        return cls(scene.settings(), scene.name, scene._models, keep, summarize, key[:16])
 
     def scene(self) -> Scene:
         """The scene, read anew, without the snapshots, which nothing but a function of one's own can read."""
@@ -98,23 +81,6 @@ class Task:
         if self.keep.functions or not scene.record.snapshots:
             return scene
         return scene.with_changes({"record.snapshots": (), "record.snapshot_interval": None})
-
-
-def _source(text: str) -> str:
-    """Digest of the file of "module:name"."""
-    with suppress(ImportError, ValueError, OSError):
-        spec = find_spec(text.partition(":")[0])
-        if spec is not None and spec.origin:
-            return digest_of(Path(spec.origin).read_bytes())
-    return ""
-
-
-def own_version() -> str:
-    """Version of cosimo."""
-    try:
-        return version("cosimo")
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def prepared(scene: Scene, keep: KeepSettings) -> Scene:

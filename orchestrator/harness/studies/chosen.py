@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ...code_digests import components_digest
 from ...kept import Kept
+from ...run.dependence import depends_on
 from ...scene.scene import Scene
 from .effects import Effects, Finding, effects
 from .full_model import effects_on, with_effects
@@ -50,7 +49,7 @@ class Choice:
 
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
-    place = _place(scene, tolerance)
+    place = place_of(scene, tolerance)
     if (data := place.read()) is None:
         return keep(effects(scene, tolerance, on_message=on_message))
     return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), place.file, False)
@@ -59,13 +58,14 @@ def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = l
 def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
     on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
-    place = _place(study.scene, study.tolerance)
+    place = place_of(study.scene, study.tolerance)
     place.write({"on": on, "why": why, "error": study.least.error})
     return Choice(on, why, study.least.error, place.file, True)
 
 
-def _place(scene: Scene, tolerance: float) -> Kept:
-    return Kept("effects", json.dumps([scene.model_dump(mode="json"), tolerance], sort_keys=True), components_digest(scene))
+def place_of(scene: Scene, tolerance: float) -> Kept:
+    """Where the set of a scene is kept."""
+    return Kept("effects", depends_on(scene, scene.study.effects, tolerance, of="figures"))
 
 
 def _why(finding: Finding, tolerance: float) -> dict[str, Any]:

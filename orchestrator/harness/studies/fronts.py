@@ -6,42 +6,26 @@ and internal steps are the settings that the front compares; a scene with others
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ....components.core.errors import BadInput
-from ...code_digests import components_digest, short_digest
 from ...kept import Kept
+from ...run.dependence import depends_on
 from ...scene.scene import Scene
 from .accuracy import Accuracy, Point
-from .quantities import percent, quantities_of
-
-NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study", "explore", "interface", "limits", "connections"}
+from .quantities import percent
 
 
 def place_of(scene: Scene) -> Kept:
     """Where the front of a scene is kept: by its model, length and quantities of interest, whatever its settings."""
-    data = scene.model_dump(mode="json", exclude=NOT_PHYSICS)
-    for name, unit in data["units"].items():
-        meshes = {m.removeprefix(f"{name}.") for m in scene.study.mesh if m.startswith(f"{name}.")}
-        unit["parameters"] = {k: v for k, v in unit["parameters"].items() if k not in {"substep", *meshes}}
-        if unit["fmu"]:
-            unit["fmu"] = short_digest(Path(unit["fmu"]).read_bytes())
-    coupling = scene.coupling  # its links are the same however the scene writes them
-    data["links"] = sorted(
-        [".".join(link.source), ".".join(link.target), link.factor, link.offset, *link.map] for link in coupling.links
-    )
-    data["texts"] = sorted([".".join(link.source), ".".join(link.target)] for link in coupling.texts)
-    looked_at = [(q.name, q.transient) for q in quantities_of(scene)]
-    return Kept("fronts", json.dumps([data, looked_at], sort_keys=True), components_digest(scene))
+    return Kept("fronts", depends_on(scene, of="model"))
 
 
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache; the place of its file."""
     place = place_of(scene)
-    place.write(asdict(measured))
+    place.write(measured)
     return place.file
 
 

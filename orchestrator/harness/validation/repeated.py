@@ -5,7 +5,6 @@ What meshes change is kept in the cache, as it is for runs: it belongs to the sc
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -13,14 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...code_digests import components_digest
 from ...judgement import work
 from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
 from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE, SECOND_ORDER
 from ...judgement.verification import NOT_ASKED, Wish, work_of
 from ...kept import Kept
-from ...run.checkpoint import digest
+from ...run.dependence import depends_on
 from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
 from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, moved_parameters, shorter_steps
@@ -147,9 +145,7 @@ def _mesh_gaps(
     """Of each row the change with elements twice as long; None where no scene has a mesh, or where that is refused, and why."""
     if not scenes:
         return None, ""
-    of_scenes = sorted({digest(scene) + components_digest(scene) for scene in scenes})
-    measured = [row.measured for row in findings.rows]
-    place = Kept(FOLDER, "mesh of a case 1", case.name, json.dumps([of_scenes, measured]))
+    place = mesh_place(case, scenes, [row.measured for row in findings.rows])
     if (kept_gaps := place.read()) is not None:
         return kept_gaps, ""
     try:
@@ -163,6 +159,12 @@ def _mesh_gaps(
     gaps = [gap if math.isfinite(gap) else 0.0 for gap in gaps]
     place.write(gaps)
     return gaps, ""
+
+
+def mesh_place(case: Case, scenes: Iterable[Scene], measured: Sequence[float]) -> Kept:
+    """Where the changes that meshes make are kept, by the scenes that the case runs and by its numbers."""
+    keys = sorted({depends_on(scene, of="figures") for scene in scenes})
+    return Kept(FOLDER, depends_on("mesh of a case", case.name, keys, measured))
 
 
 def _with_mesh(row: Row, gap: float) -> Row:

@@ -6,6 +6,7 @@ import pytest
 from cosimo.components.core import store
 from cosimo.orchestrator.harness.studies.full_model import effects_on
 from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.verified_file import unpacked
 from cosimo.tests.commands import exit_code
 
 SCENE = """
@@ -89,7 +90,7 @@ def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
     capsys.readouterr()
     assert exit_code("run", scene, "--in-process", "--effects", "auto") == 0
     assert "measured now" in capsys.readouterr().err
-    assert json.loads(store.read_kept(kept))["on"] == json.loads(whole)["on"]
+    assert unpacked(store.read_kept(kept))["on"] == unpacked(whole)["on"]
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator import code_digests
 from cosimo.orchestrator.cli import choices
 from cosimo.orchestrator.cli.choices import is_verified
-from cosimo.orchestrator.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
 from cosimo.orchestrator.harness.studies.fronts import choose, keep, kept, place_of
@@ -39,32 +37,6 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "cache"))
 
 
-@pytest.mark.parametrize(
-    "changes", [{"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"mass.substep": 1e-4}]
-)
-def test_a_front_is_that_of_the_physics(changes):
-    assert place_of(SCENE.with_changes(changes)).file == place_of(SCENE).file
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"stop_time": 0.6},
-        {"spring.stiffness": 101.0},
-        {"study.quantities": ["mass.base_x, end"]},
-        {"units.mass.effects": ["gravity"]},
-        {"analysis.transient": 0.1},
-    ],
-)
-def test_another_scene_has_another_front(changes):
-    assert place_of(SCENE.with_changes(changes)).file != place_of(SCENE).file
-
-
-def test_meshes_are_no_physics_where_they_are_named():
-    named = SCENE.with_changes({"study.mesh": ["mass.length"]})
-    assert place_of(named.with_changes({"mass.length": 2.0})).file == place_of(named).file
-
-
 def test_a_kept_front_is_found_again(cache):
     assert kept(SCENE) is None
     measured = front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 1e-4, SLOW, math.inf, math.nan))
@@ -76,22 +48,6 @@ def test_a_kept_front_is_found_again(cache):
     assert kept(SCENE.with_changes({"stop_time": 0.6})) is None
     path.write_text("[]", encoding="utf-8")
     assert kept(SCENE) is None
-
-
-def test_other_code_of_a_component_needs_another_front(cache, monkeypatch):
-    keep(SCENE, front())
-    monkeypatch.setattr(fronts, "components_digest", lambda scene: "another")
-    assert kept(SCENE) is None
-
-
-def test_comments_and_docstrings_of_components_are_no_physics(monkeypatch):
-    def digest(text):
-        monkeypatch.setattr(code_digests, "sources", lambda module: {"x.py": text.encode()})
-        return components_digest(SCENE)
-
-    plain = digest("def f(x):\n    return 2.0 * x\n")
-    assert digest('"""A module."""\n\n\ndef f(x):  # twice\n    """Twice."""\n    return 2.0 * x\n') == plain
-    assert digest("def f(x):\n    return 2.5 * x\n") != plain
 
 
 def test_without_a_time_the_least_counted_work_decides():

@@ -29,7 +29,7 @@ ENDS = [signal.SIGINT, *([] if os.name == "nt" else [signal.SIGTERM, signal.SIGH
 
 
 def pieces(folder) -> set[str]:
-    return {p.name for p in (folder / UNFINISHED / journal.FOLDER).glob("*.msgpack")}
+    return {p.name for p in (folder / UNFINISHED / journal.FOLDER).glob("*")}
 
 
 def counted(monkeypatch, module, name: str, stop_at: int | None = None) -> list[int]:
@@ -128,9 +128,9 @@ def test_a_damaged_or_foreign_piece_is_computed_again(tmp_path):
     with pytest.raises(RuntimeError):
         kept(study, tmp_path, error=RuntimeError)
     assert computed == [1, 2]
-    damaged, *_ = (tmp_path / UNFINISHED / journal.FOLDER).glob("*.msgpack")
+    damaged, *_ = (tmp_path / UNFINISHED / journal.FOLDER).glob("*")
     content = bytearray(damaged.read_bytes())
-    content[content.index(damaged.name.encode())] ^= 1  # of what the file says; the archive around it has bytes that mean nothing
+    content[-1] ^= 1
     damaged.write_bytes(content)
     with kept_study(tmp_path, resume=True):
         assert study() == [1.0, 2.0, 1.0]
@@ -197,7 +197,7 @@ def test_a_command_that_is_stopped_or_killed_goes_on(number, tmp_path):
     assert process.returncode == (-number if number == KILL else 128 + number), errors
     assert "Traceback" not in errors
     assert number == KILL or f"stopped by {number.name}; " in errors
-    kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / UNFINISHED / journal.FOLDER).glob("*.msgpack")}
+    kept = {p.name: p.stat().st_mtime_ns for p in (tmp_path / UNFINISHED / journal.FOLDER).glob("*")}
     assert len(kept) >= 3
     assert not (tmp_path / "stability.csv").exists()
     done = subprocess.run([*command, "--resume"], capture_output=True, text=True)
