@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
-from . import catalogue, compare, explore, fmus, many, new, new_scene, open_report, railway, run, show, studies, validate  # noqa: F401 - each adds its commands
+from . import (  # noqa: F401 - each adds its commands
+    catalogue,
+    compare,
+    estimate,
+    explore,
+    fmus,
+    many,
+    new,
+    new_scene,
+    open_report,
+    railway,
+    run,
+    show,
+    studies,
+    validate,
+)
 from .common import app
 
 __all__ = ["app"]

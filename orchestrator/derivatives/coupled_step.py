@@ -208,6 +208,40 @@ class CoupledStep:
         blocks = blocks_of(self.jacobian())
         return [block for block, couples in zip(blocks, self.coupling(blocks), strict=True) if couples]
 
+    # -- within an instant -------------------------------------------------------------------------------------------
+    def now(self, by: np.ndarray, directions: np.ndarray, of: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of outputs, cells `of` (k,), and of the table of signals within the instant, along directions (n, d)."""
+        tangents, arena = self.tangent_scene, self._arena
+        read = np.array([tangents.layout.output(end) for end in tangents.signals], dtype=np.intp)
+        signals = slice(tangents._first_signal, tangents._first_signal + read.size)
+        before, outputs, table = self._save(), [np.zeros((of.size, 0))], [np.zeros((read.size, 0))]
+        for k in range(0, directions.shape[1], tangents.width):
+            some = directions[:, k : k + tangents.width]
+            self.seed(by, some)
+            tangents.follow(self.time, read)
+            outputs.append(self.tangents(of)[:, : some.shape[1]])
+            table.append(arena.tangents[signals, : some.shape[1]].copy())
+            self._restore(before)
+        return np.concatenate(outputs, axis=1), np.concatenate(table, axis=1)
+
+    def with_samples(self, by: np.ndarray, directions: np.ndarray, signals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Cells that move together within the instant, and how far, (k, d): `by`, and samples of units that see them at once.
+
+        signals: how the table of signals moves along the directions, (S, d), as of `now`.
+        """
+        tangents, records = self.tangent_scene, self.tangent_scene.master.records
+        links, pasts = records.memory.links, records.memory.pasts
+        cells, moved = list(by), list(directions)
+        for k in np.flatnonzero(signals.any(axis=1)):
+            cells.append(tangents._first_signal + k)
+            moved.append(signals[k])
+            for i in range(records.driven):
+                if links["source"][i] == k and not links["pairs"][i]:
+                    names = SAMPLES[: int(pasts["degree"][links["past"][i]]) + 1]
+                    cells += (tangents._cell("links", i, name) for name in names)
+                    moved += [links["factor"][i] * signals[k] for _ in names]
+        return np.array(cells, dtype=np.intp), np.array(moved).reshape(len(cells), directions.shape[1])
+
     # -- names -------------------------------------------------------------------------------------------------------
     def owners(self, cells: np.ndarray | None = None) -> np.ndarray:
         """Of each cell, of the state or given, the place of its unit in the layout, or -1 for the master, (n,)."""

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from ...components.core.errors import BadInput, nearest
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
-from .coupled_step import SAMPLES, CoupledStep, blocks_of, check_steps
+from .coupled_step import CoupledStep, blocks_of, check_steps
 from .tangent_run import TangentScene
 
 VANISHING = 1e-4  # eigenvalues below: what is left of samples, whose Jordan blocks rounding spreads
@@ -211,7 +211,6 @@ class _Linearization:
         self.u = np.array([self.tangents._place_of(n) for n in self.inputs], dtype=np.intp)
         self.y = np.array([layout.output(ends[n]) for n in self.outputs], dtype=np.intp)
         self.every_y = np.array([layout.output(end) for end in ends.values()], dtype=np.intp)
-        self.read = np.array([layout.output(end) for end in self.tangents.signals], dtype=np.intp)
 
     def _known(self, name: str, known: Any) -> str:
         if name not in known:
@@ -232,9 +231,9 @@ class _Linearization:
         kept = np.setdiff1d(np.arange(cells.size), silent)
         remarks = self._remarks(cells, matrix, kept)
         cells, A, n, m = cells[kept], matrix[np.ix_(kept, kept)], kept.size, len(self.inputs)
-        C, _ = self._now(cells, np.eye(n))
-        D, signals = self._now(self.u, np.eye(m))
-        by, moved = self._with_samples(signals)
+        C, _ = step.now(cells, np.eye(n), self.y)
+        D, signals = step.now(self.u, np.eye(m), self.y)
+        by, moved = step.with_samples(self.u, np.eye(m), signals)
         B, H = (step.derivative(by, moved, of) for of in (cells, self.y))
         place = dict(zip(by, moved, strict=True))
         B -= np.array([place.get(cell, np.zeros(m)) for cell in cells]).reshape(n, m)  # inputs are taken back behind the step
@@ -263,35 +262,6 @@ class _Linearization:
             self._midpoint(),
             tuple(remarks),
         )
-
-    def _now(self, by: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives of the outputs, and of the table of signals, within the instant."""
-        step, tangents, arena = self.step, self.tangents, self.step._arena
-        signals = slice(tangents._first_signal, tangents._first_signal + self.read.size)
-        before, outputs, table = step._save(), [np.zeros((self.y.size, 0))], [np.zeros((self.read.size, 0))]
-        for k in range(0, directions.shape[1], tangents.width):
-            some = directions[:, k : k + tangents.width]
-            step.seed(by, some)
-            tangents.follow(step.time, self.read)
-            outputs.append(step.tangents(self.y)[:, : some.shape[1]])
-            table.append(arena.tangents[signals, : some.shape[1]].copy())
-            step._restore(before)
-        return np.concatenate(outputs, axis=1), np.concatenate(table, axis=1)
-
-    def _with_samples(self, signals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cells that inputs move, and how far, (k, m): their own, and samples of other units, which shift by what they see at once."""
-        tangents, records = self.tangents, self.tangents.master.records
-        links, pasts = records.memory.links, records.memory.pasts
-        cells, moved = list(self.u), list(np.eye(len(self.inputs)))
-        for k in np.flatnonzero(signals.any(axis=1)):
-            cells.append(tangents._first_signal + k)
-            moved.append(signals[k])
-            for i in range(records.driven):
-                if links["source"][i] == k and not links["pairs"][i]:
-                    names = SAMPLES[: int(pasts["degree"][links["past"][i]]) + 1]
-                    cells += (tangents._cell("links", i, name) for name in names)
-                    moved += [links["factor"][i] * signals[k] for _ in names]
-        return np.array(cells, dtype=np.intp), np.array(moved).reshape(len(cells), len(self.inputs))
 
     def _remarks(self, cells: np.ndarray, matrix: np.ndarray, kept: np.ndarray) -> list[str]:
         verdicts: dict[str, list[str]] = {}

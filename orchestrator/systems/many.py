@@ -16,6 +16,8 @@ from . import scene_of, summary
 
 if TYPE_CHECKING:
     from ..derivatives.gradient import Figures, Gradient
+    from ..estimation.answer import Estimate
+    from ..estimation.measurements import Data
     from ..harness.many.design import Design
     from ..harness.many.evaluations import SearchOptions
     from ..harness.many.fitting import SceneFit
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from ..harness.many.uncertainty import Uncertainty
     from ..harness.sweep import AnswerOptions
     from ..settings.answers import DesignSettings, FitSettings
+    from ..settings.estimate import EstimateSettings
 
 RENAMED = renamed(directory="output", scheduler="cluster")
 PlanLike = PlanSettings | Mapping[str, Any] | str | Path
@@ -131,6 +134,33 @@ def gradient(
         measured.save(output)
         for_gradient(measured, output)
     return measured
+
+
+def estimate(
+    scene: Scene | str | Path,
+    plan: EstimateSettings | Mapping[str, Any] | str | Path,
+    output: str | Path | None = None,
+    *,
+    folder: str | Path = ".",
+    data: Data | None = None,
+    halved: bool = True,
+    say: Callable[[str], None] = lambda text: None,
+) -> Estimate:
+    """State and parameters of a scene from measured signals, with bands, and a verdict whether the model explains them.
+
+    plan: a TOML file, or the same as plain data.  output: a directory for tables and the report.  folder: of measured files, where the
+    plan is no file.  data: signal -> (time in s, values in SI units), (n,) each, in the place of files.  halved: numerical errors, by
+    another filter with half of all steps.  say: is told beforehand what the measurements cannot tell. Raises `BadInput`, `StepFailed`.
+    """
+    from ..estimation.estimate import estimate as find
+
+    found = find(scene_of(scene), plan, folder=folder, data=data, halved=halved, say=say)
+    if output is not None:
+        from ..harness.report.studies.estimate import for_estimate
+
+        found.save(output)
+        for_estimate(found, output)
+    return found
 
 
 @RENAMED

@@ -38,6 +38,7 @@ FLOORS = (
         "orchestrator.judgement",
         "orchestrator.scene_fmu",
         "orchestrator.derivatives",
+        "orchestrator.estimation",
         "orchestrator.code_digests",
         "orchestrator.views",
     ),

@@ -1,0 +1,1 @@
+"""State and parameters of a scene from what sensors have measured."""

@@ -1,0 +1,206 @@
+"""What `cosimo estimate` answers: estimates with bands, innovations and a verdict, and the files that have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import floor, isfinite, log10
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...components.core.errors import pick
+from ..output import write_json, write_table
+from ..scene.scene import Scene
+from .bounds import Bounds
+from .filtering import History, Innovations
+from .measurements import Measurements
+from .model import Unknown
+from .observability import Observability
+from .verdict import Verdict
+
+REACH = 1.959963984540054  # standard deviations of a band that holds 95 %
+
+
+def shown(value: float, deviation: float) -> str:
+    """ "112.7 ± 2.6": a number to the second digit of its standard deviation."""
+    if not (isfinite(value) and isfinite(deviation) and deviation > 0.0):
+        return f"{value:.6g}"
+    places = 1 - floor(log10(deviation))
+    if not 0 <= places < 8 or abs(value) >= 1e7:
+        return f"{value:.6g} ± {deviation:.2g}"
+    return f"{value:.{places}f} ± {deviation:.{places}f}"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter or an input at the end of the measurement. before: expected, with its deviation.  low, high: of 95 %.
+
+    error: numerical, of the steps; NaN where it is not known.  walks: it is no constant.  bounds: that it keeps.
+    """
+
+    name: str
+    unit: str
+    value: float
+    deviation: float
+    low: float
+    high: float
+    before: float
+    before_deviation: float
+    walks: bool
+    bounds: Bounds
+    error: float = float("nan")
+
+    @classmethod
+    def of(cls, unknown: Unknown, q: float, deviation: float) -> Parameter:
+        """Of the number q of an unknown, and its standard deviation."""
+        bounds = unknown.bounds
+        ends = sorted(bounds.outer(q + way * REACH * deviation) for way in (-1.0, 1.0))
+        before = unknown.deviation * bounds.slope(unknown.mean)
+        walks = unknown.walk > 0.0
+        return cls(
+            unknown.name,
+            unknown.unit,
+            bounds.outer(q),
+            deviation * bounds.slope(q),
+            *ends,
+            bounds.outer(unknown.mean),
+            before,
+            walks,
+            bounds,
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "value": self.value,
+            "unit": self.unit,
+            "deviation": self.deviation,
+            "low": self.low,
+            "high": self.high,
+            "error": self.error if isfinite(self.error) else None,
+            "before": {"value": self.before, "deviation": self.before_deviation},
+        }
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """An estimated state and its parameters.
+
+    how: the filter.  names: of signals and states, with units by name.  history: over time, see `series` and `walk`.  learnt: the
+    same by the measurements up to each time alone.  noise: (k,) of the signals.  errors: numerical, rms over time, by name.
+    """
+
+    scene: Scene
+    measured: Measurements
+    how: str
+    observability: Observability
+    parameters: tuple[Parameter, ...]
+    names: tuple[str, ...]
+    units: Mapping[str, str]
+    history: History
+    learnt: History
+    innovations: Innovations
+    noise: np.ndarray
+    verdict: Verdict
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Of the estimates, (n,) s."""
+        return self.history.time
+
+    @property
+    def explains(self) -> bool:
+        """Whether the model explains the measurement."""
+        return self.verdict.explains
+
+    @property
+    def log_likelihood(self) -> float:
+        """Logarithm of the probability density of the whole measurement."""
+        return self.innovations.log_likelihood
+
+    def __getitem__(self, name: str) -> Parameter:
+        """A parameter or an input, at the end of the measurement."""
+        known = {p.name: p for p in self.parameters}
+        pick(name, known, "estimate", "an estimated parameter")
+        return known[name]
+
+    def series(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """(mean, standard deviation), (n,) each, of a signal or a state over `time`."""
+        pick(name, self.names, "estimate", "a recorded output or a state")
+        k = self.names.index(name)
+        return self.history.values[:, k], self.history.deviations[:, k]
+
+    def walk(self, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(value, low, high), (n,) each, over `time`: of an input that walks as it was, of a constant as it was learnt.
+
+        low, high: of 95 %.
+        """
+        parameter, k = self[name], [p.name for p in self.parameters].index(name)
+        known = self.history if parameter.walks else self.learnt
+        q, deviation = known.q[:, k], REACH * known.q_deviations[:, k]
+        ends = [np.array([parameter.bounds.outer(v) for v in values]) for values in (q, q - deviation, q + deviation)]
+        return ends[0], ends[1], ends[2]
+
+    def __repr__(self) -> str:
+        lines = [f"<Estimate of {self.scene.name}: {self.how}>", str(self.verdict)]
+        for p in self.parameters:
+            lines.append(f"{p.name}: {shown(p.value, p.deviation)} {'' if p.unit == '1' else p.unit}".rstrip())
+        return "\n".join([*lines, *self.verdict.remarks])
+
+    def save(self, directory: str | Path) -> list[Path]:
+        """Write estimate.json, states.csv and innovations.csv."""
+        history, names = self.history, [p.name for p in self.parameters]
+        units = {**self.units, **{p.name: p.unit for p in self.parameters}}
+        walks = {n: self.walk(n) for n in names}
+        header = ["time [s]"]
+        for n in (*self.names, *names):
+            unit = f" [{units[n]}]" if units[n] not in ("", "1") else ""
+            header += [f"{n}{unit}", f"{n}, low{unit}", f"{n}, high{unit}"]
+        reach = REACH * history.deviations
+        columns = [self.time]
+        for k in range(len(self.names)):
+            columns += [history.values[:, k], history.values[:, k] - reach[:, k], history.values[:, k] + reach[:, k]]
+        for n in names:
+            columns += list(walks[n])
+        i = self.innovations
+        rows = zip(
+            i.time, [self.measured.signals[k] for k in i.which], i.measured, i.predicted, i.deviation, i.normalised, strict=True
+        )
+        told = ("time [s]", "signal", "measured", "predicted", "deviation", "normalised")
+        files = [
+            Path(directory) / "estimate.json",
+            write_table(directory, "states.csv", header, np.array(columns).T.tolist()),
+            write_table(directory, "innovations.csv", told, rows),
+        ]
+        write_json(files[0], self.to_json())
+        return files
+
+    def to_json(self) -> dict[str, Any]:
+        """Parameters, verdict and how they were found, as plain data."""
+        v = self.verdict
+        return {
+            "scene": self.scene.name,
+            "filter": self.how,
+            "explains": v.explains,
+            "verdict": str(v),
+            "remarks": list(v.remarks),
+            "checks": [{"test": c.name, "p": c.p, "holds": c.holds, "found": c.found} for c in v.checks],
+            "parameters": {p.name: p.to_json() for p in self.parameters},
+            "noise": {
+                n: {"deviation": float(s), "unit": u, "estimated": bool(np.isnan(g))}
+                for n, s, u, g in zip(self.measured.signals, self.noise, self.measured.units, self.measured.noise, strict=True)
+            },
+            "suspects": [
+                {"name": s.name, "at": s.at, "change": s.change, "deviation": s.deviation, "gain": s.gain, "unit": s.unit}
+                for s in v.suspects
+            ],
+            "observability": {
+                "left": dict(zip(self.observability.names, self.observability.left.tolist(), strict=True)),
+                "texts": list(self.observability.texts),
+            },
+            "log_likelihood": self.log_likelihood,
+            "errors": dict(self.errors),
+        }

@@ -1,0 +1,161 @@
+"""Three ways to carry a belief over a step of a scene: by exact derivatives, by points, by an ensemble.
+
+Each has columns T of the live cells, and of the numbers q of the unknowns, which `update` changes alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .model import Model
+
+
+class Extended:
+    """Columns by the derivatives of the coupled step (extended Kalman filter); the mean is the run itself.
+
+    sensitivities: (l, s) of the mean's live cells by suspected numbers, whose fixed cells move along `by` (f, s).
+    """
+
+    exact = True
+
+    def __init__(self, model: Model, cells: np.ndarray | None = None, by: np.ndarray | None = None):
+        """cells: of suspected numbers, and what follows from them, (f,), which move along by, (f, s)."""
+        self.model = model
+        model.begin()
+        self.q = np.array([u.mean for u in model.unknowns])
+        model.follow(self.q)
+        deviations = np.array([u.deviation for u in model.unknowns])
+        slopes = np.array([u.bounds.slope(u.mean) for u in model.unknowns])
+        moved, numbers = model.kicks(True, 0.0)
+        self.T = np.hstack([model.prior(model.cells) * slopes * deviations, moved])
+        self.Tq = np.hstack([np.diag(deviations), numbers])
+        self.forgets = np.array([model.step.steps * model.step.h / u.memory for u in model.unknowns])
+        cells = model.derived[:0] if cells is None else cells
+        self._held = np.union1d(model.derived, cells)
+        self._derived, self._suspected = np.searchsorted(self._held, model.derived), np.searchsorted(self._held, cells)
+        count = 0 if by is None else by.shape[1]
+        self._by, self.sensitivities = np.zeros((self._held.size, count)), np.zeros((model.live.size, count))
+        if by is not None:
+            self._by[self._suspected] = by
+
+    @property
+    def live(self) -> np.ndarray:
+        """The mean of the live cells, (l,)."""
+        return self.model.block[self.model.live]
+
+    def predict(self, dt: float) -> None:
+        """Over a common period of the scene, dt, s: columns of disturbances come behind those that there are."""
+        moved, numbers = self.model.kicks(False, dt)
+        self.T, self.Tq = np.hstack([self.T, moved]), np.hstack([self.Tq, numbers])
+        self.carry()
+        keeps = np.exp(-self.forgets)
+        if (keeps < 1.0).any():
+            start = np.array([u.mean for u in self.model.unknowns])
+            self.q, self.Tq = start + keeps * (self.q - start), self.Tq * keeps[:, None]
+            self.model.follow(self.q)
+
+    def carry(self) -> None:
+        """A common period on, without disturbances."""
+        model, c = self.model, self.T.shape[1]
+        held = np.hstack([np.zeros((self._held.size, c)), self._by])
+        held[self._derived, :c] = model.along @ self.Tq
+        cells = np.concatenate([model.live, self._held])
+        moved = model.propagate(cells, np.vstack([np.hstack([self.T, self.sensitivities]), held]))
+        self.T, self.sensitivities = moved[:, :c], moved[:, c:]
+
+    def take(self, w: np.ndarray, W: np.ndarray) -> None:
+        """What an update says: the mean moves by the columns times w, (c,), they become columns times W, (c, d)."""
+        if w.any():
+            self.model.block[self.model.live] += self.T @ w
+            self.q = self.q + self.Tq @ w
+            self.model.follow(self.q)
+        self.T, self.Tq = self.T @ W, self.Tq @ W
+
+
+class Unscented(Extended):
+    """Columns by points at either side of the mean, along each column (cubature rule: all points have equal weight).
+
+    Half the difference of two opposite points is the column behind the step; their mean off that of all points is one more column.
+    """
+
+    exact = False
+
+    def carry(self) -> None:
+        model, step = self.model, self.model.step
+        count = self.T.shape[1]
+        before, taken = model.block.copy(), step._taken
+        step.seed(model.live[:0], np.zeros((0, 1)))
+        ends = np.empty((2, count, model.live.size))
+        for side, way in enumerate((np.sqrt(count), -np.sqrt(count))):
+            for k in range(count):
+                model.block[:], step._taken = before, taken
+                model.block[model.live] += way * self.T[:, k]
+                model.follow(self.q + way * self.Tq[:, k])
+                step.advance(step.steps)
+                ends[side, k] = model.block[model.live]
+        model.block[:], step._taken = before, taken
+        model.follow(self.q)
+        step.advance(step.steps)
+        mean = ends.mean(axis=(0, 1)) if count else self.live
+        model.block[model.live] = mean
+        odd, even = (ends[0] - ends[1]).T / 2.0, (ends[0] + ends[1] - 2.0 * mean).T / 2.0
+        self.T = np.hstack([odd, even]) / np.sqrt(max(count, 1))
+        self.Tq = np.hstack([self.Tq, np.zeros((self.Tq.shape[0], count))])
+
+
+class Ensemble:
+    """Members that run as the scene does, each with disturbances of its own; modes of sticking and counters are those of each member."""
+
+    exact = False
+
+    def __init__(self, model: Model, members: int, inflation: float, seed: int):
+        self.model, self._rng, self._inflation = model, np.random.default_rng(seed), inflation
+        first = Extended(model)
+        a = self._rng.standard_normal((members, first.T.shape[1]))
+        a = (a - a.mean(axis=0)) / np.maximum(a.std(axis=0, ddof=1), 1e-300)
+        self._q = first.q + a @ first.Tq.T
+        self._live = first.live + a @ first.T.T
+        self._keeps = np.exp(-first.forgets)
+        self._blocks = np.repeat(model.block[None], members, axis=0)
+        self.sensitivities = np.zeros((model.live.size, 0))
+
+    @property
+    def q(self) -> np.ndarray:
+        return self._q.mean(axis=0)
+
+    @property
+    def live(self) -> np.ndarray:
+        return self._live.mean(axis=0)
+
+    @property
+    def T(self) -> np.ndarray:
+        return (self._live - self.live).T / np.sqrt(len(self._live) - 1.0)
+
+    @property
+    def Tq(self) -> np.ndarray:
+        return (self._q - self.q).T / np.sqrt(len(self._q) - 1.0)
+
+    def predict(self, dt: float) -> None:
+        model, step = self.model, self.model.step
+        start, taken = np.array([u.mean for u in model.unknowns]), step._taken
+        moved, numbers = model.kicks(False, dt)
+        step.seed(model.live[:0], np.zeros((0, 1)))
+        for k, block in enumerate(self._blocks):
+            model.block[:], step._taken = block, taken
+            model.block[model.live] = self._live[k]
+            kick = self._rng.standard_normal(moved.shape[1])
+            model.block[model.live] += moved @ kick
+            model.follow(self._q[k] + numbers @ kick)
+            step.advance(step.steps)
+            self._q[k] = start + self._keeps * (self._q[k] + numbers @ kick - start)
+            self._live[k], block[:] = model.block[model.live], model.block
+
+    def take(self, w: np.ndarray, W: np.ndarray) -> None:
+        scale = np.sqrt(len(self._live) - 1.0)
+        inflation = self._inflation if w.any() else 1.0
+        for values in (self._live, self._q):
+            mean, A = values.mean(axis=0), (values - values.mean(axis=0)) * inflation
+            values[:] = mean + (A.T @ w) / scale + W.T @ A
+
+
+Belief = Extended | Unscented | Ensemble

@@ -1,0 +1,161 @@
+"""A filter over all measurements of a scene, and the smoother behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from .beliefs import Belief, Ensemble
+from .measurements import Measurements
+from .model import Model
+from .update import fewer, update
+
+SAME = 1e-9  # of a step: two instants are one
+
+
+@dataclass
+class Track:
+    """What a filter has found at each instant k of its steps, behind the measurements up to there.
+
+    time: s.  values, columns: of the live rows that are kept, (n,) and (n, c).  q, q_columns: of the unknowns.
+    back: (w, A, C) of the step to the next instant: a[k] = w + A b + noise of covariance C, with b that of the instant behind.
+    """
+
+    time: list[float] = field(default_factory=list)
+    values: list[np.ndarray] = field(default_factory=list)
+    columns: list[np.ndarray] = field(default_factory=list)
+    q: list[np.ndarray] = field(default_factory=list)
+    q_columns: list[np.ndarray] = field(default_factory=list)
+    back: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+
+
+@dataclass
+class Innovations:
+    """Of each measurement that was used, in order; sensitivities: how its normalised one moves by suspected numbers, (n, s).
+
+    predicted, deviation: before it was used.  residual: what it is off the estimate behind it.  between: what the step leaves open
+    between two instants, in units of the noise.
+    """
+
+    which: list[int] = field(default_factory=list)
+    time: list[float] = field(default_factory=list)
+    measured: list[float] = field(default_factory=list)
+    predicted: list[float] = field(default_factory=list)
+    deviation: list[float] = field(default_factory=list)
+    normalised: list[float] = field(default_factory=list)
+    residual: list[float] = field(default_factory=list)
+    between: list[float] = field(default_factory=list)
+    sensitivities: list[np.ndarray] = field(default_factory=list)
+    log_likelihood: float = 0.0
+
+
+class Filter:
+    """A belief that goes on from step to step of a scene and takes what was measured meanwhile."""
+
+    def __init__(self, model: Model, belief: Belief, seen: Sequence[str], noise: np.ndarray, rows: np.ndarray, smooth: bool):
+        """seen: measured signals, with noise (k,).  rows: of the live cells that the track keeps.  smooth: keep the way back."""
+        self.model, self.belief, self.noise, self.rows, self._smooth = model, belief, noise, rows, smooth
+        self._y = np.array([model.y_rows[model.signals.index(n)] for n in seen], dtype=np.intp)
+        self._kept = np.unique(np.concatenate([model.state_rows, self._y]))
+        self.dt = model.step.steps * model.step.h
+        self.track, self.innovations = Track(), Innovations()
+        self._older = belief.live[self._y]
+        self._note()
+
+    def step(self, time: np.ndarray, which: np.ndarray, values: np.ndarray) -> None:
+        """A common period on, with the measurements, (m,), of the time behind the instant and up to the next one."""
+        belief, y, start = self.belief, self._y, self.model.step.time
+        before, first, first_sensitivity = belief.live[y], belief.T[y], belief.sensitivities[y]
+        count = belief.T.shape[1]
+        belief.predict(self.dt)
+        c = belief.T.shape[1]
+        w, W = np.zeros(c), np.eye(c)
+        if time.size:
+            share = np.clip((time - start) / self.dt, 0.0, 1.0)
+            after, k = belief.live[y], which
+            first = np.hstack([first, np.zeros((y.size, c - count))])
+            rows = (1.0 - share)[:, None] * first[k] + share[:, None] * belief.T[y][k]
+            predicted = (1.0 - share) * before[k] + share * after[k]
+            done = update(rows, values - predicted, self.noise[k])
+            moves = (1.0 - share)[:, None] * first_sensitivity[k] + share[:, None] * belief.sensitivities[y][k]
+            if belief.sensitivities.shape[1]:  # behind the numbers of the scene come offsets, then delays of the signals
+                moves[:, -2 * y.size :] += np.hstack(
+                    [np.eye(y.size)[k], np.eye(y.size)[k] * ((before - after) / self.dt)[k][:, None]]
+                )
+                belief.sensitivities -= belief.T @ (done.gain @ moves)
+            w, W, i = done.w, done.W, self.innovations
+            i.which += k.tolist()
+            i.time += time.tolist()
+            i.measured += values.tolist()
+            i.predicted += predicted.tolist()
+            i.deviation += np.sqrt((rows**2).sum(axis=1) + self.noise[k] ** 2).tolist()
+            i.normalised += done.normalised.tolist()
+            i.residual += (values - predicted - rows @ w).tolist()
+            bend = np.abs(after - 2.0 * before + self._older)[k] / 2.0 * share * (1.0 - share)
+            i.between += (bend / self.noise[k]).tolist()
+            i.sensitivities += list(done.whiten @ moves)
+            i.log_likelihood += done.log_density
+        self._older = before
+        Q = None
+        if not isinstance(belief, Ensemble):
+            Q = fewer(np.vstack([belief.T[self._kept] @ W, belief.Tq @ W]))
+        kept = W if Q is None else W @ Q
+        if self._smooth:
+            A, whole = kept[:count], W[:count]
+            self.track.back.append((w[:count], A, whole @ whole.T - A @ A.T if Q is not None else np.zeros((count, count))))
+        if time.size or Q is not None:
+            belief.take(w, kept)
+        self._note()
+
+    def _note(self) -> None:
+        track, belief = self.track, self.belief
+        track.time.append(self.model.step.time)
+        track.values.append(belief.live[self.rows])
+        track.columns.append(belief.T[self.rows] if self._smooth else np.sqrt((belief.T[self.rows] ** 2).sum(axis=1))[:, None])
+        track.q.append(belief.q.copy())
+        track.q_columns.append(belief.Tq.copy())
+
+    def run(self, measured: Measurements) -> None:
+        """All measurements behind the present instant, step by step."""
+        tolerance, start = SAME * self.dt, self.model.step.time
+        steps = int(np.ceil((measured.time[-1] - start) / self.dt - SAME)) if measured.time.size else 0
+        ends = np.searchsorted(measured.time, start + self.dt * np.arange(steps + 1) + tolerance, side="right")
+        for first, last in pairwise(ends):
+            self.step(measured.time[first:last], measured.which[first:last], measured.values[first:last])
+
+
+@dataclass(frozen=True)
+class History:
+    """Means and standard deviations over time, (k,) s: of kept rows (k, n), and of the numbers q of the unknowns (k, p)."""
+
+    time: np.ndarray
+    values: np.ndarray
+    deviations: np.ndarray
+    q: np.ndarray
+    q_deviations: np.ndarray
+
+
+def history(track: Track, smooth: bool) -> History:
+    """Of a track, by the measurements up to each instant, or by all of them.
+
+    The smoother (Rauch, Tung, Striebel) goes back over what each column was made of; no covariance is inverted.
+    """
+    values, deviations, q, q_deviations = [], [], [], []
+    beta, gamma = np.zeros(track.q_columns[-1].shape[1]), np.eye(track.q_columns[-1].shape[1])
+    for k in range(len(track.time) - 1, -1, -1):
+        T, Tq = track.columns[k], track.q_columns[k]
+        if smooth and k < len(track.back):
+            w, A, C = track.back[k]
+            beta, gamma = w + A @ beta, C + A @ gamma @ A.T
+        if not smooth:
+            beta, gamma = np.zeros(Tq.shape[1]), np.eye(Tq.shape[1])
+        own = (beta, gamma) if T.shape[1] == beta.size else (np.zeros(T.shape[1]), np.eye(T.shape[1]))
+        values.append(track.values[k] + T @ own[0])
+        deviations.append(np.sqrt(np.maximum(((T @ own[1]) * T).sum(axis=1), 0.0)))
+        q.append(track.q[k] + Tq @ beta)
+        q_deviations.append(np.sqrt(np.maximum(((Tq @ gamma) * Tq).sum(axis=1), 0.0)))
+    parts = (np.array(one[::-1]) for one in (values, deviations, q, q_deviations))
+    return History(np.array(track.time), *parts)

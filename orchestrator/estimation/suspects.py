@@ -1,0 +1,113 @@
+"""Numbers of a scene that the verdict doubts: would another value of one explain the measurement better?
+
+A filter that runs once gives, beside its innovations v, how these move by a number that it takes as known: by derivatives of the scene,
+and of the filter with its gains held. If the number is wrong by d, v = G d + white noise. So d has an estimate and a deviation, and the
+logarithm of the likelihood rises by half of (d / deviation)² (Friedland 1969; recalled). Offsets and delays of sensors are such numbers,
+too. The innovations of a wrong model may have the right size: disturbances take the blame. Their sensitivities still tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from math import isfinite
+
+import numpy as np
+
+from ...components.core.errors import BadInput, nearest
+from ..scene.names import numerical_of
+from .filtering import Innovations
+from .model import Model
+
+MOST = 24  # numbers that are doubted without being asked
+OFFSET, DELAY = "offset of", "delay of"
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """at: its value now.  change, deviation: what the measurement says it is off.  gain: log units that the change explains better."""
+
+    name: str
+    unit: str
+    at: float
+    change: float
+    deviation: float
+
+    @property
+    def gain(self) -> float:
+        return 0.5 * (self.change / self.deviation) ** 2 if isfinite(self.deviation) else 0.0
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        now = "" if self.name.startswith((OFFSET, DELAY)) else f" instead of {self.at:.6g}"
+        value = f"{self.at + self.change:.4g} ± {self.deviation:.2g}{unit}{now}"
+        return f"{self.name} = {value} explains it better by {self.gain:.3g} log units"
+
+
+@dataclass(frozen=True)
+class Suspected:
+    """names: of numbers of the scene, at values `at`, changed in steps of `scale`, (s,). cells, by: of what is held in a step, and
+    how it moves, (f,) and (f, s + 2 k); offsets and delays of the k signals come last, and move nothing.  start: (l, s + 2 k)."""
+
+    names: tuple[str, ...]
+    at: np.ndarray
+    scale: np.ndarray
+    cells: np.ndarray
+    by: np.ndarray
+    start: np.ndarray
+
+
+def suspected(model: Model, wanted: Sequence[str] | None, signals: Sequence[str], noise: np.ndarray, where: str) -> Suspected:
+    """The numbers that a plan names, or those that the signals, with noise (k,), see most."""
+    taken = {u.name for u in model.unknowns}
+    known = [n for n in model.tangents.parameters() if n not in taken]
+    known = [n for n in known if n not in numerical_of(model.scene, known)]
+    if wanted is None:
+        names = [n for n in known if "[" not in n]
+    else:
+        names = [n for n in known if any(fnmatchcase(n, w) for w in wanted)]
+        for pattern in wanted:
+            if not any(fnmatchcase(n, pattern) for n in known):
+                raise BadInput(
+                    f"{where}: suspected",
+                    repr(pattern),
+                    "a parameter or a free input that is not estimated",
+                    nearest(pattern, known),
+                )
+    at = np.array([model.tangents.value(n) for n in names])
+    scale = np.where(at != 0.0, np.abs(at), 1.0)
+    if wanted is None and len(names) > MOST:
+        rows = model.tangents.run(names)
+        y = [model.signals.index(s) for s in signals]
+        seen = np.nan_to_num((np.square(rows.tangents[:, y]).mean(axis=0) / noise[:, None] ** 2).sum(axis=0)) * scale**2
+        best = np.sort(np.argsort(-seen)[:MOST])
+        names, at, scale = [names[k] for k in best if seen[k] > 0.0], at[best][seen[best] > 0.0], scale[best][seen[best] > 0.0]
+    model.begin()
+    own = np.array([model.tangents._place_of(n) for n in names], dtype=np.intp)
+    _, moved = model.started(own)
+    moved[own, np.arange(own.size)] = 1.0
+    cells = np.setdiff1d(np.union1d(np.flatnonzero(model._stays & (moved != 0.0).any(axis=1)), own), model.live)
+    none = np.zeros((1, 2 * len(signals)))
+    by = np.hstack([moved[cells] * scale, none.repeat(cells.size, axis=0)])
+    start = np.hstack([model.prior(own) * scale, none.repeat(model.live.size, axis=0)])
+    return Suspected(tuple(names), at, scale, cells, by, start)
+
+
+def judged(
+    model: Model, some: Suspected, signals: Sequence[str], units: Sequence[str], innovations: Innovations
+) -> list[Suspect]:
+    """What the innovations say of each, those that explain most first."""
+    G, v = np.array(innovations.sensitivities), np.array(innovations.normalised)
+    names = [*some.names, *(f"{OFFSET} {s}" for s in signals), *(f"{DELAY} {s}" for s in signals)]
+    own = [model.variable(n).unit for n in some.names] + [*units, *("s" for _ in signals)]
+    at = np.concatenate([some.at, np.zeros(2 * len(signals))])
+    scale = np.concatenate([some.scale, np.ones(2 * len(signals))])
+    found = []
+    for k, name in enumerate(names):
+        size = float(G[:, k] @ G[:, k])
+        if size > 0.0 and isfinite(size):
+            found.append(
+                Suspect(name, own[k], float(at[k]), float(scale[k] * (G[:, k] @ v) / size), float(scale[k] / np.sqrt(size)))
+            )
+    return sorted(found, key=lambda s: -s.gain)
