@@ -29,7 +29,7 @@ LINE_NUMBERS = {  # option -> table and key of a section, unit, default
 }
 
 
-def _write(file: Path, text: str) -> None:
+def write_new(file: Path, text: str) -> None:
     """A new file; raises `BadInput` for one that is there already."""
     if file.suffix != ".toml":
         raise BadInput("file", repr(str(file)), "a name that ends with .toml")
@@ -79,7 +79,7 @@ def line(
     text = line_text(
         file.stem, f"supports of {supports.name}; wires and droppers as given to cosimo new line", supports_of(supports), data
     )
-    _write(file, text)
+    write_new(file, text)
     try:
         form, _ = lines.read(file, {}, droppers)
     except BadInput:
@@ -139,7 +139,7 @@ def scene(
         text = scene_text(file.stem, file.parent, line, droppers, pantograph, pantographs, apart, speed, limits)
     else:
         text = _joined_scene(file, units or [], limits, table)
-    _write(file, text)
+    write_new(file, text)
     for table, content in tables.items():
         table.write_bytes(content)
     try:
@@ -287,7 +287,7 @@ def case(
             f"changes = {{ {', '.join(changes)}, stop_time = {round(stop / step) * step:.9g} }}",
             "",
         ]
-    _write(file, "\n".join(parts))
+    write_new(file, "\n".join(parts))
     try:
         read_case(file, load_scene, summary)
     except BadInput:
@@ -329,6 +329,6 @@ def table(
     for row in rows:
         parts += ["[[rows]]", f'quantity = "{row.text}"', f'measure = "{row.name}"', f'unit = "{row.unit}"']
         parts += [f'standing = "{MISSING}"  # {row.value:.6g} in one run of {result.scene.name}', ""]
-    _write(file, "\n".join(parts))
+    write_new(file, "\n".join(parts))
     print_written([file])
     print(f"{len(rows)} rows without ranges: fill them in; next: cosimo run {scene} --limits {file}")

@@ -56,7 +56,7 @@ class Parameter:
     def of(cls, unknown: Unknown, q: float, deviation: float) -> Parameter:
         """Of the number q of an unknown, and its standard deviation."""
         bounds = unknown.bounds
-        ends = sorted(bounds.outer(q + way * REACH * deviation) for way in (-1.0, 1.0))
+        low, high = sorted(bounds.outer(q + way * REACH * deviation) for way in (-1.0, 1.0))
         before = unknown.deviation * bounds.slope(unknown.mean)
         walks = unknown.walk > 0.0
         return cls(
@@ -64,7 +64,8 @@ class Parameter:
             unknown.unit,
             bounds.outer(q),
             deviation * bounds.slope(q),
-            *ends,
+            low,
+            high,
             bounds.outer(unknown.mean),
             before,
             walks,
@@ -169,11 +170,11 @@ class Estimate:
         rows = zip(
             i.time, [self.measured.signals[k] for k in i.which], i.measured, i.predicted, i.deviation, i.normalised, strict=True
         )
-        told = ("time [s]", "signal", "measured", "predicted", "deviation", "normalised")
+        header_of_innovations = ("time [s]", "signal", "measured", "predicted", "deviation", "normalised")
         files = [
             Path(directory) / "estimate.json",
             write_table(directory, "states.csv", header, np.array(columns).T.tolist()),
-            write_table(directory, "innovations.csv", told, rows),
+            write_table(directory, "innovations.csv", header_of_innovations, rows),
         ]
         write_json(files[0], self.to_json())
         return files
@@ -187,7 +188,7 @@ class Estimate:
             "explains": v.explains,
             "verdict": str(v),
             "remarks": list(v.remarks),
-            "checks": [{"test": c.name, "p": c.p, "holds": c.holds, "found": c.found} for c in v.checks],
+            "checks": [{"test": c.name, "p": c.p, "holds": c.holds, "found": c.words} for c in v.checks],
             "parameters": {p.name: p.to_json() for p in self.parameters},
             "noise": {
                 n: {"deviation": float(s), "unit": u, "estimated": bool(np.isnan(g))}

@@ -106,9 +106,9 @@ class _Course:
         (Desroziers et al. 2005; recalled)."""
         unknown = np.flatnonzero(np.isnan(self.measured.noise))
         for _ in range(NOISE_ROUNDS if unknown.size else 0):
-            found, before = self._run(False, False).innovations, self.noise.copy()
-            which, residual = np.array(found.which), np.array(found.residual)
-            product = residual * (np.array(found.measured) - np.array(found.predicted))
+            innovations, before = self._run(False, False).innovations, self.noise.copy()
+            which, residual = np.array(innovations.which), np.array(innovations.residual)
+            product = residual * (np.array(innovations.measured) - np.array(innovations.predicted))
             for k in unknown:
                 self.noise[k] = np.sqrt(max(float(product[which == k].mean()), (1e-3 * before[k]) ** 2))
             if (np.abs(self.noise / before - 1.0) < NOISE_AGREES).all():
@@ -119,10 +119,10 @@ class _Course:
         self._find_noise()
         doubts = self.name == EXTENDED and not self.again
         done = self._run(doubts, self.plan.smooth)
-        model, found = self.model, done.innovations
+        model, innovations = self.model, done.innovations
         q, deviations = done.belief.q, np.sqrt((done.belief.Tq**2).sum(axis=1))
         suspects = (
-            judged(model, self._suspected, self.measured.signals, self.measured.units, found)
+            judged(model, self._suspected, self.measured.signals, self.measured.units, innovations)
             if doubts and self._suspected
             else []
         )
@@ -134,7 +134,7 @@ class _Course:
         kept = [k for k, n in enumerate(columns) if n and n not in columns[:k]]
         seen = history(done.track, self.plan.smooth)
         seen = replace(seen, values=seen.values[:, kept], deviations=seen.deviations[:, kept])
-        judgement = verdict(self.measured, found, model.unknowns, q, deviations, suspects)
+        judgement = verdict(self.measured, innovations, model.unknowns, q, deviations, suspects)
         remarks = [f"{self.left_out} measurements lie before the first step, and are left out"] * bool(self.left_out)
         how = HOW[self.name].format(self.plan.members)
         why = "as asked for" if self.plan.filter else f"by default, {len(model.state)} states"
@@ -148,7 +148,7 @@ class _Course:
             {columns[k]: units.get(columns[k], "") for k in kept},
             seen,
             history(done.track, False),
-            found,
+            innovations,
             self.noise,
             replace(judgement, remarks=(*remarks, *judgement.remarks)),
         )

@@ -108,7 +108,7 @@ class Model:
         return variables.get(variable) or variables[variable.partition("[")[0]]
 
     def _disturbed(self, name: str, given: StateSettings, place: str) -> Disturbed:
-        names = {self.step.name(cell): int(cell) for cell in self.state}
+        names = {self.step.name(cell): cell for cell in self.state.tolist()}
         unit, size = "", 1.0
         if name in names:
             cell = names[name]
@@ -198,7 +198,7 @@ class Model:
         parts = [np.zeros((n, 0))]
         for k in range(0, max(cells.size, 1), width):
             some = cells[k : k + width]
-            self.tangents.start(some)
+            self.tangents.start(some.tolist())
             parts.append(self._arena.tangents[:n, : some.size].copy())
         numbers = self._arena.cells[:n].copy()
         self.step._restore(kept)
@@ -208,7 +208,7 @@ class Model:
         """How live cells move by parameters' cells behind the first instants, (l, d)."""
         kept, width, parts = self.step._save(), self.tangents.width, [np.zeros((self.live.size, 0))]
         for k in range(0, cells.size, width):
-            self.tangents.start(cells[k : k + width])
+            self.tangents.start(cells[k : k + width].tolist())
             self.tangents.end_at(np.inf)
             self.step._taken = 0
             self.step.advance(self.first)

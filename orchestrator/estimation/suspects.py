@@ -103,11 +103,11 @@ def judged(
     own = [model.variable(n).unit for n in some.names] + [*units, *("s" for _ in signals)]
     at = np.concatenate([some.at, np.zeros(2 * len(signals))])
     scale = np.concatenate([some.scale, np.ones(2 * len(signals))])
-    found = []
+    suspects = []
     for k, name in enumerate(names):
         size = float(G[:, k] @ G[:, k])
         if size > 0.0 and isfinite(size):
-            found.append(
+            suspects.append(
                 Suspect(name, own[k], float(at[k]), float(scale[k] * (G[:, k] @ v) / size), float(scale[k] / np.sqrt(size)))
             )
-    return sorted(found, key=lambda s: -s.gain)
+    return sorted(suspects, key=lambda s: -s.gain)

@@ -23,11 +23,11 @@ NAMED = 3  # findings of one test that a reason names
 
 @dataclass(frozen=True)
 class Check:
-    """p: probability of a right model to be so far off, for all that the test looks at together.  found: what it has found."""
+    """p: probability of a right model to be so far off, for all that the test looks at together.  words: what it says."""
 
     name: str
     p: float
-    found: str
+    words: str
     holds: bool
 
 
@@ -47,7 +47,7 @@ class Verdict:
     def __str__(self) -> str:
         if self.explains:
             return "The model explains the measurement."
-        reasons = [check.found for check in self.checks if not check.holds]
+        reasons = [check.words for check in self.checks if not check.holds]
         return f"The model does not explain the measurement, since {'; '.join(reasons)}."
 
 
@@ -64,13 +64,13 @@ def verdict(
 
     which, time, e = np.array(innovations.which), np.array(innovations.time), np.array(innovations.normalised)
     names, remarks = measured.signals, []
-    found: list[tuple[str, float, str]] = []  # name of the test, p, words
+    tests: list[tuple[str, float, str]] = []  # name of the test, p, words
 
     known = ~np.isnan(measured.noise)[which]  # what is estimated is as large as it is
     size, n = float(e[known] @ e[known]), int(known.sum())
     if n:
         text = f"innovations are {np.sqrt(size / n):.3g} times as large as model and noise say"
-        found.append(("size of innovations", float(chi2.sf(size, n)), text))
+        tests.append(("size of innovations", float(chi2.sf(size, n)), text))
         if chi2.cdf(size, n) < LEVEL:
             remarks.append(f"{text}: noise or disturbances are stated too large, and the bands are too wide")
     parts = [p for p in np.array_split(np.arange(e.size), max(min(WINDOWS, e.size // SHORTEST), 1)) if p.size]
@@ -79,11 +79,11 @@ def verdict(
     span = parts[worst]
     large = np.sqrt(np.mean(e[span] ** 2))
     text = f"innovations from {time[span[0]]:.4g} to {time[span[-1]]:.4g} s are {large:.3g} times as large as model and noise say"
-    found.append(("size in windows", min(1.0, min(p) * len(p)), text))
+    tests.append(("size in windows", min(1.0, min(p) * len(p)), text))
 
     k = int(np.argmax(np.abs(e)))
     text = f"a measurement of {names[which[k]]} at {time[k]:.6g} s is {abs(e[k]):.3g} standard deviations off"
-    found.append(("outliers", min(1.0, 2.0 * float(norm.sf(abs(e[k]))) * e.size), text))
+    tests.append(("outliers", min(1.0, 2.0 * float(norm.sf(abs(e[k]))) * e.size), text))
 
     means, lags = [], []
     for i, name in enumerate(names):
@@ -109,7 +109,7 @@ def verdict(
     for title, pairs in (("mean of innovations", means), ("whiteness", lags)):
         if pairs:
             p_min, text = min(pairs)
-            found.append((title, min(1.0, p_min * len(pairs)), text))
+            tests.append((title, min(1.0, p_min * len(pairs)), text))
 
     moved = []
     for u, value, deviation in zip(unknowns, q, deviations, strict=True):
@@ -123,18 +123,18 @@ def verdict(
             )
     if moved:
         p_min, text = min(moved)
-        found.append(("expected values", min(1.0, p_min * len(moved)), text))
+        tests.append(("expected values", min(1.0, p_min * len(moved)), text))
     if suspects:
         p_min = min(1.0, float(chi2.sf(2.0 * suspects[0].gain, 1)) * len(suspects))
         limit = suspects[0].gain / 2.0
         text = ", or ".join(str(s) for s in suspects[:NAMED] if s.gain >= limit)
-        found.append(("other values", p_min, text))
-    level = LEVEL / len(found)
+        tests.append(("other values", p_min, text))
+    level = LEVEL / len(tests)
     if (share := float(np.mean(np.array(innovations.between) > 0.1))) > 0.1:
         remarks.append(
             f"between two steps {share:.0%} of the measurements are known to a tenth of their noise at best: reduce master.step"
         )
-    return Verdict(tuple(Check(name, p, text, p >= level) for name, p, text in found), tuple(suspects), tuple(remarks))
+    return Verdict(tuple(Check(name, p, text, p >= level) for name, p, text in tests), tuple(suspects), tuple(remarks))
 
 
 def _th(n: int) -> str:

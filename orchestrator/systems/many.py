@@ -154,13 +154,13 @@ def estimate(
     """
     from ..estimation.estimate import estimate as find
 
-    found = find(scene_of(scene), plan, folder=folder, data=data, halved=halved, say=say)
+    answer = find(scene_of(scene), plan, folder=folder, data=data, halved=halved, say=say)
     if output is not None:
         from ..harness.report.studies.estimate import for_estimate
 
-        found.save(output)
-        for_estimate(found, output)
-    return found
+        answer.save(output)
+        for_estimate(answer, output)
+    return answer
 
 
 @RENAMED

@@ -80,6 +80,16 @@ def test_a_command_ends_with_1_where_the_model_does_not_explain(folder, capsys):
     assert "spring.damping" in capsys.readouterr().err
 
 
+def test_a_new_plan_runs_as_it_is(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        main(["new", "plan", "plan.toml", "mass-on-spring", "--signal", "mass.base_x", "--unknown", "spring.stiffness"])
+    with pytest.raises(SystemExit) as end:
+        main(["estimate", "mass-on-spring", "--plan", "plan.toml", "--no-verify", "-o", "out"])
+    assert end.value.code == 0
+    assert "explains the measurement" in capsys.readouterr().out
+
+
 def test_files_and_arrays_give_the_same(folder):
     by_file = cosimo.estimate(TRUTH.scene(), folder / "plan.toml", halved=False)
     y, _ = TRUTH.drawn(1)

@@ -51,7 +51,7 @@ def parameter_cells(study: Estimate) -> Cells:
 
 def check_cells(study: Estimate) -> Cells:
     """Tests of the innovations as a table."""
-    rows = [(c.name, "holds" if c.holds else "DOES NOT HOLD", f"{c.p:.2g}", c.found) for c in study.verdict.checks]
+    rows = [(c.name, "holds" if c.holds else "DOES NOT HOLD", f"{c.p:.2g}", c.words) for c in study.verdict.checks]
     text = "Probability: that a model which is right is so far off. All tests together reject such a model in 1 % of cases."
     return Cells("Tests", ("test", "outcome", "probability", "found"), rows, text, right=frozenset({2}))
 
