@@ -276,14 +276,13 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
 
 def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
     """("name", "=", "value") of "name=value": at the first "=" behind the name of a variable of an FMU, which may hold some itself."""
-    from ..units.fmu import declared_signals
+    from ..scene.names import declared
 
     parts = text.split("=")
     for k in range(1, len(parts)):
         for name in ("=".join(parts[:k]), "=".join(parts[:k]).strip()):
             unit, variable = scene.split(name)
-            fmu = scene.units[unit].fmu if unit in scene.units else ""
-            if fmu and variable in declared_signals(fmu, f"units.{unit}.fmu"):
+            if variable in declared(scene, unit):
                 return name, "=", "=".join(parts[k:])
     name, equals, value = text.partition("=")
     return name.strip(), equals, value
@@ -291,18 +290,14 @@ def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
 
 def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
     """Changes of a scene that give units published parameters, each given as "unit=preset"."""
-    from ...components.catalogue import component_class
-
-    changes = {}
+    changes, classes = {}, scene.component_classes
     for text in texts:
         unit, equals, preset = (part.strip() for part in text.partition("="))
         if not (equals and preset):
             raise BadInput("--preset", repr(text), "unit=preset", "As in pantograph=DSA380.")
-        if unit not in scene.units or not scene.units[unit].component:
-            components = [name for name, u in scene.units.items() if u.component]
-            raise BadInput("--preset", f"unit {unit!r}", "a component of the scene", nearest(unit, components))
-        presets = component_class(scene.units[unit].component).presets
-        pick(preset, presets, "--preset", f"a preset of {scene.units[unit].component}")
+        if unit not in classes:
+            raise BadInput("--preset", f"unit {unit!r}", "a component of the scene", nearest(unit, classes))
+        pick(preset, classes[unit].presets, "--preset", f"a preset of {scene.kinds[unit].label}")
         changes[f"units.{unit}.preset"] = preset
     return changes
 
@@ -321,7 +316,7 @@ def loaded_scene(name: str, given: Mapping[str, Any] | None = None) -> Scene:
     from .schema import stale
 
     scene = load_scene(name, {place: value for place, value in (given or {}).items() if value is not None})
-    warn(stale(name, [unit.component for unit in scene.units.values()]))
+    warn(stale(name, [kind.value for kind in scene.kinds.values()]))
     return scene
 
 

@@ -135,9 +135,8 @@ def _build_native(
         if effects or values:
             raise BadInput("build", "--scene excludes --effects and --set: the scene sets both", "", "Remove them.")
         loaded = scene_of(scene, None, presets)
-        components = [unit for unit, settings in loaded.units.items() if settings.component]
-        _refuse_one_file(names or components)
-        works = {unit: partial(write, loaded, unit=unit) for unit in names or components}
+        _refuse_one_file(names or loaded.component_classes)
+        works = {unit: partial(write, loaded, unit=unit) for unit in names or loaded.component_classes}
     else:
         scenes = [name for name in names if is_scene(name)]
         if scenes:

@@ -186,7 +186,7 @@ def run(
     mode = verify_mode(verify, no_verify, ("whole", "full", "steps"))
     if in_process and native:
         raise BadInput("run", "--native and --in-process exclude each other", "", "Remove one.")
-    if all(unit.fmu for unit in loaded.units.values()):
+    if not loaded.component_classes:
         for option, wanted in (("--in-process", in_process), ("--native", native)):
             if wanted:
                 raise BadInput(option, "no effect with a scene of FMUs only", "", "Remove it.")
@@ -273,7 +273,7 @@ def _tolerance_of_effects(effects: list[str] | None, tolerance: str | None) -> f
 
 def _isolated(scene: Scene) -> dict[str, Any]:
     """Changes that put all foreign code of a scene into a sandbox; `BadInput` where there is none."""
-    foreign = [name for name, unit in scene.units.items() if unit.fmu or ":" in unit.component]
+    foreign = [name for name, kind in scene.kinds.items() if not kind.of_catalogue]
     if not foreign:
         raise BadInput(
             "--isolate",

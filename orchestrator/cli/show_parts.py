@@ -173,7 +173,7 @@ def fmu_variables(path: str) -> list[dict[str, Any]]:
 
 def _of_fmu(scene: Scene) -> dict[str, Any]:
     """Variables and ports of a scene that is one FMU."""
-    ((unit, settings),) = scene.units.items()
+    ((unit, kind),) = scene.kinds.items()
     interface = scene.coupling.interfaces[unit]
     ports = []
     for name, terminal in interface.terminals.items():
@@ -181,7 +181,7 @@ def _of_fmu(scene: Scene) -> dict[str, Any]:
         ways = ([m.name for m in members if m.variable in v] for v in (interface.inputs, interface.outputs))
         if members:  # not of an effect that is off
             ports.append({"name": name, **dict(zip(("inputs", "outputs"), ways, strict=True)), "matching": terminal.rule})
-    return {"variables": fmu_variables(settings.fmu), "ports": ports}
+    return {"variables": fmu_variables(kind.file), "ports": ports}
 
 
 def of_scene(
@@ -203,12 +203,12 @@ def of_scene(
         "units": [
             {
                 "name": unit,
-                "what": settings.signals or settings.component or settings.fmu,
+                "what": kind.value,
                 "title": interfaces[unit].title,
                 "effects": [e for e, why in interfaces[unit].effects.items() if why],
                 "steps": "Python" if unit in path.python else "",
             }
-            for unit, settings in scene.units.items()
+            for unit, kind in scene.kinds.items()
         ],
         **(_of_fmu(scene) if name.endswith(".fmu") else {}),
         "connections": [

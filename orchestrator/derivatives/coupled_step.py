@@ -13,7 +13,6 @@ from math import inf, lcm
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from ..engine.algorithms import Master
 from ..scene.scene import Scene
@@ -31,7 +30,7 @@ def sampling_periods(scene: Scene) -> dict[str, float]:
     return {
         place: period
         for place, period in numbers_in_use(scene, "period").items()
-        if component_class(scene.units[place.removesuffix(".period")].component, place).holds_outputs
+        if scene.component_classes[place.removesuffix(".period")].holds_outputs
     }
 
 

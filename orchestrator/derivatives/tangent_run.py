@@ -27,7 +27,6 @@ from ..scene.names import displaced
 from ..scene.scene import Scene
 from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
 from ..session.open_scene import OpenScene
-from ..units.component import ComponentSimulator
 
 WIDTH = 8  # directions at once
 CHUNK = 256  # macro steps of one call
@@ -207,11 +206,12 @@ class TangentScene:
 
     def take(self, master: Master) -> None:
         """The block as units and master of another opening of the scene stand; raises `BadInput` for units that are FMUs."""
-        self._refuse([f"{n.unit.name} (opened as an FMU)" for n in master.nodes if not isinstance(n.unit, ComponentSimulator)])
+        kernels: dict[str, Any] = {n.unit.name: n.unit.kernels for n in master.nodes}
+        self._refuse([f"{name} (opened as an FMU)" for name, component in kernels.items() if component is None])
         self._begin(())
         cells, own = self._arena.cells, [*self._ends, *self._changes, *(cell for cell, _, _ in self._addresses)]
         kept = cells[own].copy()
-        blocks = [(u.first, master.node_of[u.name].unit.component.block) for u in self.layout.units]  # type: ignore[attr-defined]
+        blocks = [(u.first, kernels[u.name].block) for u in self.layout.units]
         for first, block in (*blocks, (self.layout.at, master.records.block)):
             cells[first : first + block.cells] = block.memory
         cells[own] = kept

@@ -11,6 +11,7 @@ from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
 from ..scene.scene import Scene
 from ..session.open_scene import started
+from ..units.kinds import UnitKind
 from . import work
 from .advice import Advice, Stability
 from .thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
@@ -23,15 +24,12 @@ NOTHING_PROBED = Advice(Stability(), 0, 0.0, 0.0, 0.0)
 
 def not_executed(scene: Scene) -> list[str]:
     """The units whose code is foreign and in no sandbox: looking at a scene does not execute it."""
-    return [name for name, unit in scene.units.items() if unit.fmu and unit.isolation != "restricted"]
+    return [name for name, kind in scene.kinds.items() if kind.foreign and not kind.sandboxed]
 
 
 def why_not_executed(names: list[str]) -> str:
     """Why something of a scene is not known, for the reader."""
     return f"{', '.join(names)} {'is an FMU' if len(names) == 1 else 'are FMUs'}, and looking executes none"
-
-
-ISOLATION = {"none": "", "process": "in a separate process", "restricted": "in a sandbox"}
 
 
 def tables(scene: Scene, coupling: Coupling) -> Iterator[Table]:
@@ -40,13 +38,8 @@ def tables(scene: Scene, coupling: Coupling) -> Iterator[Table]:
         "units",
         ("unit", "component", "effects", "remarks"),
         [
-            (
-                name,
-                unit.signals or unit.component or unit.fmu,
-                ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
-                _remarks(name, scene),
-            )
-            for name, unit in scene.units.items()
+            (name, kind.value, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why), _remarks(kind))
+            for name, kind in scene.kinds.items()
         ]
         + [(contact.name, f"contact, {contact.law}", "", "") for contact in scene.contacts],
     )
@@ -110,11 +103,11 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
         )
 
 
-def _remarks(name: str, scene: Scene) -> str:
-    unit = scene.units[name]
+def _remarks(kind: UnitKind) -> str:
+    unit = kind.settings
     messages = [
         f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
-        ISOLATION[unit.isolation],
+        kind.isolation,
         unit.interface or "",
         unit.solver or "",
     ]

@@ -116,7 +116,7 @@ def place_of(scene: Scene) -> Kept:
 def _never_covered(scene: Scene) -> dict[str, str]:
     """What no repetition covers, each with what it is."""
     return {name: m.what for name, m in meshes_of(scene, random=True).items()} | {
-        name: "the mesh of an FMU, which is not known" for name, unit in scene.units.items() if not unit.component
+        name: "the mesh of an FMU, which is not known" for name in scene.units if name not in scene.component_classes
     }
 
 

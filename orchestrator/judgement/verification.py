@@ -8,7 +8,6 @@ refined as well, one after the other.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -132,7 +131,7 @@ def verified_result(
     begun, of_steps = process_time(), "auto" if wish == "steps" else wish
     whole = replace(result, scene=_with_whole_paths(result.scene))
     try:
-        foreign = any(unit.fmu for unit in result.scene.units.values())
+        foreign = any(kind.foreign for kind in result.scene.kinds.values())
         with interruptible(), working_directory.of_its_own(foreign):  # the first run's files stay
             if windows is not None and (windows.result or windows.why):
                 verification = _of_windows(result.scene, windows)
@@ -184,7 +183,7 @@ def _with_parameters(result: Result, verification: Verification, wish: Wish) -> 
 
 def _with_whole_paths(scene: Scene) -> Scene:
     """The scene as it is read in another working directory."""
-    paths = {f"units.{name}.fmu": os.path.abspath(u.fmu) for name, u in scene.units.items() if u.fmu and not os.path.isabs(u.fmu)}
+    paths = {name: path for kind in scene.kinds.values() for name, path in kind.whole_path().items()}
     return scene.with_changes(paths) if paths else scene
 
 
@@ -206,7 +205,7 @@ def _again(scene: Scene, changes: Mapping[str, Any]) -> tuple[Result | None, _Wh
         return None, _Why(str(error))
     if again.outcome == "stopped":
         raise Interrupted(Signals[again.info["signal"]])
-    where = " (in a working directory of its own)" if any(unit.fmu for unit in scene.units.values()) else ""
+    where = " (in a working directory of its own)" if any(kind.foreign for kind in scene.kinds.values()) else ""
     why = _Why(f"the run is {again.outcome}{where}: {again.message}", again.outcome == "unstable")
     return (again, _Why()) if again.outcome == "done" else (None, why)
 

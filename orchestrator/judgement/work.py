@@ -17,11 +17,9 @@ from collections.abc import Mapping
 from signal import Signals
 from typing import TYPE_CHECKING, Any
 
-from ...components.core.contract import KernelComponent
 from ..interrupts import Interrupted
 from ..scene.scene import Scene
 from ..units import Simulator
-from ..units.component import ComponentSimulator
 from .thresholds import BUDGET, PROBED, PROBED_STEPS
 
 if TYPE_CHECKING:
@@ -35,8 +33,8 @@ FOREIGN = 2000.0  # a call of an FMU or of a component in plain Python
 
 def of_calls(unit: Simulator, calls: float) -> float:
     """The work of so many calls of a unit that was initialized."""
-    if isinstance(unit, ComponentSimulator) and isinstance(unit.component, KernelComponent):
-        return calls * min(max(unit.component.x.size, 1), LARGEST)
+    if unit.kernels is not None:
+        return calls * min(max(unit.kernels.x.size, 1), LARGEST)
     return calls * FOREIGN
 
 
@@ -77,7 +75,7 @@ def shown(work: float, times: float, budgets: float = 1.0) -> str:
 
 def as_repeated(scene: Scene, in_process: bool) -> bool:
     """Whether a run has its units as a repetition would have them."""
-    return in_process or not any(unit.component for unit in scene.units.values())
+    return in_process or not scene.component_classes
 
 
 def to_count(scene: Scene) -> Scene:

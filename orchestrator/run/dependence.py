@@ -50,7 +50,7 @@ def _plain(part: Any, of: Part) -> Any:
         return _code((component_name(part),))
     if not isinstance(part, Scene):
         return part
-    data = _settings(part) | {"code": _code(tuple(sorted({unit.component for unit in part.units.values()} - {""})))}
+    data = _settings(part) | {"code": _code(tuple(sorted({name for kind in part.kinds.values() for name in kind.code})))}
     if of == "model":
         return _model(part, data)
     excluded = NO_RESULT | OF_ROWS
@@ -61,10 +61,7 @@ def _plain(part: Any, of: Part) -> Any:
 def _settings(scene: Scene) -> dict[str, Any]:
     """All settings, with contents in the place of paths."""
     data = scene.model_dump(mode="json")
-    for unit in data["units"].values():
-        unit["fmu"] = unit["fmu"] and digest_of(Path(unit["fmu"]).expanduser().read_bytes())
-        unit.pop("signals")  # the component has the digest of the table in its name
-    return data
+    return data | {"units": {name: kind.contents(data["units"][name]) for name, kind in scene.kinds.items()}}
 
 
 def _judged(scene: Scene) -> dict[str, Any]:

@@ -156,7 +156,9 @@ class Run:
             open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
         self.clock, self.units, self.master = open_scene.clock, open_scene.units, open_scene.master
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
-        self._own = [u for n, u in self.units.items() if isinstance(u, ComponentSimulator) and ":" in scene.units[n].component]
+        self._own = [
+            u for n, kind in scene.kinds.items() if isinstance(u := self.units[n], ComponentSimulator) and not kind.of_catalogue
+        ]
         # warnings of components, in FMUs too: they share this interpreter
         self._caught_warnings = []
         if self._stop is None:
@@ -443,7 +445,9 @@ class Run:
     def _answer(self, wish: WindowsWish) -> None:
         """Repeat windows of the run; units and account move: call it last."""
         if self.windows is not None:
-            with working_directory.of_its_own(any(unit.fmu for unit in self.scene.units.values())):  # the run's own files stay
+            with working_directory.of_its_own(
+                any(kind.foreign for kind in self.scene.kinds.values())
+            ):  # the run's own files stay
                 self.windows.answer(wish, self.signals.table.chunks())
         else:
             wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"

@@ -9,7 +9,7 @@ from typing import Any
 
 from ...components.catalogue import component_name
 from ...components.core.component import Component
-from ..units.signal_files import SUFFIXES
+from ..units.kinds import entry_of
 
 
 def unit(
@@ -27,12 +27,9 @@ def unit(
     settings: what else a unit of a scene may say, such as {"every": 2, "isolation": "process"}.
     """
     text = component_name(what) if isinstance(what, type) else str(what)
-    if text.endswith((".toml", ".ssd", ".ssp")):
-        kind = "scene"
-    else:
-        kind = "fmu" if text.endswith(".fmu") else "signals" if Path(text).suffix in SUFFIXES else "component"
+    entry = {"scene": text} if text.endswith((".toml", ".ssd", ".ssp")) else entry_of(text)
     given = {"effects": list(effects), "preset": preset, "parameters": parameters}
-    return {kind: text, **{key: value for key, value in given.items() if value}, **(settings or {})}
+    return {**entry, **{key: value for key, value in given.items() if value}, **(settings or {})}
 
 
 def scene_data(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from itertools import count
 from pathlib import Path
@@ -15,6 +14,7 @@ from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
 from ..settings.names import TABLE_FORM, prefixed, split_name
+from ..units.kinds import kind_of_entry
 from .files import read_file, read_text, scene_path
 from .modules import find_beside
 
@@ -124,11 +124,11 @@ def _located(unit: Any, folder: Path | None) -> Any:
     """A unit with absolute paths, and with the contents of the files that parameters name; its module, beside them, is found."""
     if folder is None or not isinstance(unit, Mapping):
         return unit
-    if isinstance(component := unit.get("component"), str) and ":" in component:
-        find_beside(component, folder, "component")
-    for key in ("fmu", "signals"):
-        if isinstance(path := unit.get(key), str):
-            return {**unit, key: str(folder.resolve() / os.path.expanduser(path))}
+    if (kind := kind_of_entry(unit, "")) is not None:
+        if kind.is_file:
+            return {**unit, kind.key: str(folder.resolve() / kind.value)}
+        if not kind.of_catalogue:
+            find_beside(kind.value, folder, "component")
     if isinstance(parameters := unit.get("parameters"), Mapping):
         return {**unit, "parameters": _with_contents(parameters, folder)}
     return unit

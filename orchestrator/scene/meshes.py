@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from ...components.core.variables import SEED, Kind
 from ..units.component import make
@@ -27,9 +26,9 @@ def meshes_of(scene: Scene, *, random: bool = False) -> dict[str, Mesh]:
     random: instead of them numbers of random parts, seeds and tables, whose error no coarser mesh shows.
     """
     meshes = {}
-    for name, unit in scene.units.items():
-        declared = component_class(unit.component, name).variables if unit.component else {}
-        chosen = {n: v for n, v in declared.items() if (_of_chance(v) if random else v.mesh in ("shorter", "more"))}
+    for name, cls in scene.component_classes.items():
+        unit = scene.units[name]
+        chosen = {n: v for n, v in cls.variables.items() if (_of_chance(v) if random else v.mesh in ("shorter", "more"))}
         if not any("." not in n or n.partition(".")[0] in unit.effects for n in chosen):
             continue
         component = make(name, unit)

@@ -12,25 +12,17 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import Variable
 from ..settings import SceneSettings, UnitSettings
 from ..settings.names import split_name
-from ..settings.units import TABLE_KEYS
-from ..units.fmu import declared_signals
+from ..units.kinds import KEYS, OF_A_KIND, UnitKind, kind_of
 
 AnyScene = TypeVar("AnyScene", bound=SceneSettings)
 TIMES = ("start_time", "stop_time", "master.step", "record.interval")  # settings that are times, s
-NUMERICAL = {  # real parameters by which nothing has a derivative
-    "substep": "it sets the numerical error alone",
-    "tolerance": "it sets the numerical error alone",
-    "period": "the instants of samples move, and with them the steps that they fall into",
-}
 TABLES = ("iteration.", "control.")  # of [master], with settings of their own
-KINDS = ("component", "fmu", "signals")  # of units; one takes the place of the other
 # of units, what a whole one does not take over from the one before
-OF_A_KIND = {*KINDS, *TABLE_KEYS, "preset", "effects", "parameters", "tolerances"}
+OF_ONE = {*OF_A_KIND, "preset", "effects", "parameters", "tolerances"}
 
 
 class Place(NamedTuple):
@@ -69,10 +61,9 @@ def place_of(scene: SceneSettings, name: str) -> Place:
             return Place(("units", unit, key, within), unit)
     elif not within:
         raise BadInput(where, repr(name), '"unit.parameter"', f"As {f'units.{name}'!r} it is the whole unit.")
-    elif scene.units[unit].component and within.startswith("effects."):
-        effect, effects = within.removeprefix("effects."), component_class(scene.units[unit].component, f"units.{unit}").effects
-        if effect not in effects:
-            raise BadInput(where, repr(name), f"an effect of {unit}", nearest(effect, effects))
+    elif within.startswith("effects.") and (cls := _kind(scene, unit).component_class) is not None:
+        if (effect := within.removeprefix("effects.")) not in cls.effects:
+            raise BadInput(where, repr(name), f"an effect of {unit}", nearest(effect, cls.effects))
         return Place(("units", unit, "effects"), unit, effect=effect)
     return Place(("units", unit, "parameters", within), unit, within)
 
@@ -113,7 +104,7 @@ def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[s
         elif len(place.keys) == 2 and place.unit:
             if not isinstance(value, Mapping):
                 raise BadInput(f"{scene.name}: {name}", repr(value), "a table of a unit, such as { component = ... }")
-            kept = {key: v for key, v in data["units"][place.unit].items() if key not in OF_A_KIND}
+            kept = {key: v for key, v in data["units"][place.unit].items() if key not in OF_ONE}
             data["units"][place.unit] = {**kept, **value}
         else:
             _set(data, place.keys, list(value) if isinstance(value, tuple) else value, f"{scene.name}: change of {name}")
@@ -144,8 +135,8 @@ def _set(data: dict[str, Any], keys: tuple[str, ...], value: Any, where: str) ->
     if isinstance(value, list):  # an array takes the place of all its elements
         for element in [key for key in table if key.startswith(f"{last}[")]:
             del table[element]
-    if last in KINDS and len(keys) == 3 and value:
-        for other in (*KINDS, *TABLE_KEYS):
+    if last in KEYS and len(keys) == 3 and value:  # a unit of another kind takes the place of this one
+        for other in OF_A_KIND:
             table.pop(other, None)
     table[last] = value
 
@@ -160,21 +151,19 @@ def check_effects(scene: Any, changes: Iterable[str], before: SceneSettings) -> 
 
 def declared(scene: SceneSettings, unit: str) -> Mapping[str, Any]:
     """All variables that a unit declares, by name: `Variable` of a component, `Signal` of an FMU; none of a contact."""
-    settings = scene.units.get(unit)
-    if settings is None:
-        return {}
-    if settings.component:
-        return component_class(settings.component, unit).variables
-    return declared_signals(settings.fmu, f"units.{unit}.fmu")
+    return _kind(scene, unit).variables if unit in scene.units else {}
+
+
+def _kind(scene: SceneSettings, unit: str) -> UnitKind:
+    return kind_of(scene.units[unit], f"units.{unit}")
 
 
 def parameter_of(scene: SceneSettings, name: str) -> Variable | None:
     """The parameter of a component that a name stands for, or the array that it is an element of; None for all else."""
     place = place_of(scene, name)
-    if not place.parameter or not scene.units[place.unit].component:
+    if not place.parameter or (cls := _kind(scene, place.unit).component_class) is None:
         return None
-    variables = component_class(scene.units[place.unit].component, place.unit).variables
-    return variables.get(place.parameter) or variables.get(place.parameter.partition("[")[0])
+    return cls.variables.get(place.parameter) or cls.variables.get(place.parameter.partition("[")[0])
 
 
 def measure_of(scene: SceneSettings, name: str) -> str:
@@ -184,20 +173,10 @@ def measure_of(scene: SceneSettings, name: str) -> str:
     return known.unit if (known := parameter_of(scene, name)) is not None else ""
 
 
-def numerical(component: str, parameter: str) -> str:
-    """Why nothing has a derivative by a parameter of a component, "" for an FMU, that sets the numerics; "" where none of these is.
-
-    A period is one of samples only where the component has samples; waves and tides have periods, too.
-    """
-    if parameter == "period" and not (component and component_class(component, parameter).holds_outputs):
-        return ""
-    return NUMERICAL.get(parameter, "")
-
-
 def numerical_of(scene: SceneSettings, names: Iterable[str]) -> dict[str, str]:
     """Those of some names of a scene that set the numerics, with the reason; raises `BadInput` as `place_of`."""
     places = ((n, place_of(scene, n)) for n in names)
-    reasons = ((n, numerical(scene.units[p.unit].component, p.parameter)) for n, p in places if p.parameter)
+    reasons = ((n, _kind(scene, p.unit).numerical(p.parameter)) for n, p in places if p.parameter)
     return {n: reason for n, reason in reasons if reason}
 
 

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import tomli_w
 from pydantic import PrivateAttr, ValidationError
 
-from ...components.catalogue import component_class
+from ...components.core.component import Component
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import port_of
 from ..engine.coupling import Coupling, expanded_connection, resolve_coupling
@@ -24,12 +24,13 @@ from ..settings import AnalysisKeys, ConnectionSettings, MasterSettings, SceneSe
 from ..settings.messages import one_message
 from ..settings.names import ARROW, readings, split_name
 from ..settings.study import wanted
+from ..units.kinds import UnitKind, component_classes, kinds_of, prepared
 from ..units.signal_files import read_signals
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
 from .names import changed_settings, check_effects, is_setting
-from .written_units import with_numbers, with_tables
+from .written_units import with_numbers
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
 Keys = TypeVar("Keys", bound=AnalysisKeys)
@@ -67,6 +68,16 @@ class Scene(SceneSettings):
         return getattr(self._models, "views", None)
 
     @property
+    def kinds(self) -> dict[str, UnitKind]:
+        """What each unit is, by its name."""
+        return kinds_of(self.units)
+
+    @property
+    def component_classes(self) -> dict[str, type[Component]]:
+        """The classes of the units that are components, by the names of the units."""
+        return component_classes(self.units)
+
+    @property
     def arrows(self) -> tuple[str, ...]:
         """Every connection as "unit.output -> unit.input", joined ports by their members."""
         return tuple(f"{source} -> {target}" for source, target in self.ends)
@@ -89,7 +100,6 @@ class Scene(SceneSettings):
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""
         interfaces = self.coupling.interfaces
-        declared = {n: component_class(u.component).ports if u.component else {} for n, u in self.units.items()}
         signals: dict[tuple[str, str], list[str]] = {}
         ports: dict[tuple[str, str], set[str]] = {}
         for link in (*self.coupling.links, *self.coupling.texts):
@@ -98,14 +108,13 @@ class Scene(SceneSettings):
                 names[0] if names[0] == names[1] else " to ".join(names)
             )
             ports.setdefault((link.source[0], link.target[0]), set()).add(
-                next(filter(None, (port_of(n, declared.get(u, {})) for u, n in (link.source, link.target))), "")
+                next(filter(None, (port_of(n, interfaces[u].ports) for u, n in (link.source, link.target))), "")
             )
         boxes = [Box(contact.name, (f"contact, {contact.law}",)) for contact in self.contacts]
-        for name, unit in self.units.items():
+        for name, kind in self.kinds.items():
             effects = [e for e, why in interfaces[name].effects.items() if why]
-            kind = Path(unit.signals or unit.fmu).name or unit.component.rpartition(":")[2]
-            hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
-            boxes.append(Box(name, (kind, ", ".join(effects)), hint))
+            hint = "\n".join((f"{name}: {interfaces[name].title or kind.label}", *(f"effect {e}" for e in effects)))
+            boxes.append(Box(name, (kind.label, ", ".join(effects)), hint))
         return draw(
             boxes,
             (
@@ -222,7 +231,7 @@ def read_scene(
     """
     models = analysis or {}
     data, more = expanded(data, name, folder)
-    data = _with_place_of_limits(with_numbers(with_tables(data, name), name), folder)
+    data = _with_place_of_limits(with_numbers(_prepared(data, name), name), folder)
     try:
         scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
     except ValidationError as error:
@@ -231,8 +240,16 @@ def read_scene(
         scene.__pydantic_fields_set__.discard("analysis")
     scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
     _check_quantities(scene)
-    _check_tables(scene)
+    for kind in scene.kinds.values():
+        kind.refuse_run(scene.start_time, scene.stop_time, name)
     return scene if scene.limits is None or scene.views is None else scene.views.with_limits(scene)
+
+
+def _prepared(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
+    """The data of a scene with what the kinds of its units make of their entries."""
+    if not isinstance(units := data.get("units"), Mapping):
+        return data
+    return {**data, "units": {name: prepared(entry, f"{scene}: units.{name}") for name, entry in units.items()}}
 
 
 def _with_place_of_limits(data: Mapping[str, Any], folder: Path | None) -> Mapping[str, Any]:
@@ -268,26 +285,6 @@ def _check_quantities(scene: Scene) -> None:
     for text in scene.study.quantities:
         if (signal := wanted(text).signal) not in outputs:
             raise BadInput(f"{scene.name}: study.quantities", repr(signal), "an output of a unit", nearest(signal, outputs))
-
-
-def _check_tables(scene: Scene) -> None:
-    """Refuse a run that a table of signals does not cover, unless it goes on there."""
-    for name, unit in scene.units.items():
-        if unit.signals and unit.parameters.get("outside", "refuse") == "refuse":
-            table = component_class(unit.component).table  # type: ignore[attr-defined]
-            shift = float(unit.parameters.get("start", 0.0))
-            first, last, doubt = (
-                table[0, 0] + shift,
-                table[-1, 0] + shift,
-                1e-12 * max(abs(scene.stop_time), abs(scene.start_time)),
-            )
-            if scene.start_time < first - doubt or scene.stop_time > last + doubt:
-                raise BadInput(
-                    f"{scene.name}: units.{name}",
-                    f"a run from {scene.start_time:.9g} to {scene.stop_time:.9g} s",
-                    f"a run within {Path(unit.signals).name}, {first:.9g} to {last:.9g} s",
-                    'Change stop_time or start, or write outside = "hold" or "repeat".',
-                )
 
 
 def _analysis(table: Any, name: str, models: Models) -> Any:

@@ -9,7 +9,6 @@ from functools import wraps
 from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from ...components.core.variables import Causality
 from ..units.component import make
@@ -37,9 +36,7 @@ class MadeRun(NamedTuple):
 def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
     """Place in the scene -> value, of a parameter of this name in every component that has and uses it."""
     components = {
-        name: make(name, unit)
-        for name, unit in scene.units.items()
-        if unit.component and parameter in component_class(unit.component, name).variables
+        name: make(name, scene.units[name]) for name, cls in scene.component_classes.items() if parameter in cls.variables
     }
     return {
         f"{name}.{parameter}": float(component.get(parameter))
@@ -58,7 +55,7 @@ def late_samples(scene: Scene) -> list[str]:
     texts = []
     for place, period in numbers_in_use(scene, "period").items():
         unit = place.removesuffix(".period")
-        if not component_class(scene.units[unit].component, unit).holds_outputs:
+        if not scene.component_classes[unit].holds_outputs:
             continue
         step = scene.units[unit].every * scene.master.step
         parts = (period / step, scene.start_time / step)
@@ -83,12 +80,11 @@ def meshes(scene: Scene) -> dict[str, float]:
     lengths = {}
     for name in scene.study.mesh:
         unit, parameter = scene.split(name)
-        given = scene.units.get(unit)
-        if given is None or not given.component or not parameter:
+        if (cls := scene.component_classes.get(unit)) is None or not parameter:
             raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
-        variable = component_class(given.component, unit).variables.get(parameter)
+        variable = cls.variables.get(parameter)
         known = variable is not None and variable.causality is Causality.PARAMETER
-        value = make(unit, given).get(parameter) if known else None
+        value = make(unit, scene.units[unit]).get(parameter) if known else None
         if not isinstance(value, float):
             raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
         lengths[f"{unit}.{parameter}"] = value

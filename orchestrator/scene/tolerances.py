@@ -37,7 +37,7 @@ def tolerances_of(scene: Scene) -> Tolerances | None:
     """Those of a scene, None without any; raises `BadInput` for a share of 0, and for correlations that cannot be together."""
     values, deviations = {}, {}
     for unit, settings in scene.units.items():
-        component = make(unit, settings) if settings.tolerances and settings.component else None
+        component = make(unit, settings) if settings.tolerances and unit in scene.component_classes else None
         for name, tolerance in settings.tolerances.items():
             start = component.get(name) if component is not None else declared(scene, unit)[name].start
             value = values[f"{unit}.{name}"] = float(settings.parameters.get(name, start) if component is None else start)
@@ -75,8 +75,7 @@ def with_tolerances(scene: Scene, names: Sequence[str], covariance: np.ndarray) 
         if not place.parameter:
             continue
         with suppress(BadInput):
-            unit = scene.units[place.unit]
-            tolerance_of(unit.component, unit.fmu, place.parameter, float(deviations[k]), name)
+            tolerance_of(scene.kinds[place.unit], place.parameter, float(deviations[k]), name)
             units.setdefault(place.unit, dict(scene.units[place.unit].tolerances))[place.parameter] = float(deviations[k])
             known.append((f"{place.unit}.{place.parameter}", k))
     pairs = {  # of deviations that are 0 there is none

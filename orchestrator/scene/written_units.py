@@ -2,49 +2,20 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from math import inf
 from typing import Any
 
 import numpy as np
 
-from ...components.catalogue import component_class
 from ...components.core.columns import name_and_unit
-from ...components.core.component import TABLES
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import conversion_of, is_quantity, number_in, plain
 from ...components.core.variables import Causality, Kind
 from ..settings.model import flattened
 from ..settings.names import split_name
-from ..settings.units import TABLE_KEYS
-from ..units.fmu import declared_parameters, declared_signals
-from ..units.signal_files import read_signals
-from .names import TIMES, declared, numerical, place_of
-
-Convert = Callable[[str, str], Any]  # (name of a parameter, text) -> number, or the text where it is one
-
-
-def with_tables(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
-    """The data of a scene with the components that are made of tables of signals, and what their units say of them as parameters."""
-    if not isinstance(units := data.get("units"), Mapping):
-        return data
-    return {**data, "units": {name: _with_table(unit, f"{scene}: units.{name}") for name, unit in units.items()}}
-
-
-def _with_table(unit: Any, where: str) -> Any:
-    path = unit.get("signals") if isinstance(unit, Mapping) else None
-    if not path or not isinstance(path, str):
-        return unit
-    parameters = unit.get("parameters", {})
-    for key in ("component", "fmu"):
-        if (other := unit.get(key)) and not str(other).startswith(TABLES):
-            raise BadInput(where, f"{key} and signals exclude each other", "", "Remove one.")
-    keys = {key: unit[key] for key in TABLE_KEYS if unit.get(key) is not None}
-    if isinstance(parameters, Mapping):
-        parameters = {**keys, **parameters}
-    others = {key: value for key, value in unit.items() if key not in TABLE_KEYS}
-    return {**others, "component": read_signals(os.path.expanduser(path), f"{where}.signals").__name__, "parameters": parameters}
+from ..units.kinds import UnitKind, kind_of_entry
+from .names import TIMES, declared, place_of
 
 
 def with_numbers(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
@@ -68,21 +39,19 @@ def _with_tolerances(unit: Any, where: str) -> Any:
     given = unit.get("tolerances") if isinstance(unit, Mapping) else None
     if not isinstance(given, Mapping) or not given:
         return unit
-    component, fmu = (value if isinstance(value := unit.get(key), str) else "" for key in ("component", "fmu"))
-    if not component and not fmu:
+    if (kind := kind_of_entry(unit, where)) is None:
         return unit
-    return {**unit, "tolerances": {n: tolerance_of(component, fmu, n, t, f"{where}.tolerances.{n}") for n, t in flattened(given)}}
+    return {**unit, "tolerances": {n: tolerance_of(kind, n, t, f"{where}.tolerances.{n}") for n, t in flattened(given)}}
 
 
-def tolerance_of(component: str, fmu: str, name: str, tolerance: Any, where: str) -> float | str:
-    """That of a parameter of a component or an FMU: a number in its unit, or a share as it is written. Raises `BadInput`."""
-    variables: Mapping[str, Any] = component_class(component, where).variables if component else declared_parameters(fmu, where)
-    variable = variables.get(name)
+def tolerance_of(kind: UnitKind, name: str, tolerance: Any, where: str) -> float | str:
+    """That of a parameter of a unit: a number in its unit, or a share as it is written. Raises `BadInput`."""
+    variable = (known := kind.parameters).get(name)
     if variable is None:
-        raise BadInput(where, repr(name), "a parameter", nearest(name, variables))
+        raise BadInput(where, repr(name), "a parameter", nearest(name, known))
     real = variable.kind in (Kind.REAL, Kind.REAL.value)
     parameter = getattr(variable, "causality", Causality.PARAMETER) is Causality.PARAMETER
-    structural, numbers = getattr(variable, "structural", ""), numerical(component, name)  # why
+    structural, numbers = getattr(variable, "structural", ""), kind.numerical(name)  # why
     if not real or not parameter or structural or numbers:
         reason = numbers or structural or "nothing has a derivative by it"
         raise BadInput(where, f"{name}: {reason}", "a real parameter that is not structural", "Remove it.")
@@ -123,24 +92,16 @@ def _in_axis(name: str, value: Any, units: Mapping[str, Any], where: str) -> Any
     unit, rest = split_name(plain, units)
     if unit not in units or not rest:
         return number_in(value, "s", f"{where}: {name}") if name in TIMES else value
-    convert = _convert(units[unit], f"{where}: {unit}")
-    return value if convert is None else convert(rest.removeprefix("parameters."), value)
+    kind = kind_of_entry(units[unit], f"{where}: {unit}")
+    return value if kind is None else kind.number_of(rest.removeprefix("parameters."), value)
 
 
 def _unit(unit: Any, where: str) -> Any:
     parameters = unit.get("parameters") if isinstance(unit, Mapping) else None
     if not isinstance(parameters, Mapping) or not _has_quantity(parameters):
         return unit
-    convert = _convert(unit, where)
-    return unit if convert is None else {**unit, "parameters": _converted(parameters, "", convert)}
-
-
-def _convert(unit: Any, where: str) -> Convert | None:
-    """How texts become numbers of a unit's parameters; None for a unit that is neither a component nor an FMU."""
-    for key, of in (("component", _of_component), ("fmu", _of_fmu)):
-        if isinstance(unit, Mapping) and isinstance(unit.get(key), str) and unit[key]:
-            return of(unit[key], where)
-    return None
+    kind = kind_of_entry(unit, where)
+    return unit if kind is None else {**unit, "parameters": _converted(parameters, "", kind)}
 
 
 def _has_quantity(value: Any) -> bool:
@@ -149,40 +110,13 @@ def _has_quantity(value: Any) -> bool:
     return any(map(_has_quantity, value)) if isinstance(value, list | tuple) else is_quantity(value)
 
 
-def _converted(value: Any, name: str, convert: Convert) -> Any:
+def _converted(value: Any, name: str, kind: UnitKind) -> Any:
     """A parameter, or a table or list of them, with numbers in the place of texts."""
     if isinstance(value, Mapping):
-        return {key: _converted(inner, f"{name}.{key}" if name else str(key), convert) for key, inner in value.items()}
+        return {key: _converted(inner, f"{name}.{key}" if name else str(key), kind) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_converted(inner, name, convert) for inner in value]
-    return convert(name, value) if is_quantity(value) else value
-
-
-def _of_component(component: str, where: str) -> Convert:
-    declared = component_class(component, where).variables
-
-    def convert(name: str, text: str) -> Any:
-        whole = name.partition("[")[0]
-        variable = declared.get(name) or declared.get(whole) or declared.get(f"{whole}[1]")
-        return text if variable is None else variable.number_of(text, f"{where}.parameters.{name}")
-
-    return convert
-
-
-def _of_fmu(path: str, where: str) -> Convert:
-    """By the units of measure that the FMU declares."""
-    signals = declared_signals(path, f"{where}.fmu")
-
-    def convert(name: str, text: str) -> Any:
-        signal = signals.get(name) or signals.get(f"{name}[1]")
-        if signal is None or signal.kind != "real":
-            return text
-        place = f"{where}.parameters.{name}"
-        if not signal.unit:
-            raise BadInput(place, repr(text), "a number alone, as the FMU does not say in which unit it is")
-        return number_in(text, signal.unit, place, signal.measure, signal.relative)
-
-    return convert
+        return [_converted(inner, name, kind) for inner in value]
+    return kind.number_of(name, value) if is_quantity(value) else value
 
 
 def scaled_names(scene: Any, texts: Iterable[str], where: str) -> tuple[tuple[str, ...], np.ndarray]:

@@ -31,8 +31,7 @@ HEAD = ("time", "steps", "start", "asked")  # cells before the first unit
 def in_python(scene: Scene) -> list[str]:
     """What of a scene is no kernel, as its settings say."""
     master = scene.master
-    reasons = [f"{name} (an FMU)" for name, unit in scene.units.items() if not (unit.component or unit.signals)]
-    reasons += [f"{name} (in a process of its own)" for name, unit in scene.units.items() if unit.isolation != "none"]
+    reasons = [f"{name} ({kind.outside})" for name, kind in scene.kinds.items() if kind.outside]
     reasons += [f"{contact.name} (a contact)" for contact in scene.contacts]
     reasons += ["step control"] * (master.control is not None)
     reasons += ["events of units"] * bool(scene.coupling.events) + ["texts between units"] * bool(scene.coupling.texts)
@@ -43,8 +42,7 @@ def stepped_in_python(scene: Scene, master: Master) -> list[str]:
     """What of an open scene is no kernel."""
     reasons = [] if master.in_batches else [f"the algorithm {scene.master.algorithm!r}, or an algebraic loop"]
     units = [node.unit for node in master.nodes]
-    kernels = {u.name for u in units if isinstance(u, ComponentSimulator) and isinstance(u.component, KernelComponent)}
-    return reasons + [f"{unit.name} (a component in plain Python)" for unit in units if unit.name not in kernels]
+    return reasons + [f"{unit.name} (a component in plain Python)" for unit in units if unit.kernels is None]
 
 
 @dataclass(frozen=True)
@@ -95,7 +93,8 @@ class Layout:
         layouts: dict[Any, int] = {}
         first = len(HEAD)
         for node in master.nodes:
-            component: KernelComponent = node.unit.component  # type: ignore[attr-defined]
+            component = node.unit.kernels
+            assert component is not None
             component._prepare()
             assert component.block is not None
             key = type(component), tuple(component.block.in_order()), component.on

@@ -59,7 +59,7 @@ def fault_changes(scene: Scene) -> Changes:
     early = [i for i, fault in enumerate(scene.faults) if acts_from_start(fault, scene.start_time)]
     changes = changes_of(scene.faults, early, lambda time: int((Fraction(repr(time)) - start) / step))
     times = jump_times(scene, inf)
-    repeated = [name for name, unit in scene.units.items() if unit.signals and unit.parameters.get("outside") == "repeat"]
+    repeated = [name for name, kind in scene.kinds.items() if kind.repeats]
     if times and repeated:
         where = f"build {scene.name} --native: units.{repeated[0]}"
         raise BadInput(where, "signals that jump, beside a table without end", "tables that are not repeated, or do not jump")

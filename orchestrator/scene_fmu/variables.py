@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from ...components.catalogue import component_class
 from ...components.core.variables import port_of
 from ...fmus.interface import interface
 from ...fmus.native.instance import Places
@@ -19,10 +17,7 @@ from .layout import Layout
 
 def described(scene: Scene) -> SimpleNamespace:
     """What texts and attributes of the FMU come from, with the names that classes of components have."""
-    units = "\n".join(
-        f"    {name}: {Path(unit.signals).name or unit.component}" + (f", {', '.join(unit.effects)}" if unit.effects else "")
-        for name, unit in scene.units.items()
-    )
+    units = "\n".join(f"    {', '.join((f'{name}: {kind.label}', *kind.settings.effects))}" for name, kind in scene.kinds.items())
     arrows = "\n".join(f"    {arrow}" for arrow in scene.arrows)
     master = f"    {scene.master.algorithm}, macro step {scene.master.step:g} s"
     text = f"{scene.title}\n\nUnits:\n{units}\n\nConnections:\n{arrows}\n\nMaster algorithm:\n{master}"
@@ -55,10 +50,9 @@ def open_ports(scene: Scene) -> dict[str, tuple[str, ...]]:
     linked = {end for link in scene.coupling.links for end in (link.source, link.target)}
     names, ports = names_of(scene), dict[str, tuple[str, ...]]()
     for unit, of in scene.coupling.interfaces.items():
-        declared = component_class(scene.units[unit].component).ports
-        for port in declared:
+        for port in of.ports:
             members = [
-                (c, n) for c, all_ in (("input", of.inputs), ("output", of.outputs)) for n in all_ if port_of(n, declared) == port
+                (c, n) for c, all_ in (("input", of.inputs), ("output", of.outputs)) for n in all_ if port_of(n, of.ports) == port
             ]
             if not linked & {(unit, n) for _, n in members}:
                 ports[f"{unit}.{port}"] = tuple(s for c, n in members for s in names.get((c, unit, n), [f"{unit}.{n}"]))

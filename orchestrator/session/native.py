@@ -13,7 +13,7 @@ from ...fmus.native.build import built, own_target
 from ..engine.stepping.faults import Faults
 from ..run.run_info import scene_info
 from ..scene.scene import Scene
-from ..units.component import ComponentSimulator, make
+from ..units.component import make
 from ..units.native import NativeFmu
 from .open_scene import OpenScene
 
@@ -22,8 +22,8 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     """Values of all inputs with which each component is initialized in process; with feed-through they change behind it."""
     alone = {
         f"units.{n}.{key}": value
-        for n, unit in scene.units.items()
-        if unit.component and unit.isolation != "none"
+        for n, kind in scene.kinds.items()
+        if kind.component_class and kind.in_worker
         for key, value in (("isolation", "none"), ("time_limit", None))
     }
     scene = scene.with_changes(alone) if alone else scene
@@ -31,7 +31,7 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
         open_scene = OpenScene(scene, stack, in_process=True)
         Faults(scene.faults, scene.coupling, open_scene.master, open_scene.clock).before_start()
         open_scene.master.initialize_units(scene.start_time)
-        components = {n: u.component for n, u in open_scene.units.items() if isinstance(u, ComponentSimulator)}
+        components = {n: u.component for n, u in open_scene.units.items() if u.component is not None}
         return {n: dict(zip(c.inputs, c.u[0].tolist(), strict=True)) for n, c in components.items()}
 
 
@@ -55,9 +55,9 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
     """
     if not own_target():
         raise BadInput("--native", "this machine", "Linux on x86-64 or ARM64, Windows on x86-64", "Remove --native.")
-    fmus = {}
+    fmus, kinds = {}, scene.kinds
     for unit, maker in makers(scene).items():
-        if scene.units[unit].signals:  # a table runs in this process, see `open_unit`
+        if not kinds[unit].has_native_form:
             continue
         component = maker()
         try:
@@ -76,6 +76,6 @@ def with_native_fmus(scene: Scene) -> Scene:
     for name, fmu in native_fmus(scene).items():
         unit = scene.units[name]
         inputs = {n: value for n, value in unit.parameters.items() if n in fmu.starts}
-        replaced = {"component": "", "preset": "", "effects": (), "fmu": fmu.path, "parameters": inputs}
+        replaced = {"preset": "", "effects": (), "fmu": fmu.path, "parameters": inputs}
         changes |= {f"units.{name}.{key}": value for key, value in replaced.items()}
     return scene.with_changes(changes)

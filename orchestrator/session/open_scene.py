@@ -26,7 +26,6 @@ from ..scene.names import place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import late_samples
 from ..units import Simulator, open_unit
-from ..units.component import ComponentSimulator
 from ..units.exit_guard import ExitGuard
 from ..units.interface import Span
 from .state import State
@@ -97,7 +96,7 @@ def remarks_of(scene: Scene, units: Mapping[str, Simulator]) -> list[str]:
     """What a user should know of a scene before it is run; units: that were started for it."""
     remarks = {name: interface.remarks for name, interface in scene.coupling.interfaces.items()}
     for name, unit in units.items():  # one that was begun anew has other numbers than its interface was made of
-        if isinstance(unit, ComponentSimulator):
+        if unit.component is not None:
             remarks[name] = tuple(unit.component.doubts(scene.units[name].parameters))
     return [
         *scene.remarks,
@@ -130,7 +129,7 @@ class OpenScene:
         """
         self.scene = scene
         self.clock = clock_for(scene, scene.coupling)
-        stack.enter_context(ExitGuard([n for n, unit in scene.units.items() if unit.fmu and unit.isolation == "none"], rescue))
+        stack.enter_context(ExitGuard([n for n, kind in scene.kinds.items() if kind.foreign and not kind.in_worker], rescue))
         self.units: dict[str, Simulator] = {}
         controlled = scene.master.control is not None and all(i.saves_state for i in scene.coupling.interfaces.values())
         span = Span(scene.start_time, scene.stop_time, parts=not controlled)
@@ -183,16 +182,18 @@ class OpenScene:
         return self._able and all(self._number(name) is not None for name in changes)
 
     @cached_property
+    def _kernels(self) -> dict[str, KernelComponent]:
+        """The components of the units whose steps are kernels."""
+        return {name: unit.kernels for name, unit in self.units.items() if unit.kernels is not None}
+
+    @cached_property
     def _able(self) -> bool:
         """Whether all units can be begun anew: whatever a run changes of them lies in the blocks of kernels."""
         scene, master = self.scene, self.master
-        kernels = all(
-            isinstance(unit, ComponentSimulator) and isinstance(unit.component, KernelComponent) for unit in self.units.values()
-        )
         inherited = ("set", "initialize", "_prepare", "_parameters")
-        own = [type(u.component) for n, u in self.units.items() if ":" in scene.units[n].component] if kernels else []  # type: ignore[attr-defined]
+        own = [type(c) for name, c in self._kernels.items() if not scene.kinds[name].of_catalogue]
         return (
-            kernels
+            self._kernels.keys() == self.units.keys()
             and master.in_batches
             and not (scene.faults or scene.contacts or scene.master.control or scene.master.energy_correction)
             and all(getattr(c, name) is getattr(KernelComponent, name) for c in own for name in (*inherited, "_initialize"))
@@ -205,8 +206,8 @@ class OpenScene:
         unit, name = place.unit, place.parameter
         if not name:
             return None
-        component = self.units[unit].component  # type: ignore[attr-defined]
-        known = type(component).variables.get(name)
+        component = self._kernels[unit]
+        known: Any = type(component).variables.get(name)
         whole = name.partition("[")[0]
         if name not in component.parameters or known.structural or (whole != name and whole in self.scene.units[unit].parameters):
             return None
@@ -218,8 +219,8 @@ class OpenScene:
         Raises `BadInput`.
         """
         if self._begin is None:
-            components = [unit.component for unit in self.units.values()]  # type: ignore[attr-defined]
-            self._begin = self.master.records.block.memory.copy(), [(c, dict(c.parameters), c.u.copy()) for c in components]
+            before = [(c, dict(c.parameters), c.u.copy()) for c in self._kernels.values()]
+            self._begin = self.master.records.block.memory.copy(), before
         cells, starts = self._begin
         self.master.begin_anew(cells)
         for component, parameters, u in starts:
@@ -228,10 +229,10 @@ class OpenScene:
         units = dict(self.scene.units)
         for change, value in changes.items():
             unit, name = self._number(change)  # type: ignore[misc]
-            self.units[unit].component.set(name, value)  # type: ignore[attr-defined]
+            self._kernels[unit].set(name, value)
             units[unit] = units[unit].model_copy(update={"parameters": {**units[unit].parameters, name: value}})
         for unit, settings in units.items():
-            self.units[unit].component.refuse_unused(settings.parameters)  # type: ignore[attr-defined]
+            self._kernels[unit].refuse_unused(settings.parameters)
         return self.scene.model_copy(update={"units": units})
 
 

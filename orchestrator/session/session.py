@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...components.core.measure import is_quantity, number_in
 from ...components.core.variables import SEED
@@ -176,9 +175,9 @@ class Session:
         """Parameters of the scene that are a seed, by name; of effects that are on."""
         return [
             f"{unit}.{name}"
-            for unit, settings in self._scene.units.items()
-            for name, v in (component_class(settings.component, unit).variables if settings.component else {}).items()
-            if v.structural == SEED and name.rpartition(".")[0] in {*settings.effects, ""}
+            for unit, cls in self._scene.component_classes.items()
+            for name, v in cls.variables.items()
+            if v.structural == SEED and name.rpartition(".")[0] in {*self._scene.units[unit].effects, ""}
         ]
 
     def close(self) -> None:

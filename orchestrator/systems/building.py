@@ -115,7 +115,7 @@ def natives(
             return _of_scene(scene, output, targets, standards, derivatives, evidence, say)
         from ..session.native import makers
 
-        if unit not in (known := [name for name, settings in scene.units.items() if settings.component]):
+        if unit not in (known := scene.component_classes):
             raise BadInput("build --scene", f"unit {unit!r}", f"a component of the scene {scene.name}", nearest(unit, known))
         name, make = unit, makers(scene, [unit])[unit]
     else:

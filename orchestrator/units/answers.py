@@ -6,7 +6,7 @@ a table in a table, so that none grows when it is read.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from math import isfinite
 from typing import Any
 
@@ -58,10 +58,10 @@ def read_texts(content: Any, n: int) -> list[str]:
     return list(texts)
 
 
-def read_parameters(content: Any, known: Callable[[], Collection[str]] | None) -> dict[str, Any]:
-    """Values of parameters by name; `known` gives the names that the unit has, elements of arrays aside."""
+def read_parameters(content: Any, known: Collection[str] | None) -> dict[str, Any]:
+    """Values of parameters by name; known: the names that the unit has, elements of arrays aside; None: any."""
     table = _read_table(content)
-    names = table if known is None else known()
+    names = table if known is None else known
     for name, value in table.items():
         if type(value) not in SCALARS or not (name in names or name.partition("[")[0] in names):
             raise ValueError(f"no parameter {name}")

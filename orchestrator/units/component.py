@@ -12,18 +12,10 @@ from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import StepFailed
 from ...components.core.kernels import COMPILED
-from ...components.core.signals import Signals
-from ...components.core.variables import Kind as VariableKind
 from ..settings import UnitSettings
 from .call_names import FAILED, IN_MEMORY
 from .call_table import Callback, CallTable
-from .interface import ARRAY_THRESHOLD, Interface, Kind, PlainSimulator, PortValues, Signal
-
-KINDS: dict[VariableKind, Kind] = {
-    VariableKind.REAL: "real",
-    VariableKind.INTEGER: "integer",
-    VariableKind.BOOLEAN: "boolean",
-}  # of outputs
+from .interface import ARRAY_THRESHOLD, PlainSimulator, PortValues
 
 
 def make(name: str, settings: UnitSettings) -> Component:
@@ -32,49 +24,6 @@ def make(name: str, settings: UnitSettings) -> Component:
     component = cls(settings.effects, settings.parameters, preset=settings.preset, name=name)
     component.refuse_unused(settings.parameters)
     return component
-
-
-def table_of(settings: UnitSettings) -> type[Signals]:
-    """The class of a unit of signals."""
-    table = component_class(settings.component)
-    assert issubclass(table, Signals)
-    return table
-
-
-def describe_component(name: str, settings: UnitSettings) -> Interface:
-    """The interface of a component with the scene's effects."""
-    component = make(name, settings)
-    cls, variables = type(component), type(component).variables
-    preset = cls.presets[settings.preset].effects if settings.preset else ()
-    named, by_preset = dict.fromkeys(settings.effects, "named in the scene"), dict.fromkeys(preset, f"preset {settings.preset!r}")
-    return Interface(
-        title=cls.title,
-        inputs={n: Signal(n, v.unit, component[n], v.nominal, moving=v.moving) for n in component.inputs for v in [variables[n]]},
-        outputs={
-            n: Signal(
-                n,
-                v.unit,
-                0.0,
-                v.nominal,
-                tuple(i for i in component.inputs if _feeds(i, v.feedthrough)),
-                KINDS[v.kind],
-                component.is_discrete(n),
-            )
-            for n in component.outputs
-            for v in [variables[n]]
-        },
-        effects={e: named.get(e) or by_preset.get(e, "") for e in cls.effects},
-        set_inputs=frozenset(settings.parameters) & frozenset(component.inputs),
-        ports=cls.ports,
-        port_members=cls.port_members,
-        is_discontinuous=isinstance(component, Signals) and component.is_discontinuous,
-        remarks=tuple(component.doubts(settings.parameters)),
-    )
-
-
-def _feeds(name: str, declared: tuple[str, ...]) -> bool:
-    """Whether an input is among declared names, as itself or as an element of a declared array."""
-    return name in declared or name.partition("[")[0] in declared
 
 
 def _stretch(positions: np.ndarray) -> Any:
@@ -100,10 +49,12 @@ class ComponentSimulator(PlainSimulator):
     """A component as a unit; inputs and outputs are views of the component's own arrays. It has no events and no texts."""
 
     kind = "in process"
+    component: Component
     written: list[np.ndarray] | None = None  # all arrays that compiled steps write; None where Python is in a step or a state
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component
+        self.kernels = component if isinstance(component, KernelComponent) else None
         self.starts = 0  # how often it was initialized; its arrays are others each time
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:

@@ -65,6 +65,7 @@ class FmuSimulator:
     step: Callable[[float, float], None]
     _sizes: Callable[[], tuple[int, int]]  # numbers of continuous states and of event indicators
     event: float | None = None
+    component = kernels = None  # its arrays lie elsewhere
     time_of_step: Callable[[], float] | None = None  # s, where compiled code takes the steps
     next_event = float("inf")  # s, where the FMU asks for an event
     _parts: ShorterSteps  # of an FMU for co-simulation, from `wire` on

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from ...components.core.errors import StepFailed
 from ...components.core.measure import Unit as Measure
 from .terminals import Terminals
+
+if TYPE_CHECKING:
+    from ...components.core.component import Component
+    from ...components.core.contract import KernelComponent
 
 PortValues = Any  # list[float], or an ndarray of more than ARRAY_THRESHOLD numbers
 Kind = Literal["real", "integer", "boolean", "enumeration", "string", "binary"]
@@ -123,6 +127,14 @@ class Simulator(Protocol):
     kind: str  # "in process", "FMU", ...
     event: float | None  # s, the first event inside the last step, which the unit has dealt with; asked for after `get`
 
+    @property
+    def component(self) -> Component | None:
+        """The component whose arrays lie in this process; None where there are none."""
+
+    @property
+    def kernels(self) -> KernelComponent | None:
+        """The same, where its steps are kernels."""
+
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         """Fix the names of the driven inputs and of the outputs that `get` returns."""
 
@@ -191,6 +203,8 @@ class PlainSimulator:
     """Base of simulators in this process without texts and Jacobian, whose states are plain values that Python frees."""
 
     event: float | None = None
+    component: Component | None = None
+    kernels: KernelComponent | None = None
 
     def put(self, name: str, value: float | str) -> None:
         raise NotImplementedError  # all inputs are driven

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic
@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, StepFailed, visible
 from ..verified_file import packed
 from .answers import (
@@ -43,7 +42,7 @@ from .interface import PortValues, Span
 from .sandbox import ANSWER, environment, sandboxed, walls
 
 if TYPE_CHECKING:
-    from ..settings import UnitSettings
+    from .kinds import UnitKind
     from .native import NativeFmu
 
 START = 60.0  # s that a worker may take to start, whatever the limit for its answers is
@@ -80,17 +79,6 @@ def _numbers(n: int) -> Expected:
     return Expected(Code.NUMBERS, size, read)
 
 
-def _known(settings: UnitSettings) -> Callable[[], Collection[str]] | None:
-    """Names that the parameters of foreign code may have; None for the catalogue's components, whose code is ours."""
-    if settings.fmu:
-        from .description import read
-
-        return lambda: {v.name for v in read(settings.fmu, "fmu").model.modelVariables}
-    if ":" in settings.component:
-        return lambda: component_class(settings.component).variables
-    return None
-
-
 class WorkerSimulator:
     """Stands for a unit that runs in a worker process; see `Simulator` for the order of calls.
 
@@ -99,11 +87,12 @@ class WorkerSimulator:
     """
 
     event: float | None = None
+    component = kernels = None  # its arrays lie elsewhere
 
-    def __init__(self, name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None, span: Span):
+    def __init__(self, name: str, kind: UnitKind, *, in_process: bool, native: NativeFmu | None = None, span: Span):
         self.name = name
-        kind = "native FMU" if native else "component" if in_process or ":" in settings.component else "FMU"
-        self.kind = f"{kind} in a worker process"
+        settings = kind.settings
+        self.kind = f"{'native FMU' if native else kind.opened_as(in_process)} in a worker process"
         self._begin = self._time = span.start
         self._length = 0.0  # s: start of the simulation and of the step, and the step's length
         self._requests, self._numbers = 0, 0
@@ -113,11 +102,11 @@ class WorkerSimulator:
         self._values: PortValues = []
         self._readers, self._text_readers = 0, 0
         self.walls: list[str] = []  # around it once it has started
-        self._restricted = settings.isolation == "restricted"
+        self._restricted = kind.sandboxed
         self._limit = settings.time_limit or (ANSWER if self._restricted else None)  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
-        start = sandboxed(f"units.{name}.isolation", settings.fmu) if self._restricted else []
+        start = sandboxed(f"{kind.where}.isolation", kind.file) if self._restricted else []
         self._folder = Path(tempfile.mkdtemp(dir=process_folder()))  # of the worker's log and of all its temporary files
         temporary = "/tmp" if self._restricted else str(self._folder)
         try:
@@ -150,8 +139,7 @@ class WorkerSimulator:
         self._closed = threading.Event()
         if self._limit is not None and os.name == "nt":  # elsewhere the channel has the limit
             threading.Thread(target=self._watch, daemon=True).start()
-        known = _known(settings)
-        parameters = Expected(Code.DATA, LARGEST // 16, lambda content: read_parameters(content, known))
+        parameters = Expected(Code.DATA, LARGEST // 16, lambda content: read_parameters(content, kind.parameter_names()))
         given = settings.model_dump(exclude={"isolation", "time_limit"})
         fmu = native and [native.path, dict(native.starts)]
         with suppress(StepFailed):  # it has ended already; `wire` says so

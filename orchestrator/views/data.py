@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...components.catalogue import component_class
 from ...components.core.errors import BadInput
 from . import Recorded
 
@@ -64,8 +63,8 @@ def _attributes(result: Recorded, name: str) -> dict[str, str]:
     unit, variable = result.scene.split(name)
     text = ""
     with suppress(BadInput, KeyError):  # an FMU; a component whose module is not here; a unit that the run has added
-        variables = component_class(result.scene.units[unit].component, unit).variables
-        text = next(v.text for n, v in variables.items() if variable in (n, n.partition("[")[0]))
+        cls = result.scene.kinds[unit].component_class
+        text = next((v.text for n, v in cls.variables.items() if variable in (n, n.partition("[")[0])), "") if cls else ""
     measure = result.measures.get(name, result.measures.get(f"{name}[1]", ""))
     return {"units": measure, "long_name": text or name}
 

@@ -14,8 +14,8 @@ from cosimo.orchestrator import loading
 from cosimo.orchestrator.engine.coupling.connections import _transformation
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.units_of_measure import Measure, named
-from cosimo.orchestrator.units.fmu import _measures
 from cosimo.orchestrator.units.interface import Signal
+from cosimo.orchestrator.units.kinds.fmu import _measures
 from cosimo.tests.support import Probe
 
 SCENE = 'units.p.component = "cosimo.tests.support:Probe"\nmaster.step = 0.1\nstop_time = 1.0\n'

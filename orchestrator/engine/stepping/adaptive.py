@@ -8,6 +8,7 @@ from typing import Any
 from ....components.core.errors import StepFailed
 from ...settings import ControlSettings, SceneSettings
 from ...units.interface import SimulationEnded
+from ...units.kinds import kinds_of
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.node import Node
@@ -298,7 +299,7 @@ def stepping_of(
     early = [node for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         # whether components keep their state where it belongs is known of those of the catalogue only
-        trusted = {name for name, unit in scene.units.items() if unit.component and ":" not in unit.component}
+        trusted = {name for name, kind in kinds_of(scene.units).items() if kind.of_catalogue}
         batches = master if (account or master).in_batches else None
         return Stepping(steppable, clock, stride, end, stops, batches=batches, trusted=trusted)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])

@@ -33,9 +33,8 @@ class Connected:
     """
 
     def __init__(self, scene: Scene):
-        for name, unit in scene.units.items():
-            if not unit.component:
-                raise BadInput(f"{scene.name}: {name}", "a unit from an FMU", "a component, whose state can be set")
+        if others := [name for name in scene.units if name not in scene.component_classes]:
+            raise BadInput(f"{scene.name}: {others[0]}", "a unit from an FMU", "a component, whose state can be set")
         coupling = scene.coupling
         names = [name for name in coupling.order() if name in scene.units]
         self.components = {name: make(name, scene.units[name]) for name in names}

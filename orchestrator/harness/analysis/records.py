@@ -91,8 +91,8 @@ class RecordedUnit:
     @cached_property
     def component(self) -> Component | None:
         """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
-        given = self.result.scene.units[self.name]
-        return make(self.name, given) if given.component else None
+        scene = self.result.scene
+        return make(self.name, scene.units[self.name]) if scene.kinds[self.name].component_class else None
 
 
 def recorded_units(result: Result, *outputs: str) -> list[RecordedUnit]:

@@ -249,12 +249,10 @@ def _references(variant: Variant) -> dict[str, Any]:
 
 
 def _described_effects(scene: Scene, variants: Sequence[Variant]) -> list[dict[str, str]]:
-    from ....components.catalogue import component_class
-
     described = []
     for name in variants[0].effects:
         unit, _, effect = name.rpartition(".")
-        text = component_class(scene.units[unit].component).effects[effect].__doc__ or ""
+        text = scene.component_classes[unit].effects[effect].__doc__ or ""
         described.append({"name": name, "text": " ".join(text.partition("\n\n")[0].split())})
     return described
 

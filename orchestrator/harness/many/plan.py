@@ -14,12 +14,11 @@ import numpy as np
 
 from ....components.core.columns import read_table
 from ....components.core.errors import BadInput
-from ...scene.names import measure_of, parameter_of
+from ...scene.names import declared, measure_of, parameter_of
 from ...scene.scene import Scene, read_toml
 from ...scene.written_units import axes_with_numbers
 from ...settings.messages import validated
 from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
-from ...units.fmu import declared_signals
 from .limits import with_rows
 from .measures import check_analysis
 
@@ -254,7 +253,7 @@ def read_points(path: Path, scene: Scene) -> dict[str, Choices]:
 
 def _is_variable(scene: Scene, name: str) -> bool:
     unit, variable = scene.split(name)
-    return bool(unit in scene.units and (fmu := scene.units[unit].fmu) and variable in declared_signals(fmu, f"units.{unit}.fmu"))
+    return variable in declared(scene, unit)
 
 
 def from_columns(columns: Mapping[str, Iterable[Any]]) -> dict[str, Any]:

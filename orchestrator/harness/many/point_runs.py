@@ -33,7 +33,7 @@ Ended = Generator[list[tuple[int, Row]], None, None]  # rows as they come; none 
 
 def only_kernels(task: Task, runs: PointRuns) -> bool:
     """Whether threads can run a task's points: its steps are kernels of the catalogue, and no function of one's own measures them."""
-    catalogue = all(unit.component and ":" not in unit.component for unit in runs.scene.units.values())
+    catalogue = all(kind.of_catalogue for kind in runs.scene.kinds.values())
     return catalogue and not task.keep.functions and runs.open_scene({}) is not None
 
 
@@ -122,7 +122,7 @@ class PointRuns:
         if key != self._key:
             self.close()
             scene = self.scene.with_changes(changed) if changed else self.scene
-            if all(unit.component and unit.isolation == "none" for unit in scene.units.values()):
+            if not any(kind.outside for kind in scene.kinds.values()):
                 open_scene = OpenScene(asked_for(scene), self._stack, in_process=True)
                 self._open_scene = open_scene if open_scene.takes({}) else None
             self._key = key

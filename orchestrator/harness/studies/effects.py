@@ -16,7 +16,7 @@ from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
 from ...units.component import make
-from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
+from .full_model import Model, Place, effects_on, full_model, with_effects, with_required
 from .quantities import Quantity, errors, percent, quantities_to_judge, recording
 from .trial import Trial, trial
 
@@ -177,7 +177,7 @@ def effects(
     left = [Finding(*place, False, "left out", reason) for place, reason in model.left.items()]
     left += [Finding(*place, False, "unable", reason) for place, reason in bench.unable.items()]
     on = {u: tuple(e for e in names if (u, e) not in chosen.dropped) for u, names in model.on.items()}
-    order = {place: k for k, place in enumerate((u, e) for u, cls in classes(scene).items() for e in cls.effects)}
+    order = {place: k for k, place in enumerate((u, e) for u, cls in scene.component_classes.items() for e in cls.effects)}
     return Effects(
         scene,
         with_effects(scene, on),
@@ -231,7 +231,7 @@ class _Bench:
             )
         for unit, effect in added:
             self._on_message(f"with {unit}.{effect}")
-            trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}
+            trying = on | {unit: on[unit] | set(with_required(self.scene.component_classes[unit], effect))}
             extended = self._trial(with_effects(self.scene, _ordered(whole, trying)))
             if extended.done:
                 on, best = trying, extended
@@ -283,7 +283,7 @@ class _Bench:
 
 
 def _states(scene: Scene) -> int:
-    return sum(make(name, unit).x.size for name, unit in scene.units.items() if unit.component)
+    return sum(make(name, scene.units[name]).x.size for name in scene.component_classes)
 
 
 def _difference(full: Trial, without: Trial) -> float:

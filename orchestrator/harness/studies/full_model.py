@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, nearest, pick
 from ....components.core.variables import Causality
@@ -34,7 +33,7 @@ class Model:
     def dependents(self, place: Place) -> frozenset[Place]:
         """An effect, and those of its unit that cannot be without it."""
         unit, effect = place
-        known, dependents = classes(self.scene)[unit].effects, {effect}
+        known, dependents = self.scene.component_classes[unit].effects, {effect}
         while more := {e for e in self.on[unit] if e not in dependents and dependents & set(known[e].requires)}:
             dependents |= more
         return frozenset((unit, e) for e in dependents)
@@ -45,15 +44,10 @@ class Model:
         return with_effects(self.scene, {u: tuple(e for e in effects if (u, e) not in gone) for u, effects in self.on.items()})
 
 
-def classes(scene: Scene) -> dict[str, type[Component]]:
-    """The class of every unit that is a component."""
-    return {name: component_class(unit.component, f"units.{name}") for name, unit in scene.units.items() if unit.component}
-
-
 def effects_on(scene: Scene) -> dict[str, tuple[str, ...]]:
     """Effects of every unit that is a component, by itself or by its preset."""
     effects = {}
-    for name, cls in classes(scene).items():
+    for name, cls in scene.component_classes.items():
         unit = scene.units[name]
         on = {*unit.effects, *(cls.presets[unit.preset].effects if unit.preset else ())}
         effects[name] = tuple(e for e in cls.effects if e in on)
@@ -67,7 +61,7 @@ def effect_changes(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> dict[
     """
     changes: dict[str, Any] = {}
     present = effects_on(scene)
-    for name, cls in classes(scene).items():
+    for name, cls in scene.component_classes.items():
         unit, on = scene.units[name], wanted[name]
         if on == present[name]:
             continue
@@ -100,7 +94,7 @@ def full_model(scene: Scene, more: Iterable[str] = ()) -> Model:
     asked = _asked(scene, more)
     left: dict[Place, str] = {}
     on = {}
-    for unit, cls in classes(scene).items():
+    for unit, cls in scene.component_classes.items():
         have = set(effects_on(scene)[unit])
         for effect in sorted(cls.effects, key=lambda e: (unit, e) not in asked):  # what is asked for comes first; else stable
             if effect in have:
@@ -121,7 +115,7 @@ def full_model(scene: Scene, more: Iterable[str] = ()) -> Model:
 
 
 def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
-    places, known = set(), classes(scene)
+    places, known = set(), scene.component_classes
     for text in more:
         unit, effect = scene.split(text)
         pick(unit, known, f"{scene.name}: effects", "a component of the scene", "unit")

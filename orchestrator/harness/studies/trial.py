@@ -154,7 +154,7 @@ def _trial(scene: Scene, repeats: int, patience: float, confirm: bool) -> Trial:
         _warm_up(scene)
     except BadInput as error:
         return Trial("refused", str(error), elapsed=perf_counter() - start)
-    measured = "run" if any(unit.isolation != "none" for unit in scene.units.values()) else "cpu"
+    measured = "run" if any(kind.in_worker for kind in scene.kinds.values()) else "cpu"
 
     def once_more() -> Trial:
         result = run(scene, in_process=True).unless_stopped()
@@ -191,7 +191,7 @@ def repeated_trial(attempt: Callable[[], Trial], *, repeats: int, patience: floa
 def _warm_up(scene: Scene) -> None:
     master = scene.master
     key = (
-        *((u.component, u.fmu, u.effects, u.preset) for u in scene.units.values()),
+        *((kind.value, kind.settings.effects, kind.settings.preset) for kind in scene.kinds.values()),
         master.algorithm,
         master.extrapolation,
         master.control is None,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +18,14 @@ from lxml import etree
 
 from ....components.core.errors import BadInput
 from ....components.core.measure import BASES, Unit, parse
-from ....fmus.build import built
 from ....fmus.build import write as write_zip
 from ....fmus.versions import version
 from ...engine.coupling import Coupling
 from ...engine.coupling.graph import Link
-from ...settings import UnitSettings
-from ...units.component import make
 from ...units.description import Description
 from ...units.description import read as read_description
 from ...units.interface import Signal
+from ...units.kinds import UnitKind
 from ...units.values import members
 from ..scene import Scene
 from .package import DEFAULT, NAMESPACES
@@ -88,17 +86,17 @@ class _System:
         self.scene, self.coupling, self.starts = scene, scene.coupling, starts
         self.files: dict[str, Path] = {}  # place in the package -> FMU
         self.names = _identifiers(scene.units)
-        self.sources = {name: self._packed(unit) for name, unit in scene.units.items()}
+        self.sources = {name: self._packed(kind) for name, kind in scene.kinds.items()}
         self.descriptions = {name: read_description(str(self.files[s]), f"units.{name}") for name, s in self.sources.items()}
         self.measures: dict[str, Unit] = {}
         self.enumerations: dict[str, Mapping[str, int]] = {}
 
-    def _packed(self, unit: UnitSettings) -> str:
+    def _packed(self, kind: UnitKind) -> str:
         """The place of a unit's FMU in the package; units with the same FMU share it.
 
         Places of two FMUs differ in more than capitals, which not every file system tells where the package is unpacked.
         """
-        file = Path(unit.fmu) if unit.fmu else built(unit.component)
+        file = kind.fmu_file()
         stem = re.sub(r"\W", "_", file.stem, flags=re.ASCII)
         there = {place.casefold(): place for place in self.files}
         for k in range(1, len(self.files) + 2):
@@ -156,7 +154,7 @@ class _System:
                 self._type(_add(group, "ssd:Connector", name=variable, kind=kind), name, variable)
         scalars = self.descriptions[name].scalars
         driven = {link.target[1] for link in self.coupling.links if link.target[0] == name}
-        values = _values(name, self.scene.units[name]) | {
+        values = self.scene.kinds[name].fmu_values(name) | {
             n: v for n, v in self.starts.get(name, {}).items() if n in driven and v != scalars[n].start
         }
         if values:
@@ -288,7 +286,7 @@ def _identifier(name: str) -> str:
     return text if re.match("[A-Za-z]", text) else f"s_{text}"
 
 
-def _identifiers(units: Mapping[str, UnitSettings]) -> dict[str, str]:
+def _identifiers(units: Iterable[str]) -> dict[str, str]:
     """Names of elements for the names of units, which may hold dots."""
     identifiers: dict[str, str] = {}
     for name in units:
@@ -308,16 +306,6 @@ def _used(name: str, coupling: Coupling) -> Iterator[tuple[str, str]]:
     interface = coupling.interfaces[name]
     yield from ((v, "input") for v in interface.inputs if v in inputs)
     yield from ((v, "output") for v in interface.outputs if v in outputs)
-
-
-def _values(name: str, unit: UnitSettings) -> dict[str, Any]:
-    """Values of a unit's parameters for its FMU: effects, values that differ from the FMU's defaults, values of the scene."""
-    if unit.fmu:
-        return {**{f"effects.{e}": True for e in unit.effects}, **unit.parameters}
-    component = make(name, unit)
-    starts = {**component.parameters, **dict(zip(component.inputs, component.u[0].tolist(), strict=True))}
-    changed = {n: v for n, v in starts.items() if n in unit.parameters or v != type(component).variables[n].start}
-    return {**{f"effects.{e}": True for e in component.on}, **changed}
 
 
 def _meaning(unit: str, description: Description) -> Unit | None:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.railway.catenary import Catenary
 from ....components.railway.contact import wire_height
@@ -110,14 +109,7 @@ def _pair(scene: Scene) -> tuple[str, str]:
     pairs = []
     for source, target in scene.ends:
         unit, _, name = source.partition(".")
-        given = scene.units.get(unit)
-        component = given.component if given is not None else ""
-        if (
-            target.endswith(".wire_height")
-            and component
-            and ":" not in component
-            and issubclass(component_class(component), Catenary)
-        ):
+        if target.endswith(".wire_height") and issubclass(scene.component_classes.get(unit, object), Catenary):
             pairs.append((target.partition(".")[0], unit, name))
     if len(pairs) != 1 or pairs[0][2] != "wire_height":
         raise BadInput(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
@@ -136,10 +135,9 @@ def check_window(scene: Scene, keys: RailwayKeys) -> None:
 
 def _parameters(scene: Scene, unit: str) -> Mapping[str, Any]:
     """Of a component of a scene; none of another unit."""
-    settings = scene.units.get(unit)
-    if settings is None or not settings.component:
+    if unit not in scene.units or (cls := scene.kinds[unit].component_class) is None:
         return {}
-    cls = component_class(settings.component, f"units.{unit}")
+    settings = scene.units[unit]
     return cls(settings.effects, settings.parameters, preset=settings.preset, name=unit).parameters
 
 

@@ -42,8 +42,7 @@ def line_sketches(result: Result) -> list[Sketch]:
     """The lines from tables of a run, each about the window of analysis or, without one, where the pantograph was."""
     sketches = []
     for name, passage in {p.catenary: p for p in passages(result)}.items():
-        unit = result.scene.units.get(name)
-        if unit is None or not unit.component or "line_table" not in unit.effects:
+        if name not in result.scene.units or "line_table" not in result.scene.units[name].effects:
             continue
         try:
             low, high = analysis_window(result)
@@ -51,6 +50,8 @@ def line_sketches(result: Result) -> list[Sketch]:
             low, high = float(passage.record.position.min()), float(passage.record.position.max())
         high = min(high, low + MOST_DRAWN)
         line: Any = RecordedUnit(result, name).component
+        if line is None:
+            continue
         sketches.append(Sketch("The line", svg(line.form(), f"{name} from {low:g} to {high:g} m", (low, high), SKETCH_WIDTH)))
     return sketches
 

@@ -124,9 +124,10 @@ def in_turn(packed: Scene, package: Path, step: float) -> np.ndarray:
     places: dict[str, dict[str, int]] = {}
     unpacked = []
     try:
-        for name, given in packed.units.items():
-            description = read_model_description(str(folder / "resources" / f"{given.component}.fmu"))
-            unpacked.append(extract(str(folder / "resources" / f"{given.component}.fmu")))
+        for name, kind in packed.kinds.items():
+            packed_fmu = str(folder / "resources" / f"{kind.label}.fmu")
+            description = read_model_description(packed_fmu)
+            unpacked.append(extract(packed_fmu))
             unit = FMU2Slave(
                 guid=description.guid,
                 unzipDirectory=unpacked[-1],

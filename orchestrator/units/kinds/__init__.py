@@ -1,0 +1,57 @@
+"""Kinds of units: what an entry of a scene's [units] may be, each in a module of its own with all that others ask of it.
+
+A new kind is a subclass of `UnitKind` in a module here, a line in `KINDS`, and the keys of its entry in `settings.units`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os.path import expanduser
+from typing import Any
+
+from ....components.core.component import Component
+from ...settings import UnitSettings
+from ...settings.units import TABLE_KEYS
+from .component import ComponentKind
+from .fmu import FmuKind
+from .kind import UnitKind
+from .signals import SignalsKind
+
+KINDS: tuple[type[UnitKind], ...] = (SignalsKind, FmuKind, ComponentKind)  # a table of signals has a component made of it
+KEYS = tuple(kind.key for kind in KINDS)  # of an entry of [units], of which one says what it is
+OF_A_KIND = (*KEYS, *TABLE_KEYS)  # keys that another kind has no use for
+
+
+def kind_of(settings: UnitSettings, where: str) -> UnitKind:
+    """What a unit is; where: of the unit, for messages."""
+    return next(kind for kind in KINDS if getattr(settings, kind.key))(settings, where)
+
+
+def kinds_of(units: Mapping[str, UnitSettings]) -> dict[str, UnitKind]:
+    """The same of all units of a scene, by their names."""
+    return {name: kind_of(settings, f"units.{name}") for name, settings in units.items()}
+
+
+def component_classes(units: Mapping[str, UnitSettings]) -> dict[str, type[Component]]:
+    """The classes of those units of a scene that are components, by their names; raises `BadInput` where one cannot be imported."""
+    return {name: cls for name, kind in kinds_of(units).items() if (cls := kind.component_class) is not None}
+
+
+def kind_of_entry(entry: Any, where: str) -> UnitKind | None:
+    """What an entry of [units] is before it is checked; None where it does not say so."""
+    for kind in KINDS if isinstance(entry, Mapping) else ():
+        if (value := entry.get(kind.key)) and isinstance(value, str):
+            given: Any = {key: entry[key] for key in KEYS if isinstance(entry.get(key), str)}
+            return kind(UnitSettings.model_construct(**given | {kind.key: expanduser(value) if kind.is_file else value}), where)
+    return None
+
+
+def prepared(entry: Any, where: str) -> Any:
+    """An entry of [units] with what its kind makes of it when a scene is read; raises `BadInput`."""
+    kind = kind_of_entry(entry, where)
+    return entry if kind is None else kind.prepared(entry)
+
+
+def entry_of(text: str) -> dict[str, str]:
+    """The entry of [units] for the name of a component, "module:Class", or the path of an FMU or a table."""
+    return {next(kind.key for kind in KINDS if kind.suffixes is None or text.endswith(kind.suffixes)): text}
