@@ -24,7 +24,7 @@ from ..settings import AnalysisKeys, ConnectionSettings, MasterSettings, SceneSe
 from ..settings.messages import one_message
 from ..settings.names import ARROW, readings, split_name
 from ..settings.study import wanted
-from ..units.kinds import UnitKind, component_classes, kinds_of, prepared
+from ..units.kinds import UnitKind, kind_of_entry, kinds_of
 from ..units.signal_files import read_signals
 from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
@@ -74,8 +74,8 @@ class Scene(SceneSettings):
 
     @property
     def component_classes(self) -> dict[str, type[Component]]:
-        """The classes of the units that are components, by the names of the units."""
-        return component_classes(self.units)
+        """The classes of the units that are components, by the names of the units; raises `BadInput` where one is not found."""
+        return {name: cls for name, kind in self.kinds.items() if (cls := kind.component_class) is not None}
 
     @property
     def arrows(self) -> tuple[str, ...]:
@@ -249,7 +249,8 @@ def _prepared(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
     """The data of a scene with what the kinds of its units make of their entries."""
     if not isinstance(units := data.get("units"), Mapping):
         return data
-    return {**data, "units": {name: prepared(entry, f"{scene}: units.{name}") for name, entry in units.items()}}
+    kinds = {name: kind_of_entry(entry, f"{scene}: units.{name}") for name, entry in units.items()}
+    return {**data, "units": {name: units[name] if kind is None else kind.prepared(units[name]) for name, kind in kinds.items()}}
 
 
 def _with_place_of_limits(data: Mapping[str, Any], folder: Path | None) -> Mapping[str, Any]:

@@ -17,6 +17,7 @@ from cosimo.orchestrator.engine.stepping.discontinuities import jump_times
 from cosimo.orchestrator.run.dependence import depends_on
 from cosimo.orchestrator.scene_fmu import build_scene_fmu
 from cosimo.tests.commands import exit_code
+from cosimo.tests.units.native import native_fmu
 
 NATIVE = pytest.mark.skipif(not own_target(), reason="this machine is no target of native FMUs")
 JUMPING = "time,force [kN]\n0,1e-3\n0.515,1e-3\n0.515,-1e-3\n1.5,-1e-3\n1.5,3e-3\n1.5005,3e-3\n1.5005,0\n2,0\n"
@@ -331,3 +332,21 @@ def test_a_new_scene_with_a_table_runs_as_it_is(tmp_path, capsys):
     assert (scene.start_time, scene.stop_time, len(scene.connections)) == (0.5, 1.5, 1)
     assert run(scene).outcome == "done"
     assert exit_code(*["new", "scene", str(tmp_path / "b.toml"), "--from", "mass-on-spring", "--input", str(file)]) == 2
+
+
+def test_a_table_beside_the_working_directory_is_found_by_repetitions_of_a_scene_with_fmus(tmp_path, monkeypatch):
+    """They have a working directory of their own, where a relative path leads nowhere."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "force.csv").write_text(ON_GRID)
+    scene = cosimo.build_scene(
+        {
+            "road": "force.csv",
+            "mass": cosimo.unit("PlanarLink", mass=2.0, centre=0.0, inertia=1.0),
+            "f": native_fmu("dahlquist", 2),
+        },
+        {"road.force": "mass.base_force_x"},
+        stop_time=1.0,
+        step=0.01,
+    )
+    result = cosimo.run(scene, in_process=True, verify="whole")
+    assert result.info["verification"]["done"], result.info["verification"]["why"]

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from os.path import expanduser
 from typing import Any
 
-from ....components.core.component import Component
 from ...settings import UnitSettings
 from ...settings.units import TABLE_KEYS
 from .component import ComponentKind
@@ -32,11 +31,6 @@ def kinds_of(units: Mapping[str, UnitSettings]) -> dict[str, UnitKind]:
     return {name: kind_of(settings, f"units.{name}") for name, settings in units.items()}
 
 
-def component_classes(units: Mapping[str, UnitSettings]) -> dict[str, type[Component]]:
-    """The classes of those units of a scene that are components, by their names; raises `BadInput` where one cannot be imported."""
-    return {name: cls for name, kind in kinds_of(units).items() if (cls := kind.component_class) is not None}
-
-
 def kind_of_entry(entry: Any, where: str) -> UnitKind | None:
     """What an entry of [units] is before it is checked; None where it does not say so."""
     for kind in KINDS if isinstance(entry, Mapping) else ():
@@ -44,12 +38,6 @@ def kind_of_entry(entry: Any, where: str) -> UnitKind | None:
             given: Any = {key: entry[key] for key in KEYS if isinstance(entry.get(key), str)}
             return kind(UnitSettings.model_construct(**given | {kind.key: expanduser(value) if kind.is_file else value}), where)
     return None
-
-
-def prepared(entry: Any, where: str) -> Any:
-    """An entry of [units] with what its kind makes of it when a scene is read; raises `BadInput`."""
-    kind = kind_of_entry(entry, where)
-    return entry if kind is None else kind.prepared(entry)
 
 
 def entry_of(text: str) -> dict[str, str]:
