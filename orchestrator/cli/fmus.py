@@ -236,9 +236,9 @@ def ssp(
     Other masters exchange values once per step with held inputs. A run shows the values that they will compute; where that is
     farther from the scene than the tolerance, nothing is written (exit code 1) unless --force is given.
     """
+    from ..opened.native import initial_inputs, with_native_fmus
     from ..scene.ssp.write import check as check_package
     from ..scene.ssp.write import write
-    from ..session.native import initial_inputs, with_native_fmus
 
     loaded = scene_of(scene, values, presets)
     packed = loaded if step is None else loaded.with_changes({"master.step": step})

@@ -361,8 +361,8 @@ def modes(
     """
     from numpy import linspace
 
-    from ..derivatives.modes import modes as find
     from ..harness.report.studies.modes import for_modes, mode_cells
+    from ..harness.studies.modes import modes as find
     from ..scene.written_units import axes_with_numbers
 
     loaded = scene_of(scene, values, presets)

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed, nearest
-from ..judgement.comparison import SURE
+from ..opened.open_scene import OpenScene
 from ..output import write_table
+from ..run.comparison import SURE
 from ..run.results import Result
 from ..run.run import run
 from ..scene.names import numerical_of, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
-from ..session.open_scene import OpenScene
 from .along import AGREE, along, length
 from .tangent_run import Rows, TangentScene
 

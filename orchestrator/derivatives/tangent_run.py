@@ -22,11 +22,11 @@ from ..engine.algorithms import Master
 from ..engine.algorithms.records import GIVEN, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
+from ..opened.open_scene import OpenScene
 from ..run.results import Result
 from ..scene.names import displaced
 from ..scene.scene import Scene
 from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
-from ..session.open_scene import OpenScene
 
 WIDTH = 8  # directions at once
 CHUNK = 256  # macro steps of one call

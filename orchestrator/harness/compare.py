@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput
-from ..judgement.comparison import differences
 from ..judgement.warnings import doubts_of
+from ..run.comparison import differences
 from ..run.results import Result
 from ..run.run_info import flattened
 from .charts.blocks import Answer, Block, Cells, Text

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 from ...components.core.errors import BadInput, StepFailed
 from ...components.core.kernels import COMPILED
+from ..opened.open_scene import Course, OpenScene, started
+from ..run import work
 from ..run.run_info import CompileTime
+from ..run.thresholds import PREFIX_STEPS, PREFIX_WORK
 from ..scene.scene import Scene
-from ..session.open_scene import Course, OpenScene, started
-from . import work
 from .growth import Growth, Limit, limit_text
-from .thresholds import PREFIX_STEPS, PREFIX_WORK
 
 if TYPE_CHECKING:
     from .stability import CouplingStability

@@ -9,12 +9,12 @@ from ..engine.coupling import Coupling, Link
 from ..engine.coupling.graph import Loop
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import obstacles
+from ..opened.open_scene import started
+from ..run import work
+from ..run.thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from ..scene.scene import Scene
-from ..session.open_scene import started
 from ..units.kinds import UnitKind
-from . import work
 from .advice import Advice, Stability
-from .thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .thresholds import EXCESS, FASTER
+from ..run.thresholds import EXCESS, FASTER
 
 PARTS = 4  # of a stretch: the first is for transients, growth is that from the second to the last
 LARGEST = 1e250  # size up to which growth is seen

@@ -21,12 +21,12 @@ from typing import Any
 
 from ...components.core.errors import BadInput
 from ..kept import Kept
+from ..run.comparison import Difference, differences
 from ..run.dependence import depends_on
 from ..run.results import Result
+from ..run.thresholds import MESH_ORDERS
 from ..scene.meshes import coarsened, coarser, meshes_of
 from ..scene.scene import Scene
-from .comparison import Difference, differences
-from .thresholds import MESH_ORDERS
 
 LEFT = 56.0  # 2^p (2^p - 1) at p = 3: error of x over |x2 - x4|
 FOLDER = "meshes"  # folder in the cache

@@ -18,9 +18,9 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from ..run.results import Result
+from ..run.thresholds import PARAMETER_SAMPLES, SECOND_ORDER
 from ..scene.scene import Scene
 from ..scene.tolerances import Tolerances
-from .thresholds import PARAMETER_SAMPLES, SECOND_ORDER
 
 FIRST_ORDER = 8.0  # runs that eight exact derivatives take at most
 MUCH = "they are much work: ask with --verify whole"

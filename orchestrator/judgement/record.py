@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import isfinite, nan
 from typing import Any
 
-from .comparison import SURE, Difference, SignalError
+from ..run.comparison import SURE, Difference, SignalError
 from .mesh import MeshError
 from .parameter_errors import ParameterErrors
 

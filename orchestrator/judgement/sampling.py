@@ -17,7 +17,7 @@ import numpy as np
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
 from ..run.results import Result
-from .thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
+from ..run.thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
 
 Values = Callable[[Result], Mapping[str, float]]  # the figures of a result by name
 

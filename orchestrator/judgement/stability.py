@@ -17,9 +17,9 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from ..derivatives.coupled_step import CoupledStep, sampling_periods
 from ..derivatives.growth import Instant, PushedScene
+from ..run.thresholds import AT_REST, SAME_MAP
 from ..scene.scene import Scene
 from .growth import Growth, Limit, growth_rate, longest_stable
-from .thresholds import AT_REST, SAME_MAP
 
 FINER = 4  # steps that one is compared with
 FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not

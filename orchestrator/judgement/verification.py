@@ -22,14 +22,8 @@ import numpy as np
 from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
 from ..interrupts import Interrupted, interruptible
-from ..run.results import Result
-from ..run.run import run as run_once
-from ..scene.scene import Scene
-from ..scene.shorter_steps import numbers_in_use, shorter, substeps
-from ..scene.tolerances import tolerances_of
-from ..units.fmu_messages import DEFAULT
-from . import work
-from .comparison import (
+from ..run import work
+from ..run.comparison import (
     SURE,
     Difference,
     SignalError,
@@ -42,14 +36,21 @@ from .comparison import (
     signal_errors,
     worst_of,
 )
-from .instability import unfollowed
+from ..run.instability import unfollowed
+from ..run.results import Result
+from ..run.run import run as run_once
+from ..run.thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
+from ..run.windows import WindowsWish
+from ..scene.scene import Scene
+from ..scene.shorter_steps import numbers_in_use, shorter, substeps
+from ..scene.tolerances import tolerances_of
+from ..units.fmu_messages import DEFAULT
+from .advice import remedy
 from .mesh import mesh_error
 from .parameter_errors import ParameterErrors, parameter_errors
 from .record import NOT_ASKED, STEPS, Verification
 from .sampling import between, of_parts, rows_of
-from .thresholds import GROWN, LASTING, LOST, NO_MATTER, SECTIONS, UNSEEN, WARN
 from .warnings import of_macro_step, suggestion, warnings_of
-from .windows import WindowsWish
 
 FINER_TOLERANCE = 0.1  # components control the error of a step, not of the run
 
@@ -104,6 +105,7 @@ def run(
         output=output,
         real_time=real_time,
         windows=wish,
+        remedy=remedy,
         fmu_log=fmu_log,
     )
     verified = verified_result(result, verify, in_process=in_process, windows=wish, distances=distances)

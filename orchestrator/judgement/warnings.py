@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from math import floor, isfinite, isnan, log10
 from typing import Any
 
+from ..run.comparison import SURE, SignalError, worst_of
+from ..run.thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 from ..scene.meshes import meshes_of
 from ..scene.scene import Scene
-from .comparison import SURE, SignalError, worst_of
 from .record import NOT_ASKED, Verification
-from .thresholds import AIM, LOWEST_ORDER, MOSTLY, WARN
 
 UNVERIFIED = "not verified, as requested: the errors of the results are not known"
 MOST_NAMED = 2  # internal steps that a message names

@@ -7,7 +7,7 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from math import isfinite
@@ -23,31 +23,32 @@ from ..engine.coupling import Coupling
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import Observer
 from ..interrupts import Interrupted
-from ..judgement import work
-from ..judgement.instability import InstabilityMonitor, energy_warnings
-from ..judgement.windows import Windows, WindowsWish, obstacle
+from ..opened.open_scene import Course, OpenScene, remarks_of
 from ..output import UNFINISHED, locked, not_written
 from ..scene.scene import Scene
 from ..scene.shorter_steps import MadeRun, asked_for, note_runs
-from ..session.open_scene import Course, OpenScene, remarks_of
 from ..settings.study import wanted
 from ..settings.units import without_home
 from ..units.component import ComponentSimulator
 from ..units.discarded import warnings_of as of_discarded
 from ..units.fmu_messages import DEFAULT, described, level_of, warnings_of
 from ..units.interface import SimulationEnded
+from . import work
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
+from .instability import InstabilityMonitor, energy_warnings
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
 from .recorders import Recorder, reading, signals_recorder
 from .recording import OutputFailed, ResultFiles
 from .results import Result, result_of
 from .rows import Rows
-from .run_info import CompileTime, describe_run, scene_info
+from .run_info import CompileTime, describe_run
+from .windows import Windows, WindowsWish, obstacle
 
 if TYPE_CHECKING:
     from ..units.native import NativeFmu
 
+Remedy = Callable[[Scene], str]
 END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
 
 
@@ -63,6 +64,7 @@ def run(
     output: str | Path | None = None,
     real_time: bool = False,
     windows: WindowsWish | None = None,
+    remedy: Remedy | None = None,
     fmu_log: str = DEFAULT,
 ) -> Result:
     """Simulate a scene to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
@@ -79,7 +81,8 @@ def run(
     with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
     `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
-    `windows`: what of the run is to be repeated at its end, see `judgement.windows`.
+    `windows`: what of the run is to be repeated at its end, see `run.windows`.
+    `remedy`: what would help the scene if it becomes unstable, for the message.
     `fmu_log`: the level from which on messages of foreign FMUs are kept, in `info["fmu_log"]` and fmu.log: none, fatal, error,
     discard, warning or info; they are counted whatever it is.
     """
@@ -95,6 +98,7 @@ def run(
             files=files,
             real_time=real_time,
             windows=windows,
+            remedy=remedy,
             at_once=in_process and not native,
             fmu_log=level_of(fmu_log),
         )
@@ -124,6 +128,7 @@ class Run:
         files: ResultFiles | None = None,
         real_time: bool = False,
         windows: WindowsWish | None = None,
+        remedy: Remedy | None = None,
         fmu_log: str = DEFAULT,
         again: OpenScene | None = None,
         stop: Stop | None = None,
@@ -132,7 +137,7 @@ class Run:
         """again: the scene, opened before.  stop: what may end the run from another thread. A run with it leaves alone what all
         threads share: signals, the list of warnings, the working directory.  at_once: a signal raises `Interrupted` before the
         first step; else it waits for the units, which may be in code that would take it for a failure of its own."""
-        self._wish, self._open_scene, self._stop, self._fmu_log = windows, again, stop, fmu_log
+        self._wish, self._remedy, self._open_scene, self._stop, self._fmu_log = windows, remedy, again, stop, fmu_log
         self.windows: Windows | None = None
         self.monitor: InstabilityMonitor | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
@@ -170,7 +175,7 @@ class Run:
     def _native_fmus(self) -> Mapping[str, NativeFmu]:
         if not self.native:
             return {}
-        from ..session.native import native_fmus  # which loads a compiler
+        from ..opened.native import native_fmus  # which loads a compiler
 
         return native_fmus(self.scene)
 
@@ -232,7 +237,7 @@ class Run:
         if self.files is None:
             return None
         names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
-        info = {"scene": scene_info(self.scene), "outcome": "running", "message": "the run has not ended", "warnings": []}
+        info = {"scene": self.scene.info(), "outcome": "running", "message": "the run has not ended", "warnings": []}
         try:
             return self.files.open(names, texts, self._measures, info, resumed=past is not None)
         except OSError as error:
@@ -263,7 +268,8 @@ class Run:
             self.outcome = "done"
         except Runaway as error:
             self.outcome = "unstable" if isinstance(error, Unstable) else "failed"
-            self.message = f"{error}. {self._remedy()}"
+            helps = self.master.feedthrough.why_it_grows or (self._remedy and self._remedy(self.scene)) or "Reduce the macro step"
+            self.message = f"{error}. {helps}"
         except SimulationEnded as error:
             self._end_early(error)
         except (StepFailed, OutputFailed) as error:
@@ -435,12 +441,6 @@ class Run:
             "run": max(run - (whole - real), 0.0),
             "cpu": max(cpu - (whole_used - used), 0.0),
         }
-
-    def _remedy(self) -> str:
-        """What would help a run that became unstable."""
-        from ..judgement.advice import remedy
-
-        return self.master.feedthrough.why_it_grows or remedy(self.scene)
 
     def _answer(self, wish: WindowsWish) -> None:
         """Repeat windows of the run; units and account move: call it last."""

@@ -14,7 +14,6 @@ from ...fmus.versions import distribution
 from ..engine.algorithms import Master
 from ..engine.coupling import Coupling
 from ..scene.scene import Scene
-from ..settings.names import connection
 from ..units import Simulator
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
@@ -85,22 +84,13 @@ class CompileTime:
             self.spent = real + perf_counter() - since, cpu + process_time() - cpu_since
 
 
-def scene_info(scene: Scene) -> dict[str, Any]:
-    """All settings of a scene, as run.json has them."""
-    settings = scene.model_dump(mode="json")
-    named: list[Any] = []  # what ports stood for
-    for given, table in zip(scene.connections, settings["connections"], strict=True):
-        named += [connection(*ends, scene.units) for ends in scene.ends_of(given)] if isinstance(given, str) else [table]
-    return {"name": scene.name, **settings, "connections": named}
-
-
 def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Simulator], master: Master) -> dict[str, Any]:
     """What run.json holds beside outcome and timing."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
-        "scene": scene_info(scene),
+        "scene": scene.info(),
         "units": {
             n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
             | ({"walls": walls} if (walls := getattr(unit, "walls", None)) else {})

@@ -22,7 +22,7 @@ from ..loading import loading
 from ..output import ensure_directory
 from ..settings import AnalysisKeys, ConnectionSettings, MasterSettings, SceneSettings
 from ..settings.messages import one_message
-from ..settings.names import ARROW, readings, split_name
+from ..settings.names import ARROW, connection, readings, split_name
 from ..settings.study import wanted
 from ..units.kinds import UnitKind, kind_of_entry, kinds_of
 from ..units.signal_files import read_signals
@@ -96,6 +96,14 @@ class Scene(SceneSettings):
             return [(known[0].source, known[0].target)]
         pairs = expanded_connection(connection, self.coupling.interfaces)
         return [(".".join(source), ".".join(target)) for source, target in pairs]
+
+    def info(self) -> dict[str, Any]:
+        """All settings, as run.json has them: ports by their members."""
+        settings = self.model_dump(mode="json")
+        named: list[Any] = []
+        for given, table in zip(self.connections, settings["connections"], strict=True):
+            named += [connection(*ends, self.units) for ends in self.ends_of(given)] if isinstance(given, str) else [table]
+        return {"name": self.name, **settings, "connections": named}
 
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""

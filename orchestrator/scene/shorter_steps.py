@@ -27,7 +27,7 @@ _noted: ContextVar[list[MadeRun] | None] = ContextVar("runs that were made", def
 
 
 class MadeRun(NamedTuple):
-    """scene: as it was run.  work: counted, see `judgement.work`; None where its components were FMUs, which do not count."""
+    """scene: as it was run.  work: counted, see `run.work`; None where its components were FMUs, which do not count."""
 
     scene: Scene
     work: float | None

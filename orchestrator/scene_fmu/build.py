@@ -14,8 +14,8 @@ from ...fmus.native.instance import Model
 from ...fmus.native.machine_code import compile_entries
 from ...fmus.native.variables import with_sizes
 from ..engine.stepping.faults import Faults
+from ..opened.open_scene import OpenScene
 from ..scene.scene import Scene
-from ..session.open_scene import OpenScene
 from .layout import Layout, in_python, stepped_in_python
 from .tables import fault_changes, model_of
 from .variables import described, variables_of

@@ -18,9 +18,11 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ...components.core.measure import is_quantity, number_in
 from ...components.core.variables import SEED
 from ..engine.coupling import Endpoint
-from ..judgement.instability import energy_warnings
 from ..judgement.verification import verified_result
+from ..opened.open_scene import Course, OpenScene, remarks_of
+from ..opened.state import Inputs, State
 from ..run.checkpoint import Part, checkpoint_of, header, present, restore
+from ..run.instability import energy_warnings
 from ..run.recorders import Recorder, reading, signals_recorder
 from ..run.results import Result, result_of
 from ..run.run_info import describe_run
@@ -29,8 +31,6 @@ from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
 from ..units.interface import Signal, SimulationEnded
 from ..verified_file import verified_bytes, verified_content
-from .open_scene import Course, OpenScene, remarks_of
-from .state import Inputs, State
 
 if TYPE_CHECKING:
     from ..derivatives.gradient import Gradient
@@ -100,7 +100,7 @@ class Session:
         self._close_units()
         native = {}
         if self._native:
-            from .native import native_fmus  # which loads a compiler
+            from ..opened.native import native_fmus  # which loads a compiler
 
             native = native_fmus(self._scene)
         self._open_scene = OpenScene(self._scene, self._stack, self._in_process, native=native)

@@ -113,7 +113,7 @@ def natives(
         scene = what if isinstance(what, Scene) else load_scene(str(what))
         if not unit:
             return _of_scene(scene, output, targets, standards, derivatives, evidence, say)
-        from ..session.native import makers
+        from ..opened.native import makers
 
         if unit not in (known := scene.component_classes):
             raise BadInput("build --scene", f"unit {unit!r}", f"a component of the scene {scene.name}", nearest(unit, known))

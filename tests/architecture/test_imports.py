@@ -27,21 +27,17 @@ FLOORS = (
         "orchestrator.loading",
         "orchestrator.renamed",
         "orchestrator.working_directory",
+        "orchestrator.code_digests",
         "orchestrator.settings",
     ),
     ("orchestrator.units",),
     ("orchestrator.engine",),
     ("orchestrator.scene",),
-    (
-        "orchestrator.session",
-        "orchestrator.run",
-        "orchestrator.judgement",
-        "orchestrator.scene_fmu",
-        "orchestrator.derivatives",
-        "orchestrator.estimation",
-        "orchestrator.code_digests",
-        "orchestrator.views",
-    ),
+    ("orchestrator.views", "orchestrator.opened"),
+    ("orchestrator.scene_fmu", "orchestrator.run"),
+    ("orchestrator.derivatives",),
+    ("orchestrator.judgement",),
+    ("orchestrator.session", "orchestrator.estimation"),
     ("orchestrator.harness",),
     ("orchestrator.systems",),
     ("orchestrator.cli",),
@@ -92,6 +88,19 @@ def relative_imports(path: Path) -> set[str]:
     return found
 
 
+def imported_modules(path: Path) -> set[str]:
+    """Dotted names below the root of the modules whose names a module imports, relatively or as cosimo.module."""
+    package = path.relative_to(ROOT).parts[:-1]
+    relative = [n for n in from_imports(path) if n.level and package[0] != "tests"]  # a test's file may be run as one of a package
+    found = {(*package[: len(package) - n.level + 1], n.module or "") for n in relative}
+    found |= {((n.module or "").removeprefix("cosimo."),) for n in from_imports(path) if (n.module or "").startswith("cosimo.")}
+    return {".".join(filter(None, parts)) for parts in found}
+
+
+def from_imports(path: Path) -> list[ast.ImportFrom]:
+    return [node for node in statements(path.read_text(encoding="utf-8")) if isinstance(node, ast.ImportFrom)]
+
+
 def floor(module: str) -> int:
     """Number of the floor that a module lies on; of names above all floors, -1."""
     on = [k for k, names in enumerate(FLOORS) for name in names if module == name or module.startswith(name + ".")]
@@ -117,6 +126,18 @@ def test_imports_point_one_way(package):
         if bad := {i for i in relative_imports(path) if floor(i) > floor(name)}:
             against[name] = bad
     assert against == {}
+
+
+@pytest.mark.parametrize("package", [*PACKAGES, "tests"])
+def test_modules_that_are_imported_are_there(package):
+    """Wherever the import stands: a function's own is executed by few tests."""
+    known = {dotted(p) for name in (*PACKAGES, "tests") for p in modules(name)} | {""}
+    gone = {}
+    for path in modules(package):
+        wanted = {i for i in imported_modules(path) if i not in known and not (ROOT / i.replace(".", "/")).is_dir()}
+        if wanted:
+            gone[dotted(path)] = wanted
+    assert gone == {}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -96,8 +96,8 @@ def timed(call):
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory):
     """SSP files by pair and packaging."""
+    from cosimo.orchestrator.opened.native import with_native_fmus
     from cosimo.orchestrator.scene.ssp.write import write
-    from cosimo.orchestrator.session.native import with_native_fmus
 
     folder, made = tmp_path_factory.mktemp("packages"), {}
     for pair in PAIRS:

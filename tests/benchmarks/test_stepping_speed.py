@@ -9,8 +9,8 @@ from time import process_time
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.opened.open_scene import OpenScene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.session.open_scene import OpenScene
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_entry
 from numba import njit

@@ -12,7 +12,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.derivatives.linear import Linear
-from cosimo.orchestrator.derivatives.modes import modes
+from cosimo.orchestrator.harness.studies.modes import modes
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.derivatives.test_coupled_step import by_hand, on_spring
 from scipy.io import loadmat

@@ -18,8 +18,8 @@ from cosimo.orchestrator.harness.summary import with_errors_of
 from cosimo.orchestrator.harness.validation.reference import Row, TableRow
 from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.judgement.parameter_errors import parameter_errors
-from cosimo.orchestrator.judgement.thresholds import PARAMETER_SAMPLES
-from cosimo.orchestrator.judgement.work import beginning
+from cosimo.orchestrator.run.thresholds import PARAMETER_SAMPLES
+from cosimo.orchestrator.run.work import beginning
 from cosimo.orchestrator.scene.scene import write_scene
 from cosimo.orchestrator.scene.tolerances import tolerances_of, with_tolerances
 from cosimo.orchestrator.systems import read_scene

@@ -45,7 +45,7 @@ def test_settings_and_signals_that_differ(two):
     gap = second["mass.base_x"] - first["mass.base_x"][:n]
     by_name = {one.name: one for one in comparison.signals}
     assert set(by_name) == {"mass.base_x", "mass.base_velocity_x", "spring.second_force_x"}
-    # the scale is the deviation of the other run, see judgement.comparison
+    # the scale is the deviation of the other run, see run.comparison
     assert by_name["mass.base_x"].rms[0] == pytest.approx(np.sqrt(np.mean(gap**2)) / second["mass.base_x"].std())
     assert "stiffness: 100 | 400" in repr(comparison)
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from cosimo.fmus.native.build import own_target
 from cosimo.orchestrator.harness.other_masters import as_other_masters
+from cosimo.orchestrator.opened.native import initial_inputs, with_native_fmus
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
-from cosimo.orchestrator.session.native import initial_inputs, with_native_fmus
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.interop.masters import CLIENTS, require, run_in
 

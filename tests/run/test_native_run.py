@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from cosimo import BadInput, load_scene, read_scene
 from cosimo.fmus.native.build import own_target
+from cosimo.orchestrator.opened.native import native_fmus, with_native_fmus
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
-from cosimo.orchestrator.session.native import native_fmus, with_native_fmus
 from cosimo.tests.fmus.native.test_native_bits import ALONE
 from cosimo.tests.fmus.native.test_native_refusals import Allocating, Weighed
 from cosimo.tests.scene_runs import finished

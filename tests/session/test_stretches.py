@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.session.open_scene import started
+from cosimo.orchestrator.opened.open_scene import started
 from cosimo.orchestrator.systems import load_scene
 
 SCENE = load_scene("mass-on-spring")

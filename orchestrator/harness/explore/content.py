@@ -12,9 +12,9 @@ from ....components.core.errors import BadInput, nearest, pick
 from ....components.core.measure import number_in
 from ....fmus.native.build import Library
 from ....fmus.native.variables import NativeVariable
-from ...judgement.comparison import SURE, UNSURE
-from ...judgement.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
+from ...run.comparison import SURE, UNSURE
 from ...run.run import run
+from ...run.thresholds import HARDLY, NO_MATTER, NOTHING, ORDER_UNSURE
 from ...scene.scene import Scene
 from ...scene_fmu import refuse_what_needs_python
 from ...settings.explore import ENDS

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput, pick
-from ...judgement.instability import unfollowed
 from ...run.dependence import depends_on, source_of
+from ...run.instability import unfollowed
 from ...run.results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings

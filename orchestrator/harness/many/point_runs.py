@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...judgement.instability import InstabilityMonitor
+from ...opened.open_scene import Course, OpenScene
+from ...run.instability import InstabilityMonitor
 from ...run.progress import Interrupt, Stop
 from ...run.recorders import signals_recorder
 from ...run.results import Result
@@ -22,7 +23,6 @@ from ...run.rows import Rows
 from ...run.run import Run, run
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked_for
-from ...session.open_scene import Course, OpenScene
 from .measures import Row, Task, row_of_result
 
 log = logging.getLogger("cosimo")

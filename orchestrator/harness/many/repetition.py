@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...judgement import work
-from ...judgement.thresholds import WARN
+from ...run import work
+from ...run.thresholds import WARN
 from ...scene.shorter_steps import shorter_steps
 from ..analysis.records import KINDS
 from ..summary import with_error

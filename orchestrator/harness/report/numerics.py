@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...judgement.thresholds import ENERGY
+from ...run.thresholds import ENERGY
 from ...settings import IterationSettings, SceneSettings
 from ..charts.blocks import Block, Cells, Facts, Text
 from ..charts.chart import Chart, Grid, Panel, Series

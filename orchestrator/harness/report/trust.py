@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...judgement.thresholds import AIM, WARN
+from ...run.thresholds import AIM, WARN
 from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.charts import draw_chart

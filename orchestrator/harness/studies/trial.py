@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...judgement.work import hand_overs, macro_steps
 from ...run.results import Result
 from ...run.run import run
+from ...run.work import hand_overs, macro_steps
 from ...scene.scene import Scene
 from ..journal import once
 from .quantities import TimeHistory

@@ -13,7 +13,7 @@ import numpy as np
 from ....components.core.columns import Columns, read_table
 from ....components.core.errors import BadInput
 from ....components.core.measure import conversion_of
-from ...judgement.instants import at_instants
+from ...run.instants import at_instants
 from ...settings.case import CurveSettings
 from ..analysis.signals import Filter, amplitude_spectrum, uniform
 from ..charts.chart import Chart, Panel, Series

@@ -12,13 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...judgement import work
-from ...judgement.comparison import SURE, UNSURE
 from ...judgement.mesh import FOLDER
-from ...judgement.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE, SECOND_ORDER
 from ...judgement.verification import NOT_ASKED, Wish, work_of
 from ...kept import Kept
+from ...run import work
+from ...run.comparison import SURE, UNSURE
 from ...run.dependence import depends_on
+from ...run.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE, SECOND_ORDER
 from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
 from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, moved_parameters, shorter_steps
@@ -31,7 +31,7 @@ from .reference import UNCHANGED
 def find(case: Case, options: Options, wish: Wish = "auto") -> Findings:
     """What a case finds, each row with its numerical error where a repetition with half of every step shows one.
 
-    wish: "auto" repeats the case where the counted work of its runs is within the budget, see `judgement.work`, "whole" whatever it
+    wish: "auto" repeats the case where the counted work of its runs is within the budget, see `run.work`, "whole" whatever it
     takes, "no" nothing. Questions that run no scene are not asked again. A number that is the same to the last digit has no
     error: no step is in it. Each row without an error says why.
     """

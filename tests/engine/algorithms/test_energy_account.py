@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve_coupling
+from cosimo.orchestrator.opened.open_scene import Course, OpenScene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.session.open_scene import Course, OpenScene
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
 from cosimo.tests.slopes import orders

@@ -9,7 +9,7 @@ from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms import Master
 from cosimo.orchestrator.engine.algorithms.machine import Machine
 from cosimo.orchestrator.engine.stepping.loop import Stepping
-from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
+from cosimo.orchestrator.run.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses

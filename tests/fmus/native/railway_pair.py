@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cosimo.fmus.native.build import built
 from cosimo.fmus.native.machine_code import TARGETS
-from cosimo.orchestrator.session.native import makers
+from cosimo.orchestrator.opened.native import makers
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.machines import environment, program
 from fmpy import read_model_description

@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.least_squares import fit as least_squares
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.validation.curves import Measured, compare_curve
-from cosimo.orchestrator.judgement.instants import at_instants
+from cosimo.orchestrator.run.instants import at_instants
 from cosimo.orchestrator.settings.case import CurveSettings
 from cosimo.orchestrator.systems import read_scene
 

@@ -14,7 +14,7 @@ from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
 from cosimo.orchestrator.harness.many.repetition import compared, ends_and_some
 from cosimo.orchestrator.harness.many.sensitivity import sensitivity
 from cosimo.orchestrator.harness.many.uncertainty import uncertainty
-from cosimo.orchestrator.judgement import work
+from cosimo.orchestrator.run import work
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import formula

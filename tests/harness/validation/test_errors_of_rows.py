@@ -71,7 +71,7 @@ def test_a_number_without_macro_steps_has_no_error():
 
 
 def test_what_takes_long_is_repeated_only_when_asked_for(monkeypatch):
-    monkeypatch.setattr("cosimo.orchestrator.judgement.work.BUDGET", 0.0)
+    monkeypatch.setattr("cosimo.orchestrator.run.work.BUDGET", 0.0)
     counted = []
     found = find(case(-10.0, 10.0, counted=counted), Options())
     assert "--verify whole" in found.unverified

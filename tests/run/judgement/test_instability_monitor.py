@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.engine.algorithms import Master
-from cosimo.orchestrator.judgement.instability import InstabilityMonitor
+from cosimo.orchestrator.run.instability import InstabilityMonitor
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.commands import exit_code

@@ -9,8 +9,8 @@ from math import ceil, log
 import cosimo
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.comparison import difference, signal_errors
 from cosimo.orchestrator.judgement.verification import made_by_coupling
+from cosimo.orchestrator.run.comparison import difference, signal_errors
 from numba import config
 from scipy.linalg import expm
 

@@ -9,7 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.harness.summary import verification_text
 from cosimo.orchestrator.judgement import verification, windows, work
-from cosimo.orchestrator.judgement.comparison import (
+from cosimo.orchestrator.run.comparison import (
     Difference,
     SignalError,
     difference,

@@ -9,9 +9,9 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
 from cosimo.orchestrator.harness.report import for_run
+from cosimo.orchestrator.opened.native import initial_inputs
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.scene.ssp.write import write
-from cosimo.orchestrator.session.native import initial_inputs
 from cosimo.orchestrator.settings import SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages

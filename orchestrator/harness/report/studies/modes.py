@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from ....derivatives.linear import Linear, Mode
-from ....derivatives.modes import Modes
 from ...charts.blocks import Block, Cells, Figure, Text
 from ...charts.chart import Chart, Panel, Series
 from ...charts.charts import draw_chart
+from ...studies.modes import Modes
 from ..page import Page, Section, write_page
 
 POINTS = 400  # of a frequency response

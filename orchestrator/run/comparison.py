@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from ..engine.coupling.graph import is_discrete
-from ..run.results import Result
 from ..units.interface import Signal
 from .instants import at_instants
+from .results import Result
 from .thresholds import (
     APART,
     BULK,

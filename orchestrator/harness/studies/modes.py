@@ -8,11 +8,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ...components.core.errors import BadInput, StepFailed
-from ..output import write_table
-from ..scene.scene import Scene
-from ..session.session import Session
-from .linear import DISCRETE, SAMPLE, Linear, Mode
+from ....components.core.errors import BadInput, StepFailed
+from ...derivatives.linear import DISCRETE, SAMPLE, Linear, Mode
+from ...output import write_table
+from ...scene.scene import Scene
+from ...session.session import Session
 
 COLUMNS = "value", "rate, 1/s", "frequency, Hz", "damping ratio", "kind", "units"
 

@@ -22,10 +22,10 @@ from ...components.core.errors import BadInput, StepFailed
 from ..engine.coupling import Endpoint
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import BatchObserver
+from ..opened.open_scene import Course, started
+from ..opened.state import State
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
-from ..session.open_scene import Course, started
-from ..session.state import State
 from . import work
 from .comparison import Difference, difference
 from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_PLACES, WINDOWS_SHARE

@@ -23,7 +23,7 @@ from ..units import Simulator
 from .thresholds import BUDGET, PROBED, PROBED_STEPS
 
 if TYPE_CHECKING:
-    from ..run.results import Result
+    from .results import Result
 
 LARGEST = 500  # states that count: of a long wire, most are at rest or in vectors
 HAND_OVER = 50.0  # of a unit in a macro step, in compiled code

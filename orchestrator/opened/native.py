@@ -11,7 +11,6 @@ from ...components.core.component import Component
 from ...components.core.errors import BadInput
 from ...fmus.native.build import built, own_target
 from ..engine.stepping.faults import Faults
-from ..run.run_info import scene_info
 from ..scene.scene import Scene
 from ..units.component import make
 from ..units.native import NativeFmu
@@ -72,7 +71,7 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
 def with_native_fmus(scene: Scene) -> Scene:
     """The scene with its components replaced by their native FMUs, which hold its effects, parameters and initial inputs."""
     # an FMU does not say which of its variables are a port
-    changes: dict[str, Any] = {"connections": scene_info(scene)["connections"]}
+    changes: dict[str, Any] = {"connections": scene.info()["connections"]}
     for name, fmu in native_fmus(scene).items():
         unit = scene.units[name]
         inputs = {n: value for n, value in unit.parameters.items() if n in fmu.starts}
