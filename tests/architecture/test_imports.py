@@ -91,7 +91,9 @@ def relative_imports(path: Path) -> set[str]:
 def imported_modules(path: Path) -> set[str]:
     """Dotted names below the root of the modules whose names a module imports, relatively or as cosimo.module."""
     package = path.relative_to(ROOT).parts[:-1]
-    relative = [n for n in from_imports(path) if n.level and package[0] != "tests"]  # a test's file may be run as one of a package
+    relative = [
+        n for n in from_imports(path) if n.level and package[0] != "tests"
+    ]  # a test's file may be run as one of a package
     found = {(*package[: len(package) - n.level + 1], n.module or "") for n in relative}
     found |= {((n.module or "").removeprefix("cosimo."),) for n in from_imports(path) if (n.module or "").startswith("cosimo.")}
     return {".".join(filter(None, parts)) for parts in found}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.engine.algorithms import Master
+from cosimo.orchestrator.judgement.advice import remedy
 from cosimo.orchestrator.run.instability import InstabilityMonitor
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -45,7 +46,9 @@ def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree,
 
 @pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 def test_what_grows_too_fast_to_be_watched_names_the_limit_too():
-    result = run(load_scene("mass-on-spring").with_changes({"master.step": 0.24, "stop_time": 960.0}), in_process=True)
+    result = run(
+        load_scene("mass-on-spring").with_changes({"master.step": 0.24, "stop_time": 960.0}), in_process=True, remedy=remedy
+    )
     assert result.outcome == "unstable"
     assert "has grown to" in result.message
     assert "Reduce the macro step: the coupling is stable up to 0.121 s with master.extrapolation = 1" in result.message
@@ -54,7 +57,7 @@ def test_what_grows_too_fast_to_be_watched_names_the_limit_too():
 @pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 def test_a_coupling_without_a_stable_step_is_told_so():
     changes = {"master.step": 0.05, "master.extrapolation": 0, "spring.damping": 0.0, "stop_time": 200.0}
-    result = run(load_scene("mass-on-spring").with_changes(changes), in_process=True)
+    result = run(load_scene("mass-on-spring").with_changes(changes), in_process=True, remedy=remedy)
     assert "Change master.extrapolation: with master.extrapolation = 0 no macro step" in result.message
 
 
