@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from functools import cache
 from pathlib import Path
@@ -88,19 +89,31 @@ def relative_imports(path: Path) -> set[str]:
     return found
 
 
-def imported_modules(path: Path) -> set[str]:
-    """Dotted names below the root of the modules whose names a module imports, relatively or as cosimo.module."""
-    package = path.relative_to(ROOT).parts[:-1]
-    relative = [
-        n for n in from_imports(path) if n.level and package[0] != "tests"
-    ]  # a test's file may be run as one of a package
-    found = {(*package[: len(package) - n.level + 1], n.module or "") for n in relative}
-    found |= {((n.module or "").removeprefix("cosimo."),) for n in from_imports(path) if (n.module or "").startswith("cosimo.")}
-    return {".".join(filter(None, parts)) for parts in found}
+def imported_names(path: Path) -> set[str]:
+    """What a module imports by name from the project, relatively or as cosimo.module: dotted names below the root."""
+    package, found = path.relative_to(ROOT).parts[:-1], set()
+    for node in statements(path.read_text(encoding="utf-8")):
+        if isinstance(node, ast.ImportFrom):
+            own = (node.module or "").partition(".")[0] == "cosimo" and not node.level
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            rest = (node.module or "").split(".")[1 if own else 0 :]
+            # a test's file may be run as one of another package
+            if own or (node.level and package[0] != "tests"):
+                found |= {".".join(filter(None, (*base, *rest, alias.name))) for alias in node.names}
+    return found
 
 
-def from_imports(path: Path) -> list[ast.ImportFrom]:
-    return [node for node in statements(path.read_text(encoding="utf-8")) if isinstance(node, ast.ImportFrom)]
+@cache
+def is_there(name: str) -> bool:
+    """Whether a name is a module, or bound in the module before its last dot."""
+    place = ROOT / name.replace(".", "/")
+    if place.is_dir() or place.with_suffix(".py").is_file():
+        return True
+    module, own = place.parent, place.name
+    source = module.with_suffix(".py") if module.with_suffix(".py").is_file() else module / "__init__.py"
+    return source.is_file() and (
+        own == "*" or re.search(rf"\b{re.escape(own)}\b", source.read_text(encoding="utf-8")) is not None
+    )
 
 
 def floor(module: str) -> int:
@@ -131,14 +144,9 @@ def test_imports_point_one_way(package):
 
 
 @pytest.mark.parametrize("package", [*PACKAGES, "tests"])
-def test_modules_that_are_imported_are_there(package):
+def test_what_is_imported_is_there(package):
     """Wherever the import stands: a function's own is executed by few tests."""
-    known = {dotted(p) for name in (*PACKAGES, "tests") for p in modules(name)} | {""}
-    gone = {}
-    for path in modules(package):
-        wanted = {i for i in imported_modules(path) if i not in known and not (ROOT / i.replace(".", "/")).is_dir()}
-        if wanted:
-            gone[dotted(path)] = wanted
+    gone = {dotted(path): bad for path in modules(package) if (bad := {i for i in imported_names(path) if not is_there(i)})}
     assert gone == {}
 
 

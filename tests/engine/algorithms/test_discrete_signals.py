@@ -9,8 +9,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
+from cosimo.orchestrator.opened import open_scene
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.session import open_scene
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentSimulator
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal

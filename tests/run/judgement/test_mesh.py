@@ -10,7 +10,8 @@ from cosimo.components.core.component import Effect
 from cosimo.components.core.variables import SEED, integer, output, parameter
 from cosimo.orchestrator.harness.report import trust
 from cosimo.orchestrator.harness.summary import verification_text
-from cosimo.orchestrator.judgement import verification, work
+from cosimo.orchestrator.judgement import verification
+from cosimo.orchestrator.run import work
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import OfTime
 

@@ -8,7 +8,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.harness.summary import verification_text
-from cosimo.orchestrator.judgement import verification, windows, work
+from cosimo.orchestrator.judgement import verification
+from cosimo.orchestrator.run import windows, work
 from cosimo.orchestrator.run.comparison import (
     Difference,
     SignalError,

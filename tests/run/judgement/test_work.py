@@ -9,9 +9,10 @@ from cosimo.orchestrator.harness.validation.case import Case
 from cosimo.orchestrator.harness.validation.questions import Evidence, Options, Question
 from cosimo.orchestrator.harness.validation.reference import Row, TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
-from cosimo.orchestrator.judgement import verification, work
+from cosimo.orchestrator.judgement import verification
 from cosimo.orchestrator.judgement.advice import advise
 from cosimo.orchestrator.judgement.dry_run import first_part, lines
+from cosimo.orchestrator.run import work
 from cosimo.orchestrator.run.run import run as run_once
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.systems.many import sweep
