@@ -157,7 +157,7 @@ class Catenary(HungLine):
     contact_compliance = output(
         "m/N", "compliance that the mesh leaves out under the moving contact, in series with its spring", nominal=1e-6
     )
-    static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
+    static_residual = output("1", "unbalanced forces of the initial equilibrium over the dropper preloads (root sums of squares)")
     support_uplift = output("m", "uplift of the contact wire at a watched support, 0 beyond the end", nominal=0.05, size=WATCHED)
 
     presets = {

@@ -91,7 +91,7 @@ def at_contact(position, u, wire, mesh):
     W = mesh.bending_gradient.size
     j = W * i + 2 * wire
     value = b * u[j] + c * u[j + W]
-    if a != 0.0:
+    if 1 <= i <= mesh.position.size - 3:
         value += a * u[j - W] + d * u[j + 2 * W]
     return value
 

@@ -104,15 +104,15 @@ def find_balance(force, unilateral, q, mesh, balance):
         return math.nan
     for j in range(N):
         force[j] -= product_at(j, balance.stiffness, q)
-    largest, most = 0.0, 0.0
+    unbalanced, whole = 0.0, 0.0  # root mean squares, which have derivatives where several are largest
     for k in range(taut.size):
         change = (preload[k] + stiffness[k] * (q[upper[k]] - q[lower[k]])) * taut[k] - preload[k]
         force[lower[k]] += change
         force[upper[k]] -= change
-        most = max(most, abs(preload[k]))
+        whole += preload[k] ** 2
     for j in range(W, N - W):
-        largest = max(largest, abs(force[j]))
-    return largest / most
+        unbalanced += force[j] ** 2
+    return math.sqrt(unbalanced / whole)
 
 
 # -- for Python --------------------------------------------------------------------------------------------------------
@@ -127,8 +127,8 @@ class Statics:
     def under(self, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
         """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
 
-        Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
-        largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
+        Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the unbalanced nodal forces over the
+        dropper preloads (root sums of squares). Raises `StepFailed` if the set of taut droppers does not converge.
         """
         force, q = np.zeros((2, self.mesh.mass.size))
         for position, load, *wire in loads:

@@ -11,7 +11,8 @@ An integer that is copied takes the tangents of its cell along, for a number may
 an address of a function stands the address of its derivative, by which a call of an address finds it.
 
 A derivative is that of the branch which the run takes. Where a decision stands at its very boundary and a direction moves it, as at
-a kink, a tangent tells one side at most: of each direction for which that has happened, a bit is set in a number at `ties`.
+a kink, a tangent tells one side at most: of each direction for which that has happened, a bit is set in a number at `ties`. Kinks of
+numbers that only decisions read are not told, see `reading`.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from collections.abc import Callable, Iterable
 
 from .grammar import Function, Instruction, Operand, Unsupported, cells, functions, is_floating, lanes
 from .numbers import Number, constant, intrinsic
+from .reading import MOVES, name_of, read
 from .rules import FLAT, KINKED, NO_NUMBERS, PARTIALS, SAME, SINGULAR
 
 PREFIX = "d."
 REST = "i64 %offset, i64 %stack, i64 %ties"  # behind the arguments of a derivative
 ZERO = "zeroinitializer"
-MOVES = ("phi", "select", "freeze", "bitcast", "insertelement", "extractelement", "shufflevector")  # hand numbers on
 
 
 def derived(text: str, width: int, ties: bool = True) -> str:
@@ -85,6 +86,7 @@ class _Derivative:
         while len(self.moving) > before:
             before = len(self.moving)
             self.moving |= {i.result for i in function.body if i.result and self._moves(i)}
+        self.read, self.unread = read(function, self.sources) if ties else (set(), set())
 
     def text(self) -> str:
         """Of the derivative."""
@@ -135,7 +137,7 @@ class _Derivative:
             counted = is_floating(i.type) or ("i64" in i.type and i.result in self.copied)
             return counted and any(o.value in self.moving for o in i.operands)
         if i.op == "call":
-            name = _function(i.callee)
+            name = name_of(i.callee)
             if name.startswith("masked.") and is_floating(i.type):
                 return True
             return is_floating(i.type) and name not in FLAT and any(o.value in self.moving for o in i.operands)
@@ -206,8 +208,8 @@ class _Derivative:
                 self.lines.append(f"  store {self.wide(i.type)} {self.tangent(i.operands[0])}, ptr {place}, align 8")
         elif i.op == "call":
             self._call(i)
-        elif i.op == "fcmp":
-            self._note_tie(i.type, [o.value for o in i.operands], [self.tangent(o) for o in i.operands])
+        elif i.op == "fcmp" and not re.search(r" fcmp (?:uno|ord) ", i.line):  # whether it is a number at all
+            self._note_kink(i, [o.value for o in i.operands], [self.tangent(o) for o in i.operands])
         elif i.op == "bitcast" and is_floating(i.type) and i.operands[0].value not in self.moving:
             if i.operands[0].value.startswith("%"):
                 raise Unsupported(f"a number that is made of bits: {i.line.strip()}")
@@ -286,14 +288,14 @@ class _Derivative:
         if rule == "hypot":  # at the origin the length of the tangents: one-sided
             squares = [self.emit(f"fmul {wide} {self.tangent(o)}, {self.tangent(o)}") for o in i.operands]
             length = self.emit(intrinsic("sqrt", wide, self.emit(f"fadd {wide} {squares[0]}, {squares[1]}")))
-            self._note_tie(i.type, [i.result, constant(i.type, 0.0)], [length])
+            self._note_kink(i, [i.result, constant(i.type, 0.0)], [length])
             origin = self.emit(f"fcmp oeq {i.type} {i.result}, {constant(i.type, 0.0)}")
             origin = self.spread(_truth(i.type), origin)
             total = self.emit(f"select {_truth(wide)} {origin}, {wide} {length}, {wide} {total}")
         self.emit(f"freeze {wide} {total}", self.tangent_name(i.result))
 
     def _call(self, i: Instruction) -> None:
-        name, result = _function(i.callee), self.tangent_name(i.result) if i.result else ""
+        name, result = name_of(i.callee), self.tangent_name(i.result) if i.result else ""
         if name.startswith(("memcpy", "memmove", "memset")):
             self._copy(i, name)
         elif name.startswith("masked."):
@@ -311,14 +313,23 @@ class _Derivative:
         elif any(o.value in self.moving and is_floating(o.type) for o in i.operands) and name not in FLAT:
             raise Unsupported(f"the function {name}")
 
+    def _note_kink(self, i: Instruction, values: list[str], tangents: list[str]) -> None:
+        """The same where the result counts."""
+        if i.result in self.read:
+            self._note_tie(i.type, values, tangents)
+
     def _note_tie(self, kind: str, values: list[str], tangents: list[str]) -> None:
-        """Set the bits of directions that move two numbers apart which are equal, and compared."""
+        """Set the bits of directions that move two numbers apart which are equal, and compared.
+
+        A number that only decisions read may have kinks behind it: it is taken to move.
+        """
         tangents = [t for t in tangents if t != ZERO]
         if not tangents or not self.ties:
             return
         wide, n = self.wide(kind), max(lanes(kind), 1)
         apart = self.emit(f"fsub {wide} {', '.join(tangents)}") if len(tangents) == 2 else tangents[0]
-        apart = self.emit(f"fcmp une {wide} {apart}, {constant(wide, 0.0)}")
+        order = "true" if self.unread.intersection(values) else "une"
+        apart = self.emit(f"fcmp {order} {wide} {apart}, {constant(wide, 0.0)}")
         equal = self.emit(f"fcmp oeq {kind} {', '.join(values)}")
         none = "false" if wide == "double" else ZERO
         bits = self.emit(f"select {self._spread_truth(kind, equal)}, {_truth(wide)} {apart}, {_truth(wide)} {none}")
@@ -392,7 +403,7 @@ class _Derivative:
         one = i.operands[0]
         a = self.tangent(one)
         if name == "fabs":
-            self._note_tie(kind, [one.value, constant(kind, 0.0)], [a])
+            self._note_kink(i, [one.value, constant(kind, 0.0)], [a])
         if name in ("fabs", "copysign"):
             other = constant(kind, 0.0) if name == "fabs" else i.result
             same = self.emit(f"fcmp {'ogt' if name == 'fabs' else 'oeq'} {kind} {one.value}, {other}")
@@ -406,7 +417,7 @@ class _Derivative:
             return
         two = i.operands[1]
         b, largest = self.tangent(two), "max" in name
-        self._note_tie(kind, [one.value, two.value], [a, b])
+        self._note_kink(i, [one.value, two.value], [a, b])
         first = self.emit(f"fcmp {'ogt' if largest else 'olt'} {kind} {one.value}, {two.value}")
         total = self.emit(f"select {self._spread_truth(kind, first)}, {wide} {a}, {wide} {b}")
         tie = self.emit(f"fcmp oeq {kind} {one.value}, {two.value}")
@@ -419,7 +430,7 @@ class _Derivative:
 
     def _replaced(self, i: Instruction) -> bool:
         """Whether a call was replaced by one of the derivative, which computes the numbers, too."""
-        if _function(i.callee).startswith(NO_NUMBERS):
+        if name_of(i.callee).startswith(NO_NUMBERS):
             return True
         indirect = i.callee.startswith("%")
         if not indirect and i.callee not in self.known:
@@ -462,8 +473,3 @@ def _mask(operand: Operand, size: int) -> list[int]:
     if operand.value.startswith("splat"):
         return [int(re.search(r"i32 (\d+)", operand.value)[1])] * size  # type: ignore[index]
     return [int(m) if m.isdigit() else -1 for m in re.findall(r"i32 (\w+)", operand.value)]
-
-
-def _function(callee: str) -> str:
-    """The name of a function without the types that its name has."""
-    return re.sub(r"\.(v\d+)?f64$", "", callee[1:].strip('"').removeprefix("llvm."))

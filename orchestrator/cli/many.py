@@ -21,6 +21,7 @@ from .options import (
     Changes,
     Cluster,
     Conditions,
+    FirstOrder,
     Jobs,
     Limits,
     NoVerify,
@@ -160,6 +161,7 @@ def uncertainty(
     quantity: Quantities = None,
     limits: Limits = "",
     condition: Conditions = None,
+    first_order: FirstOrder = True,
     output: Output = Path("uncertainty"),
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
@@ -167,9 +169,8 @@ def uncertainty(
     from ..harness.report import answers
     from ..systems import many
 
-    answer = many.uncertainty(
-        runs.scene, plan, output, quantities=quantity or [], progress=True, limits=limits, conditions=condition or (), **runs.how
-    )
+    limited: dict[str, Any] = {"limits": limits, "conditions": condition or (), "first_order": first_order}
+    answer = many.uncertainty(runs.scene, plan, output, quantities=quantity or [], progress=True, **limited, **runs.how)
     stopped_early(answer.sweep)
     written = [*answer.save(output), answers.for_uncertainty(answer, output)]
     too_few = f"needs {FOR_TOLERANCE} samples"
@@ -183,7 +184,7 @@ def uncertainty(
         print_table("Probability of keeping the limits", answers.LIMIT_COLUMNS, answers.limit_rows(answer.limits))
     warn(answer.messages)
     print(verified(answer.sweep))
-    print_written(written, f"{len(answer.sweep.outcomes)} runs; ")
+    print_written(written, f"{answer.origin}; ")
 
 
 @app.command()

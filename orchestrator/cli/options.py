@@ -103,6 +103,13 @@ Limits = Annotated[
         help="Table of limits for the run: en50367, en50318-2002, ..., or a TOML file with sources and rows.",
     ),
 ]
+FirstOrder = Annotated[
+    bool,
+    Option(
+        "--first-order/--all-samples",
+        help="Samples follow from exact derivatives where some runs agree with these; or every sample is run.",
+    ),
+]
 Conditions = Annotated[
     list[str] | None,
     Option(

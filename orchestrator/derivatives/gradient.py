@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from math import isfinite, nan
+from math import isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -277,6 +277,8 @@ def _verdict(derivative: float, below: tuple[float, float], above: tuple[float, 
         return EXACT
     if fits[0] or fits[1]:
         return LEFT if fits[0] else RIGHT
+    if isnan(below[0]) and isnan(above[0]):
+        return "no other value comes to its end in this scene"
     return f"a decision stands at its boundary; runs give {below[0]:.4g} below and {above[0]:.4g} above"
 
 

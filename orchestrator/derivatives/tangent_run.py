@@ -19,7 +19,8 @@ from ...fmus.derivatives.grammar import Unsupported
 from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
 from ..engine.algorithms import Master
-from ..engine.algorithms.records import GIVEN, UNKNOWN
+from ..engine.algorithms.initial_kernels import SWEEPS
+from ..engine.algorithms.records import ABOUT_ZERO, GIVEN, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..opened.open_scene import OpenScene
@@ -30,6 +31,8 @@ from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
 
 WIDTH = 8  # directions at once
 CHUNK = 256  # macro steps of one call
+STANDS = 1e-9  # relative change of a tangent in one more initialization that is rounding; of one below `ABOUT_ZERO` times the
+# largest of its direction it is a change of that
 BY_DIFFERENCES = "Differences have no such limit: differences = 1e-4."
 KERNELS_ALONE = "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)"
 
@@ -73,6 +76,7 @@ class TangentScene:
         numbers[self._ends] = scene.stop_time
         if follow:
             numbers[self._changes] = -np.inf
+        self._circular = follow and bool(np.any(memory.groups["last"] - memory.groups["first"] > 1))
         self._arena = Arena(2 * layout.cells + CHUNK * (len(self.signals) + memory.bonded.size * len(GIVEN) + 1), width)
         try:
             master = [compile_entries(source) for source in layout.sources if source.prefix == "master"]
@@ -200,9 +204,24 @@ class TangentScene:
         self._begin(seeds)
         start = self.scene.start_time
         self._call(self._initialize, start, 0.0)
+        if seeds and self._circular:
+            self._let_tangents_stand(start)
         self._arena.cells[[self._cell("units", k, "time") for k in range(self.master.records.memory.units.size)]] = start
         self._ask("push", whole=0, steps=1)
         self._call(self._steps, start, 0.0)
+
+    def _let_tangents_stand(self, t: float) -> None:
+        """Initialize units that feed one another until their tangents stand, too: numbers may stand before; raises `StepFailed`."""
+        tangents = self._arena.tangents[self._first_signal : self._first_signal + len(self.signals)]
+        for _ in range(SWEEPS):
+            before = tangents.copy()
+            self._call(self._initialize, t, 0.0)
+            least = ABOUT_ZERO * np.max(np.abs(tangents), axis=0, initial=0.0)
+            if np.all(np.abs(tangents - before) <= STANDS * np.maximum(np.abs(tangents), least)):
+                return
+        raise StepFailed(
+            self.scene.name, t, "initial values stand, but not their derivatives", "Give a start that is no equilibrium"
+        )
 
     def take(self, master: Master) -> None:
         """The block as units and master of another opening of the scene stand; raises `BadInput` for units that are FMUs."""

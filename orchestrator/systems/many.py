@@ -202,16 +202,20 @@ def uncertainty(
     cluster: str = "",
     progress: bool = False,
     verify: bool = True,
+    first_order: bool = True,
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
     quantities: columns of a sweep; default: those of the plan or of the scene's [study].  limits: a validation table whose rows are
-    limits as well, under these `conditions`. Raises `BadInput`.
+    limits as well, under these `conditions`.  first_order: samples follow from exact derivatives at the means where runs at the
+    ends and at random agree, else all are run. Raises `BadInput`.
     """
     from ..harness.many.uncertainty import uncertainty as answer
 
     how: AnswerOptions = {"jobs": jobs, "cluster": cluster, "progress": progress, "verify": verify, "summarize": summary}
-    return answer(scene_of(scene), plan, output, quantities=quantities, limits=limits, conditions=conditions, **how)
+    return answer(
+        scene_of(scene), plan, output, quantities=quantities, limits=limits, conditions=conditions, first_order=first_order, **how
+    )
 
 
 @RENAMED

@@ -1,29 +1,97 @@
 """How many real parameters of the shipped scenes have exact derivatives: each against differences of runs, over 60 macro steps.
 
-python -m cosimo.tests.campaigns.derivatives [SCENE ...]      # rows of the table in docs/derivatives.md, in Markdown
+python -m cosimo.tests.campaigns.derivatives > docs/development/derivatives.md      # the page; some minutes, more where nothing is kept
+python -m cosimo.tests.campaigns.derivatives SCENE ...                              # rows of its table
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import Counter
+from collections.abc import Iterable, Mapping
 
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.scene.files import scene_files
-from cosimo.tests.derivatives.test_scenes import judged
+from cosimo.tests.derivatives.differences import Verdict
+from cosimo.tests.derivatives.test_scenes import NUMERICS, STEPS, judged
 
-KINDS = ("exact", "one-sided, told", "wrong, told", "wrong")
+COUNTED = ("exact", "one-sided, told", "wrong, told", "wrong")
+APART = (NUMERICS, "fixed")
+HEAD = """# Which parameters have exact derivatives
+
+Made by `python -m cosimo.tests.campaigns.derivatives`. Each real parameter of each shipped scene of kernels was tried over {steps} macro
+steps: the derivatives of all recorded signals against central differences at two to six distances, and against those of either side. The
+differences are of runs without derivatives.
+
+- *Exact*: to 1e-5 of each signal, behind what differences resolve.
+- *One-sided*: the parameter stands at a boundary of the model, such as a contact point on a node of the mesh. The derivative holds on
+  one side, and is marked so.
+- *Refused*: neither side agrees, as with the rate of a joint that sticks. `cosimo gradient` gives the reason instead of a number.
+- *Wrong*: a derivative that disagrees and is not marked.
+
+Counted apart: *numerics* (`substep`, `tolerance`, `period` of sampled components), and *fixed* parameters, which have no other value in
+their scene (rows of a table that are not in use, the creep of contacts that do not creep).
+
+{summary}
+
+| scene | parameters | exact | one-sided | refused | wrong | numerics | fixed |
+|---|---|---|---|---|---|---|---|
+"""
+ROW = re.compile(r"\| (.+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|")
 
 
-def row_of(name: str) -> str:
-    """The counts of a scene, or why it has no derivatives."""
-    try:
-        kinds = Counter(judged(name).values())
-    except (BadInput, StepFailed) as error:
-        return f"| {name} | {error} |"
-    return f"| {name} | {sum(kinds.values())} | {' | '.join(str(kinds[kind]) for kind in KINDS)} |"
+def row_of(name: str, verdicts: Mapping[str, Verdict]) -> str:
+    """The counts of a scene."""
+    kinds = Counter(one.kind for one in verdicts.values())
+    counts = [sum(kinds[kind] for kind in COUNTED), *(kinds[kind] for kind in (*COUNTED, *APART))]
+    return f"| {name} | {' | '.join(map(str, counts))} |"
+
+
+def named(verdicts: Mapping[str, Verdict], kind: str) -> str:
+    """Parameters of a kind; elements of an array together."""
+    return ", ".join(dict.fromkeys(re.sub(r"\[\d+\]$", "[]", n) for n, one in verdicts.items() if one.kind == kind))
+
+
+def page(found: Mapping[str, Mapping[str, Verdict] | str]) -> str:
+    """The page of what was found in scenes, or why one has no derivatives."""
+    judged_ones = {name: some for name, some in found.items() if not isinstance(some, str)}
+    rows = [row_of(name, some) for name, some in judged_ones.items()]
+    counts = [[int(n) for n in match.groups()[1:]] for row in rows if (match := ROW.fullmatch(row))]
+    total = [sum(column) for column in zip(*counts, strict=True)]
+    shares = [f"{100.0 * n / total[0]:.1f} %" for n in total[1:4]]
+    summary = (
+        f"Of {total[0]} parameters of {len(rows)} scenes, {total[1]} ({shares[0]}) are exact, {total[2]} ({shares[1]}) one-sided, "
+        f"{total[3]} ({shares[2]}) refused, {total[4]} wrong."
+    )
+    lines = [HEAD.format(steps=STEPS, summary=summary) + "\n".join([*rows, f"| all | {' | '.join(map(str, total))} |"])]
+    for title, kind in (("One-sided", COUNTED[1]), ("Refused", COUNTED[2]), ("Wrong", COUNTED[3]), ("Fixed", APART[1])):
+        some = [f"- {name}: {names}" for name, one in judged_ones.items() if (names := named(one, kind))]
+        lines += ["", f"## {title}", "", *some] if some else []
+    lines += [
+        "",
+        "## Scenes without derivatives",
+        "",
+        *(f"- {name}: {why}" for name, why in found.items() if isinstance(why, str)),
+    ]
+    return "\n".join(lines)
+
+
+def find(names: Iterable[str]) -> dict[str, Mapping[str, Verdict] | str]:
+    """What each scene gives; a row to the error stream as it is known."""
+    found: dict[str, Mapping[str, Verdict] | str] = {}
+    for name in names:
+        try:
+            found[name] = some = judged(name)
+            print(row_of(name, some), file=sys.stderr, flush=True)
+        except (BadInput, StepFailed) as error:
+            found[name] = error.actual if isinstance(error, BadInput) else str(error)
+            print(f"| {name} | {found[name]} |", file=sys.stderr, flush=True)
+    return found
 
 
 if __name__ == "__main__":
-    for scene in sys.argv[1:] or sorted(scene_files()):
-        print(row_of(scene), flush=True)
+    if sys.argv[1:]:
+        find(sys.argv[1:])
+    else:
+        print(page(find(sorted(scene_files()))))

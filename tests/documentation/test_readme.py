@@ -123,6 +123,8 @@ def test_commands(page, command, folders):
 def test_python(source, tmp_path):
     if "import control" in source and find_spec("control") is None:
         pytest.skip("python-control is not installed (extra 'control')")
+    if "--native" in source and find_spec("ziglang") is None:
+        pytest.skip("zig is not installed (extra 'native')")
     done = shell([sys.executable, "-c", source], tmp_path)
     assert done.returncode == 0, done.stderr
 

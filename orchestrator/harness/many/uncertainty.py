@@ -8,7 +8,7 @@ distribution. No shape of the distribution is assumed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -20,6 +20,7 @@ from ...scene.scene import Scene
 from ...settings.plan import SAMPLED, LimitSettings, PlanSettings
 from ..sweep import AnswerOptions, Sweep, sweep
 from .columns import column_name, for_columns
+from .first_order import first_order as by_derivatives
 from .limits import unconfirmed, with_rows
 from .plan import plan_settings
 from .repetition import blurred
@@ -33,7 +34,7 @@ FOR_TOLERANCE = 93  # samples, the fewest with a tolerance interval of this cont
 @dataclass(frozen=True)
 class Spread:
     """A quantity over the samples. percentiles: at `PERCENTILES`.  tolerance: ends of the interval, NaN where there are too few
-    samples for one.  count: samples that are done."""
+    samples for one.  count: samples that have a number."""
 
     quantity: str
     unit: str
@@ -64,16 +65,21 @@ class Inside:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """spreads: of the quantities.  limits: how often each is kept, and all together.  messages: what a user should know."""
+    """spreads: of the quantities.  limits: how often each is kept, and all together.  messages: what a user should know.
+
+    sweep: the runs.  values: of the samples, (n,) by column, by their runs or by first order; origin says which, in words.
+    """
 
     sweep: Sweep
     spreads: tuple[Spread, ...]
     limits: tuple[Inside, ...] = ()
     messages: tuple[str, ...] = ()
+    values: Mapping[str, np.ndarray] = field(default_factory=dict)
+    origin: str = ""
 
     def __repr__(self) -> str:
         """A line a quantity: mean, standard deviation, the tolerance interval."""
-        lines = [f"<Uncertainty of {self.sweep.scene.name}: {len(self.sweep.outcomes)} samples>"]
+        lines = [f"<Uncertainty of {self.sweep.scene.name}: {self.origin or 'stopped'}>"]
         for s in self.spreads:
             unit = f" {s.unit}" if s.unit != "1" else ""
             inside = (
@@ -144,12 +150,12 @@ def probability(column: str, limit: LimitSettings | None, inside: np.ndarray) ->
     return Inside(column, limit, n, k, low, high)
 
 
-def _kept(runs: Sweep) -> tuple[Inside, ...]:
+def _kept(limits: Mapping[str, LimitSettings], values: Mapping[str, np.ndarray]) -> tuple[Inside, ...]:
     """How often each limit is kept, and all together; samples without a number do not count."""
-    done = runs.done
-    answers, together = [], np.ones(int(done.sum()), dtype=bool)
-    for name, limit in runs.plan.limits.items():
-        x = runs.measures[name][done]
+    answers = []
+    together = np.ones(next((x.size for x in values.values()), 0), dtype=bool)
+    for name, limit in limits.items():
+        x = values[name]
         inside = np.array([limit.keeps(v) for v in x], dtype=bool)
         answers.append(probability(name, limit, inside[np.isfinite(x)]))
         together &= inside
@@ -172,25 +178,36 @@ def uncertainty(
     quantities: Sequence[str] = (),
     limits: str = "",
     conditions: Sequence[str] = (),
+    first_order: bool = True,
     **how: Unpack[AnswerOptions],
 ) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
-    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `how`: as of a sweep. Raises
-    `BadInput`.
+    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them. `first_order`: samples follow from
+    derivatives where some runs agree. `how`: as of a sweep. Raises `BadInput`.
     """
     settings = plan_settings(plan, scene=scene)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
     settings = with_rows(settings, table=limits, conditions=conditions)
     names, settings = for_columns(scene, settings, quantities, "uncertainty", settings.limits)
-    runs = sweep(scene, settings, directory, columns=names, **how)
+    tried = by_derivatives(scene, settings, [*names, *settings.limits], directory, **how) if first_order else None
+    taken = tried is not None and (tried.holds or tried.runs.stopped is not None)
+    runs = tried.runs if tried is not None and taken else sweep(scene, settings, directory, columns=names, **how)
     if runs.stopped is not None:
         return Uncertainty(runs, ())
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
-    spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
-    messages = _messages(runs, spreads, settings.method)
-    return Uncertainty(runs, spreads, _kept(runs), tuple(messages))
+    origin, messages = f"{len(runs.outcomes)} samples", list[str]()
+    values: Mapping[str, np.ndarray] = {name: x[runs.done] for name, x in runs.measures.items()}
+    if tried is not None:
+        judges = f"{len(tried.runs.outcomes)} runs, at the ends and at random, differ from first order"
+        so = "" if taken else ": all samples were run"
+        messages = [f"{judges} by {100.0 * tried.rest:.2g} % of the standard deviation{so}"]
+        if taken:
+            values, origin = tried.values, f"{settings.points} samples by first order, {len(runs.outcomes)} of them run"
+    spreads = tuple(spread(name, runs.units.get(name, ""), values[name]) for name in names)
+    messages += _messages(runs, spreads, settings.method)
+    return Uncertainty(runs, spreads, _kept(runs.plan.limits, values), tuple(messages), values, origin)
 
 
 def spread(name: str, unit: str, values: np.ndarray) -> Spread:

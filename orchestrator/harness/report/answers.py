@@ -90,7 +90,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
     blocks: list[Block] = []
     panels = []
     for s in answer.spreads:
-        x = answer.sweep.measures[s.quantity]
+        x = answer.values[s.quantity]
         x = x[np.isfinite(x)]
         count, edges = np.histogram(x, bins=int(np.clip(np.sqrt(x.size), 6, MOST_BINS)))
         middle = np.repeat(edges, 2)[1:-1]
@@ -156,7 +156,7 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         f"{s.quantity}: {number(s.mean)} ± {number(s.deviation)}{f' {s.unit}' if s.unit not in ('', '1') else ''}"
         for s in answer.spreads
     ]
-    lead = f"{'; '.join(parts)} (mean and standard deviation of {len(answer.sweep.outcomes)} runs)."
+    lead = f"{'; '.join(parts)} (mean and standard deviation of {answer.origin})."
     return _page(f"Uncertainty of {answer.sweep.scene.name}", lead, blocks, answer.messages, answer.sweep.scene, directory)
 
 

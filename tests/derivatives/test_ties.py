@@ -1,0 +1,69 @@
+"""Decisions at their very boundary are told, where they change a number; initial values whose derivatives follow later than they."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+from cosimo.components.core.kernels import COMPILED
+from cosimo.tests.derivatives.test_tangent_run import short
+
+if COMPILED:
+    from cosimo.fmus.derivatives.compiled import Arena, Compiled
+    from cosimo.orchestrator.derivatives.tangent_run import TangentScene
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
+LARGER = """  %more = fcmp ogt double %a, %b
+  %m = select i1 %more, double %a, double %b"""
+KEPT = "  store double %m, ptr %first"
+JUDGED = """  %small = fcmp olt double %m, 1.000000e+01
+  %y = select i1 %small, double %a, double 1.000000e+00
+  store double %y, ptr %first"""
+COUNTED = """  %n = fptosi double %m to i64
+  %y = sitofp i64 %n to double
+  store double %y, ptr %first"""
+
+
+def told(lines: str, a: float, b: float) -> tuple[list[bool], float]:
+    """Of the directions of a, of b and of both, whether a tie was told; and what has become of a."""
+    text = f"""define i32 @model_step(double %t, double %h, i64 %address) {{
+  %first = inttoptr i64 %address to ptr
+  %second = getelementptr double, ptr %first, i64 1
+  %a = load double, ptr %first
+  %b = load double, ptr %second
+{lines}
+  ret i32 0
+}}
+"""
+    arena = Arena(2, 4)
+    arena.cells[:2], arena.tangents[:2, :3] = (a, b), [[1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]
+    code = Compiled([text], 4)
+    assert code.entry("model_step", 2)(0.0, 1.0, *arena.given()) == 0
+    return [bool(int(arena.ties[0]) >> k & 1) for k in range(3)], float(arena.cells[0])
+
+
+def test_the_larger_of_two_equal_numbers_is_told_where_it_is_kept():
+    assert told(f"{LARGER}\n{KEPT}", 2.0, 2.0)[0] == [True, True, False]
+    assert told(f"{LARGER}\n{KEPT}", 2.0, 3.0)[0] == [False, False, False]
+
+
+@pytest.mark.parametrize("use", [JUDGED, COUNTED])
+def test_it_is_not_told_where_it_only_decides_something_far_from_its_boundary(use):
+    assert told(f"{LARGER}\n{use}", 2.5, 2.5)[0] == [False, False, False]
+
+
+def test_a_decision_at_its_boundary_by_a_number_with_a_kink_is_told_for_all_directions():
+    """The tangent of the larger of 10 and 10 is that of b, which does not move in the first direction; the number does, above 10."""
+    assert told(f"{LARGER}\n{JUDGED}", 10.0, 10.0) == ([True, True, True], 1.0)
+
+
+def test_initial_values_that_stand_at_once_pass_their_derivatives_on():
+    """The error of a controller at a sleeve that starts at 0, which the controller was handed as 0 already: -1 m/m from the start on."""
+    scene = short("friction-drive-step", 2, {"controller.effects.quantisation": False})
+    with ExitStack() as stack:
+        tangents = TangentScene(scene, stack)
+        rows = tangents.run(["wheels.start_feed"])
+    error = tangents.signals.index(("controller", "feed_error"))
+    assert rows.values[0, error] == 0.0
+    np.testing.assert_allclose(rows.tangents[0, error], [-1.0], rtol=1e-12)
