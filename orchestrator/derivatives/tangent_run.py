@@ -31,7 +31,7 @@ from ..scene_fmu.layout import Layout, PlacedUnit, in_python, stepped_in_python
 
 WIDTH = 8  # directions at once
 CHUNK = 256  # macro steps of one call
-STANDS = 1e-9  # relative change of a tangent in one more initialization that is rounding; of one below `ABOUT_ZERO` times the
+STANDS = 1e-7  # relative change of a tangent in one more initialization that is rounding; of one below `ABOUT_ZERO` times the
 # largest of its direction it is a change of that
 BY_DIFFERENCES = "Differences have no such limit: differences = 1e-4."
 KERNELS_ALONE = "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)"
