@@ -8,6 +8,7 @@ from . import (  # noqa: F401 - each adds its commands
     estimate,
     explore,
     fmus,
+    instants,
     many,
     new,
     new_scene,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option
 
 from ...components.core.errors import BadInput, pick
-from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study, warn
+from .common import FAILED_CHECK, app, print_cells, print_table, print_written, scene_of, status_spinner, study
 from .completion import anything, scenes
 from .options import (
     COMPONENT,
@@ -337,49 +337,4 @@ def gradient(
         print_cells(gradient_cells([s for s in measured.slopes if s.figure == figure]))
     for name, reason in measured.refused.items():
         print(f"{name}: no derivative: {reason}")
-    print_written(written)
-
-
-@app.command()
-@reports
-def modes(
-    scene: SceneName,
-    at: Annotated[float | None, Option("--at", metavar="SECONDS", help="Time of the instant. Default: the start.")] = None,
-    over: Over = None,
-    inputs: Annotated[list[str] | None, Option(metavar="UNIT.INPUT[,...]", help="Free inputs, for frequency responses.")] = None,
-    outputs: Annotated[
-        list[str] | None, Option(metavar="UNIT.OUTPUT[,...]", help="Their outputs. Default: those that are recorded.")
-    ] = None,
-    output: Output = Path("modes"),
-    values: Changes = None,
-    presets: Presets = None,
-    as_json: AsJson = False,
-) -> None:
-    """Find eigenvalues about an instant, with frequency, damping and units. Example: cosimo modes mass-on-spring -o out
-
-    The linear system is exact for scenes of kernels; it is written as linear.npz and linear.mat.
-    """
-    from numpy import linspace
-
-    from ..harness.report.studies.modes import for_modes, mode_cells
-    from ..harness.studies.modes import modes as find
-    from ..scene.written_units import axes_with_numbers
-
-    loaded = scene_of(scene, values, presets)
-    varied = axes_with_numbers(ranges_of(over), loaded.settings()["units"], "--over")
-    if len(varied) > 1:
-        raise BadInput("--over", ", ".join(varied), "one parameter")
-    axis = next(
-        ((n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()), None
-    )
-    with status_spinner("derivatives"):
-        measured = find(loaded, at, axis, listed("--inputs", inputs), listed("--outputs", outputs))
-    written = [*measured.save(output), for_modes(measured, output)]
-    if as_json:
-        print(json.dumps(measured.to_json(), indent=2))
-        return
-    print_cells(mode_cells(measured))
-    warn(list(dict.fromkeys(text for _, linear in measured.points for text in linear.remarks)))
-    for value, reason in measured.refused:
-        print(f"{measured.parameter} = {value:g}: {reason}")
     print_written(written)

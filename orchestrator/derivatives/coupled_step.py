@@ -69,10 +69,13 @@ class CoupledStep:
         self._declared = self._declared_cells()
 
     # -- where it stands ---------------------------------------------------------------------------------------------
-    def begin(self) -> None:
-        """At the start of the scene, and on until there are as many samples as inputs are extrapolated from."""
-        self.tangent_scene.start()
-        self.stand(self.tangent_scene.scene.start_time)
+    def begin(self, seeds: Sequence[int] = (), at: float | None = None) -> None:
+        """At the start of the scene, or begun at a time, s, and on until there are as many samples as inputs are extrapolated from.
+
+        seeds: of the first directions the cells of parameters; what follows from these keeps its tangents beside those of `seed`.
+        """
+        self.tangent_scene.start(seeds, at)
+        self.stand(self.tangent_scene.scene.start_time if at is None else at)
 
     def take(self, master: Master, t: float) -> None:
         """Where another opening of the scene stands, at t, s, and on as `begin`."""

@@ -199,10 +199,10 @@ class TangentScene:
         )
 
     # -- what is done with the block ---------------------------------------------------------------------------------
-    def start(self, seeds: Sequence[int] = ()) -> None:
-        """Initialize the units at the scene's start; seeds: of each direction the cell that is moved by it."""
+    def start(self, seeds: Sequence[int] = (), at: float | None = None) -> None:
+        """Initialize the units at the scene's start, or at a time, s; seeds: of each direction the cell that is moved by it."""
         self._begin(seeds)
-        start = self.scene.start_time
+        start = self.scene.start_time if at is None else at
         self._call(self._initialize, start, 0.0)
         if seeds and self._circular:
             self._let_tangents_stand(start)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from functools import cached_property
@@ -35,6 +35,8 @@ from ..verified_file import verified_bytes, verified_content
 if TYPE_CHECKING:
     from ..derivatives.gradient import Gradient
     from ..derivatives.linear import Linear
+    from ..derivatives.trim import SteadyState
+    from ..engine.algorithms import Master
 
 Value = float | int | bool | str | np.ndarray | Sequence[float]
 SHOWN = 40  # outputs in a notebook
@@ -363,6 +365,24 @@ class Session:
 
         self._started("linearize()")
         return linearize(self._scene, self._master, self.time, inputs, outputs, steps)
+
+    def trim(self, free: Sequence[str] = (), want: Mapping[str, float | str] | None = None, **options: Any) -> SteadyState:
+        """The steady state that Newton's method reaches from here; the session stays where it is.
+
+        free: parameters and inputs that are found.  want: as many outputs and their values, "0.5 m/s".  options: as of
+        `derivatives.trim.trim`. Raises `BadInput` with the reason where there is none.
+        """
+        from ..derivatives.trim import trim
+
+        self._alive()
+        scene = self._scene.with_changes(self._changes) if self._changes else self._scene
+        given = {".".join(end): value for end, value in self._inputs.items() if isinstance(value, float)}
+        return trim(scene, free, want, at=self.place, given=given, **options).points[0][1]
+
+    @property
+    def place(self) -> tuple[Master, float] | None:
+        """The master, and the time in s, for what follows from where the scene stands; None before the start."""
+        return (self._master, self.time) if self._initialized and not self._failure else None
 
     # -- states ------------------------------------------------------------------------------------------------------
     def save(self) -> State:

@@ -12,10 +12,12 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.derivatives.linear import Linear
+from cosimo.orchestrator.harness.report.studies.modes import nyquist
 from cosimo.orchestrator.harness.studies.modes import modes
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.derivatives.test_coupled_step import by_hand, on_spring
 from scipy.io import loadmat
+from scipy.linalg import expm
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="derivatives are those of machine code")
 OUTPUTS = ["mass.base_x", "mass.base_velocity_x", "spring.second_force_x"]
@@ -281,3 +283,63 @@ def test_the_command_writes_tables_matrices_and_a_page(tmp_path, capsys):
         eigenvalues = np.linalg.eigvals(by_hand(1, 5e-3, k=stiffness, c=4.0))
         exact = np.log(eigenvalues[np.argmax(eigenvalues.imag)]) / 5e-3
         assert [float(cell) for cell in row[:3]] == pytest.approx([stiffness, exact.real, exact.imag / (2.0 * np.pi)], rel=1e-9)
+
+
+def held(A: np.ndarray, B: np.ndarray, C: np.ndarray, h: float, frequencies: np.ndarray) -> np.ndarray:
+    """Responses of x' = A x + B u, y = C x to inputs that are held over h, by the matrix exponential."""
+    n, m = B.shape
+    exact = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * h)
+    z = np.exp(2j * np.pi * frequencies * h)
+    return np.array([C @ np.linalg.solve(one * np.eye(n) - exact[:n, :n], exact[:n, n:]) for one in z])
+
+
+def test_a_servo_motor_is_the_matrices_of_winding_and_shaft():
+    """Angle, rate, current by voltage and load: L i' = V - R i - k N w, J w' = N k i - N² b w - load."""
+    motor = {"component": "ServoMotor", "effects": ["inductance"], "parameters": {"substep": 1e-5}}
+    scene = read_scene({"stop_time": 1.0, "units": {"motor": motor}, "master": {"step": 1e-3}})
+    outputs = ["motor.angle", "motor.rate", "motor.current"]
+    linear = linear_of(scene, at=0.0, inputs=["motor.voltage", "motor.load_torque"], outputs=outputs)
+    R, L, k, N, J, b = 2.3, 0.238e-3, 23.4e-3, 19.0, 19.0**2 * 1e-6 + 1e-6, 1e-7
+    A = np.array([[0.0, 1.0, 0.0], [0.0, -(N**2) * b / J, N * k / J], [0.0, -k * N / L, -R / L]])
+    B = np.array([[0.0, 0.0], [0.0, -1.0 / J], [1.0 / L, 0.0]])
+    f = np.array([1.0, 20.0, 200.0, 450.0])
+    np.testing.assert_allclose(linear.response(f), held(A, B, np.eye(3), 1e-3, f), rtol=1e-6)
+    assert max(mode.rate.real for mode in linear.modes() if mode.rate) == pytest.approx(np.linalg.eigvals(A)[1:].max(), rel=1e-6)
+
+
+def test_a_vehicle_that_hovers_is_the_matrices_of_mass_drag_and_righting_moment():
+    """M v' = -D v - K a + T F about rest, weight and buoyancy 112.8 N, centre of gravity 2 cm below the origin."""
+    effects = ["added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring"]
+    given = {"restoring": {"weight": 112.8, "buoyancy": 112.8}}
+    units = {"hull": {"component": "RovHull", "effects": effects, "parameters": given}}
+    scene = read_scene({"stop_time": 1.0, "units": units, "master": {"step": 0.02}})
+    outputs = [f"hull.{name}" for name in ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")]
+    linear = linear_of(scene, at=0.0, inputs=["hull.thrust[2]", "hull.thrust[5]"], outputs=outputs)
+    with cosimo.open(scene) as session:
+        rigid = [session[f"hull.{n}"] for n in ("mass", "inertia_x", "inertia_y", "inertia_z", "centre_of_gravity_z")]
+        axes = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+        added = np.diag([session[f"hull.added_mass.{a}"] for a in axes])
+        drag = np.diag([session[f"hull.linear_drag.{a}"] for a in axes])
+        places = np.array([session[f"hull.thruster_{a}"] for a in "xyz"]).T[[1, 4]]
+        ways = np.array([session[f"hull.thruster_direction_{a}"] for a in "xyz"]).T[[1, 4]]
+    m, ix, iy, iz, z = rigid
+    masses = np.diag([m, m, m, ix, iy, iz]) + added
+    masses[0, 4] = masses[4, 0] = m * z
+    masses[1, 3] = masses[3, 1] = -m * z
+    righting = np.diag([0.0, 0.0, 0.0, 112.8 * z, 112.8 * z, 0.0])
+    wrench = np.hstack([ways, np.cross(places, ways)]).T
+    A = np.block([[np.zeros((6, 6)), np.eye(6)], [-np.linalg.solve(masses, righting), -np.linalg.solve(masses, drag)]])
+    B = np.vstack([np.zeros((6, 2)), np.linalg.solve(masses, wrench)])
+    f = np.array([0.02, 0.3, 2.0, 20.0])
+    C = np.hstack([np.zeros((6, 6)), np.eye(6)])
+    np.testing.assert_allclose(linear.response(f), held(A, B, C, 0.02, f), rtol=1e-6, atol=1e-9)
+    swings = sorted(value for value in np.linalg.eigvals(A).imag if value > 1e-6)
+    assert sorted(mode.rate.imag for mode in linear.modes() if mode.rate.imag > 1e-6) == pytest.approx(swings, rel=1e-6)
+
+
+def test_a_nyquist_plot_of_a_lightly_damped_mass_closes_its_circle():
+    """Of the velocity by a force: 1 / c across. Points about the resonance are as near as its width asks."""
+    mass = on_spring(**{"spring.damping": 0.5, "master.extrapolation": 1})
+    figure = nyquist(linear_of(mass, inputs=[INPUT], outputs=["mass.base_velocity_x"]), INPUT).figure
+    x, y = (np.array(figure["data"][0][axis], dtype=float) for axis in ("x", "y"))
+    assert np.hypot(np.diff(x), np.diff(y)).max() < 0.12 * np.hypot(x, y).max()

@@ -14,12 +14,13 @@ from ...studies.modes import Modes
 from ..page import Page, Section, write_page
 
 POINTS = 400  # of a frequency response
+RESONANCE = 41  # further ones about a lightly damped mode
 DECADES = 4  # below the highest frequency that samples tell
 
 
 def for_modes(study: Modes, directory: str | Path) -> Path:
     """`report.html` of modes."""
-    blocks: list[Block] = [_poles(study), mode_cells(study)]
+    blocks: list[Block] = [poles(study), mode_cells(study)]
     notes = [text for _, linear in study.points for text in linear.remarks]
     notes += [f"{study.parameter} = {value:g}: {reason}" for value, reason in study.refused if value is not None]
     if notes:
@@ -27,7 +28,7 @@ def for_modes(study: Modes, directory: str | Path) -> Path:
     sections = [Section("Modes", blocks)]
     linear = study.points[0][1]
     if linear.inputs:
-        sections.append(Section("Frequency response", [bode(linear, name) for name in linear.inputs]))
+        sections.append(Section("Frequency response", [draw(linear, name) for name in linear.inputs for draw in (bode, nyquist)]))
     lead = f"Linear about t = {linear.time:g} s, with steps of {linear.step:g} s."
     return write_page(Page(study.scene.title or study.scene.name, lead, sections), Path(directory) / "report.html")
 
@@ -48,7 +49,8 @@ def mode_cells(study: Modes) -> Cells:
     return Cells(f"Modes over {study.parameter}", (study.parameter, *header), rows, right=frozenset({0, 1, 2, 3}))
 
 
-def _poles(study: Modes) -> Figure:
+def poles(study: Modes) -> Figure:
+    """Eigenvalues in the complex plane, or over the parameter."""
     rows = study.rows()
     rates, frequencies = np.array([m.rate.real for _, m in rows]), np.array([m.frequency for _, m in rows])
     labels = [m.where for _, m in rows]
@@ -70,17 +72,43 @@ def _poles(study: Modes) -> Figure:
     )
 
 
-def bode(linear: Linear, name: str) -> Figure:
-    """Magnitude and phase of all outputs by an input, over frequency."""
+def _responses(linear: Linear, name: str) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]:
+    """Frequencies, Hz, and by output its response to an input there, where there is any."""
     highest = 0.5 / linear.step
     frequencies = highest * np.logspace(-DECADES, 0.0, POINTS + 1)[:-1]
+    around = np.tan(np.linspace(-1.5, 1.5, RESONANCE))  # a lightly damped mode turns within its damping ratio of its frequency
+    peaks = [m.frequency * (1.0 + m.damping * around) for m in linear.reduced().modes() if m.frequency and abs(m.damping) < 0.2]
+    finer = np.concatenate([frequencies, *peaks])
+    frequencies = np.unique(finer[(finer >= frequencies[0]) & (finer < highest)])
     values = linear.response(frequencies)[:, :, linear.inputs.index(name)]
-    drawn = [(output, values[:, k]) for k, output in enumerate(linear.outputs) if np.abs(values[:, k]).max() > 0.0]
+    return frequencies, [(output, values[:, k]) for k, output in enumerate(linear.outputs) if np.abs(values[:, k]).max() > 0.0]
+
+
+def bode(linear: Linear, name: str) -> Figure:
+    """Magnitude and phase of all outputs by an input, over frequency."""
+    frequencies, drawn = _responses(linear, name)
     sizes = tuple(Series(output, frequencies, np.abs(v)) for output, v in drawn)
     phases = tuple(Series(output, frequencies, np.rad2deg(np.unwrap(np.angle(v)))) for output, v in drawn)
     panels = (Panel("magnitude", sizes, logarithmic=True), Panel("phase, deg", phases))
     figure = draw_chart(Chart(f"By {name}", "frequency, Hz", panels, "Outputs per input, both in their units of measure."))
     for key, axis in figure.figure["layout"].items():
         if key.startswith("xaxis"):
-            axis.update(type="log", range=[float(np.log10(frequencies[0])), float(np.log10(highest))])
+            axis.update(type="log", range=[float(np.log10(frequencies[0])), float(np.log10(0.5 / linear.step))])
     return figure
+
+
+def nyquist(linear: Linear, name: str) -> Figure:
+    """The same responses in the complex plane, a panel an output, with the point -1 where it is near."""
+    frequencies, drawn = _responses(linear, name)
+    panels = []
+    for output, values in drawn:
+        size = float(np.abs(values).max())
+        labels = [f"{f:.4g} Hz" for f in frequencies]
+        lines = [Series(output, values.real, values.imag, "line", labels=labels)]
+        if 0.02 < 1.0 / size < 2.0:
+            lines.append(Series("-1", np.array([-1.0]), np.array([0.0]), "points"))
+        panels.append(Panel("imaginary part", tuple(lines), x_label=f"real part of {output}", equal=True))
+    text = "From low to high frequency. With positive frequencies alone; those of negative ones are mirrored at the real axis."
+    return draw_chart(
+        Chart(f"Nyquist plot, by {name}", "real part", tuple(panels), text, columns=min(len(panels), 2), height=320)
+    )

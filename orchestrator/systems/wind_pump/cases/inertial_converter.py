@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ....harness.analysis.operating_point import SceneRates, operating_line, operating_point
+from ....derivatives.trim import SteadyState, trim
 from ....harness.validation import Evidence, Runs
 from ....run.results import Result
 from ....scene.build import unit
@@ -34,7 +34,7 @@ GEAR, ARM, CRANK_INERTIA = 6.0, 0.05, 1.0 + 0.5 * 20.0 * 0.1**2  # of the defaul
 
 def scenes() -> dict[str, Scene]:
     """Every run by its name."""
-    points = dict(zip(WINDS, operating_line(rates, WINDS, START).states, strict=True))
+    points = {wind: speeds(state) for wind, state in operating_points(WINDS).items()}
     cranks = {f"crank held at {w:g} rad/s": held(w, {_name(s): s * LARGEST * w for s in SHARES}, EXAMPLE) for w in CRANKS}
     return {
         **cranks,
@@ -60,12 +60,14 @@ def measure(runs: Runs) -> Evidence:
     back, expected = returning(runs["swing"]), expected_return()
     measured |= {"decay": -back.real, "swing": back.imag}
     winds = np.linspace(WINDS[0], WINDS[-1], 17)
-    line = operating_line(rates, winds, START)
+    line = list(operating_points(winds.tolist()).values())
+    turbine, pump = np.array([speeds(state) for state in line]).T
+    growths = np.array([np.repeat(eigenvalues(state).real, 2)[:2] for state in line]).T
     drawn = {
         "winds": winds,
-        "averaged.turbine": line.states[:, 0],
-        "averaged.pump": line.states[:, 1],
-        "growths": {f"eigenvalue {k + 1}": line.eigenvalues[:, k].real for k in range(2)},
+        "averaged.turbine": turbine,
+        "averaged.pump": pump,
+        "growths": {f"eigenvalue {k + 1}": growth for k, growth in enumerate(growths)},
         "expected": _pair(expected),
         "seen": _pair(back),
     }
@@ -138,14 +140,28 @@ def in_wind(wind: float, turbine: float, pump: float, converter: str = "Inertial
     )
 
 
-def rates(wind: float, inertia: float = 15.0) -> SceneRates:
-    """The same with the averaged converter, as rates of both speeds."""
-    return SceneRates(in_wind(wind, *START, "AveragedConverter", inertia), {"turbine": [0], "converter": [0]})
+def operating_points(winds: Sequence[float], inertia: float = 15.0) -> dict[float, SteadyState]:
+    """Steady states of the same with the averaged converter, by the wind in m/s."""
+    scene = in_wind(winds[0], *START, "AveragedConverter", inertia)
+    states = trim(scene, over=("turbine.wind", winds), outputs=["turbine.speed"])
+    return {wind: state for wind, state in states.points if wind is not None}
+
+
+def speeds(state: SteadyState) -> tuple[float, float]:
+    """Of turbine and driven shaft, rad/s."""
+    return state.outputs["turbine.speed"], state.outputs["converter.speed"]
+
+
+def eigenvalues(state: SteadyState) -> np.ndarray:
+    """Of both speeds, 1/s, the least damped first, of a pair that with a positive imaginary part; not those of samples."""
+    assert state.linear is not None
+    return np.array([mode.rate for mode in state.linear.modes() if mode.kind == "coupling"])
 
 
 def expected_return() -> complex:
     """Eigenvalue of the averaged set in the wind of the swing; crank and lever, in the mean, turn with the turbine."""
-    return complex(operating_point(rates(SWING, 15.0 + GEAR**2 * CRANK_INERTIA), START).eigenvalues[0])
+    (state,) = operating_points([SWING], 15.0 + GEAR**2 * CRANK_INERTIA).values()
+    return complex(eigenvalues(state)[0])
 
 
 def mean_torques(result: Result, unit: str) -> tuple[float, float]:

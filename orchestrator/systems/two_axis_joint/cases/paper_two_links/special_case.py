@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .....harness.analysis.operating_point import SceneRates, linearised
+from .....harness.studies.modes import modes as modes_of_scene
 from .....harness.validation import Evidence, Runs
 from .....run.results import Result
 from .....scene.build import unit
@@ -142,9 +142,8 @@ def _nonlinear(result: Result, amplitude: float) -> float:
 
 def _eigenvalues() -> dict[str, float]:
     """Decay rates and frequencies of the component at rest, for equal point masses with equal dampers."""
-    rates = SceneRates(scene("point masses", {"chain": (SECOND, np.zeros(2))}), {"chain": [0, 1, 2, 3]})
-    values = np.linalg.eigvals(linearised(rates, np.zeros(4)))
-    upper = sorted(values[values.imag > 0.0], key=lambda x: float(x.imag))
+    of_scene = modes_of_scene(scene("point masses", {"chain": (SECOND, np.zeros(2))})).rows()
+    upper = sorted((mode.rate for _, mode in of_scene if mode.frequency), key=lambda x: float(x.imag))
     measured = {f"decay.{k}": -float(x.real) for k, x in enumerate(upper, 1)}
     return measured | {f"frequency.{k}": float(x.imag) for k, x in enumerate(upper, 1)}
 

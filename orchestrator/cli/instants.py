@@ -1,0 +1,136 @@
+"""A scene about an instant or a steady state: modes, linear systems, operating points."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Option
+
+from ...components.core.errors import BadInput
+from .common import app, print_cells, print_written, scene_of, status_spinner, warn
+from .options import AsJson, Changes, Output, Over, Presets, SceneName, listed, ranges_of, reports
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+
+At = Annotated[float | None, Option("--at", metavar="SECONDS", help="Time of the instant. Default: the start.")]
+FreeInputs = Annotated[list[str] | None, Option(metavar="UNIT.INPUT[,...]", help="Free inputs, for frequency responses.")]
+OfInputs = Annotated[
+    list[str] | None, Option(metavar="UNIT.OUTPUT[,...]", help="Their outputs. Default: those that are recorded.")
+]
+
+
+def _axis(scene: Scene, over: list[str] | None) -> tuple[str, list[float]] | None:
+    """The parameter of --over and its values."""
+    from numpy import linspace
+
+    from ..scene.written_units import axes_with_numbers
+
+    varied = axes_with_numbers(ranges_of(over), scene.settings()["units"], "--over")
+    if len(varied) > 1:
+        raise BadInput("--over", ", ".join(varied), "one parameter")
+    return next(
+        ((n, linspace(v["from"], v["to"], v["points"]).tolist() if isinstance(v, dict) else v) for n, v in varied.items()), None
+    )
+
+
+@app.command()
+@reports
+def modes(
+    scene: SceneName,
+    at: At = None,
+    over: Over = None,
+    inputs: FreeInputs = None,
+    outputs: OfInputs = None,
+    output: Output = Path("modes"),
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find eigenvalues about an instant, with frequency, damping and units. Example: cosimo modes mass-on-spring -o out
+
+    The linear system is exact for scenes of kernels; it is written as linear.npz and linear.mat.
+    """
+    from ..harness.report.studies.modes import for_modes, mode_cells
+    from ..harness.studies.modes import modes as find
+
+    loaded = scene_of(scene, values, presets)
+    with status_spinner("derivatives"):
+        measured = find(loaded, at, _axis(loaded, over), listed("--inputs", inputs), listed("--outputs", outputs))
+    written = [*measured.save(output), for_modes(measured, output)]
+    if as_json:
+        print(json.dumps(measured.to_json(), indent=2))
+        return
+    print_cells(mode_cells(measured))
+    warn(list(dict.fromkeys(text for _, linear in measured.points for text in linear.remarks)))
+    for value, reason in measured.refused:
+        print(f"{measured.parameter} = {value:g}: {reason}")
+    print_written(written)
+
+
+@app.command()
+@reports
+def trim(
+    scene: SceneName,
+    free: Annotated[
+        list[str] | None, Option(metavar="UNIT.PARAMETER[,...]", help="Parameters or free inputs to be found, as many as --want.")
+    ] = None,
+    want: Annotated[
+        list[str] | None,
+        Option(metavar="UNIT.OUTPUT=VALUE", help='A wanted output, as in "hull.surge=0.5 m/s". May be repeated.'),
+    ] = None,
+    moving: Annotated[
+        list[str] | None, Option(metavar="NAME[,...]", help="States or outputs that may move on steadily beside angles; all.")
+    ] = None,
+    at: At = None,
+    over: Over = None,
+    inputs: FreeInputs = None,
+    outputs: OfInputs = None,
+    output: Output = Path("trim"),
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find a steady state and its modes. Example: cosimo trim rov-station-keeping --at 34 -o out
+
+    Newton's method starts where the scene stands at --at. The linear system about the state is written as linear.npz and linear.mat.
+    """
+    from ..derivatives.trim import trim as find
+    from ..harness.report.studies.trim import for_trim, trim_cells
+    from ..session.session import Session
+
+    loaded = scene_of(scene, values, presets)
+    wanted: dict[str, Any] = {}
+    for text in want or ():
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise BadInput("--want", repr(text), "unit.output=value")
+        try:
+            wanted[name.strip()] = float(value)
+        except ValueError:
+            wanted[name.strip()] = value.strip()
+    with status_spinner("derivatives"), Session(loaded) as session:
+        if at is not None:
+            session.initialize()
+            session.until(at)
+        states = find(
+            loaded,
+            listed("--free", free),
+            wanted,
+            moving=listed("--moving", moving),
+            over=_axis(loaded, over),
+            inputs=listed("--inputs", inputs),
+            outputs=listed("--outputs", outputs),
+            at=session.place,
+        )
+    written = [*states.save(output), for_trim(states, output)]
+    if as_json:
+        print(json.dumps(states.to_json(), indent=2))
+        return
+    print_cells(trim_cells(states))
+    warn(list(dict.fromkeys(text for _, state in states.points for text in state.remarks)))
+    for place, reason in states.refused:
+        print(f"{states.parameter} = {place:g}: {reason}")
+    print_written(written)
