@@ -147,9 +147,9 @@ def operating_points(winds: Sequence[float], inertia: float = 15.0) -> dict[floa
     return {wind: state for wind, state in states.points if wind is not None}
 
 
-def speeds(state: SteadyState) -> tuple[float, float]:
+def speeds(state: SteadyState) -> np.ndarray:
     """Of turbine and driven shaft, rad/s."""
-    return state.outputs["turbine.speed"], state.outputs["converter.speed"]
+    return np.array([state.outputs["turbine.speed"], state.outputs["converter.speed"]])
 
 
 def eigenvalues(state: SteadyState) -> np.ndarray:
