@@ -20,7 +20,7 @@ from ...fmus.native.instance import Places
 from ...fmus.native.machine_code import compile_entries
 from ..engine.algorithms import Master
 from ..engine.algorithms.initial_kernels import SWEEPS
-from ..engine.algorithms.records import ABOUT_ZERO, GIVEN, UNKNOWN
+from ..engine.algorithms.records import ABOUT_ZERO, GIVEN, STALLED, UNKNOWN
 from ..engine.stepping.discontinuities import jump_times
 from ..engine.stepping.loop import lengths
 from ..opened.open_scene import OpenScene
@@ -204,20 +204,25 @@ class TangentScene:
         self._begin(seeds)
         start = self.scene.start_time if at is None else at
         self._call(self._initialize, start, 0.0)
-        if seeds and self._circular:
-            self._let_tangents_stand(start)
+        if len(seeds) and self._circular:
+            self._let_tangents_stand(list(seeds), start)
         self._arena.cells[[self._cell("units", k, "time") for k in range(self.master.records.memory.units.size)]] = start
         self._ask("push", whole=0, steps=1)
         self._call(self._steps, start, 0.0)
 
-    def _let_tangents_stand(self, t: float) -> None:
+    def _let_tangents_stand(self, seeds: Sequence[int], t: float) -> None:
         """Initialize units that feed one another until their tangents stand, too: numbers may stand before; raises `StepFailed`."""
-        tangents = self._arena.tangents[self._first_signal : self._first_signal + len(self.signals)]
+        answers = self.master.records.memory.answers
+        cells, sizes = self._first_signal + answers["cell"], np.abs(self._image.view(np.float64)[seeds])
+        sizes[sizes == 0.0] = 1.0
+        tangents = self._arena.tangents[cells, : len(seeds)]
         for _ in range(SWEEPS):
-            before = tangents.copy()
+            before = tangents
             self._call(self._initialize, t, 0.0)
+            tangents = self._arena.tangents[cells, : len(seeds)]
             least = ABOUT_ZERO * np.max(np.abs(tangents), axis=0, initial=0.0)
-            if np.all(np.abs(tangents - before) <= STANDS * np.maximum(np.abs(tangents), least)):
+            rounding = STALLED * np.maximum(np.abs(self._arena.cells[cells]), answers["least"])[:, None] / sizes
+            if np.all(np.abs(tangents - before) <= np.maximum(STANDS * np.maximum(np.abs(tangents), least), rounding)):
                 return
         raise StepFailed(
             self.scene.name, t, "initial values stand, but not their derivatives", "Give a start that is no equilibrium"

@@ -67,3 +67,12 @@ def test_initial_values_that_stand_at_once_pass_their_derivatives_on():
     error = tangents.signals.index(("controller", "feed_error"))
     assert rows.values[0, error] == 0.0
     np.testing.assert_allclose(rows.tangents[0, error], [-1.0], rtol=1e-12)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["gimbal-rotor", "rotor-run-up"])
+def test_derivatives_that_are_rounding_alone_stand(name):
+    """Such as those of a bearing's force of 1e-13 N by a shear modulus of 8e10 Pa, 1e-25 N/Pa, in every sweep another one."""
+    with ExitStack() as stack:
+        tangents = TangentScene(short(name, 2), stack)
+        assert np.isfinite(tangents.run(tangents.parameters()).tangents).all()
