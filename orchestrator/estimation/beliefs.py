@@ -29,7 +29,7 @@ class Extended:
         moved, numbers = model.kicks(True, 0.0)
         self.T = np.hstack([model.prior(model.cells) * slopes * deviations, moved])
         self.Tq = np.hstack([np.diag(deviations), numbers])
-        self.forgets = np.array([model.step.steps * model.step.h / u.memory for u in model.unknowns])
+        self.forgets = np.array([model.step.h / u.memory for u in model.unknowns])
         cells = model.derived[:0] if cells is None else cells
         self._held = np.union1d(model.derived, cells)
         self._derived, self._suspected = np.searchsorted(self._held, model.derived), np.searchsorted(self._held, cells)
@@ -44,7 +44,7 @@ class Extended:
         return self.model.block[self.model.live]
 
     def predict(self, dt: float) -> None:
-        """Over a common period of the scene, dt, s: columns of disturbances come behind those that there are."""
+        """Over a macro step, dt, s: columns of disturbances come behind those that there are."""
         moved, numbers = self.model.kicks(False, dt)
         self.T, self.Tq = np.hstack([self.T, moved]), np.hstack([self.Tq, numbers])
         self.carry()
@@ -55,7 +55,7 @@ class Extended:
             self.model.follow(self.q)
 
     def carry(self) -> None:
-        """A common period on, without disturbances."""
+        """A macro step on, without disturbances."""
         model, c = self.model, self.T.shape[1]
         held = np.hstack([np.zeros((self._held.size, c)), self._by])
         held[self._derived, :c] = model.along @ self.Tq
@@ -91,11 +91,11 @@ class Unscented(Extended):
                 model.block[:], step._taken = before, taken
                 model.block[model.live] += way * self.T[:, k]
                 model.follow(self.q + way * self.Tq[:, k])
-                step.advance(step.steps)
+                step.advance(1)
                 ends[side, k] = model.block[model.live]
         model.block[:], step._taken = before, taken
         model.follow(self.q)
-        step.advance(step.steps)
+        step.advance(1)
         mean = ends.mean(axis=(0, 1)) if count else self.live
         model.block[model.live] = mean
         odd, even = (ends[0] - ends[1]).T / 2.0, (ends[0] + ends[1] - 2.0 * mean).T / 2.0
@@ -146,7 +146,7 @@ class Ensemble:
             kick = self._rng.standard_normal(moved.shape[1])
             model.block[model.live] += moved @ kick
             model.follow(self._q[k] + numbers @ kick)
-            step.advance(step.steps)
+            step.advance(1)
             self._q[k] = start + self._keeps * (self._q[k] + numbers @ kick - start)
             self._live[k], block[:] = model.block[model.live], model.block
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...components.core.errors import StepFailed
 from .beliefs import Belief, Ensemble
 from .measurements import Measurements
 from .model import Model
@@ -60,17 +61,23 @@ class Filter:
         self.model, self.belief, self.noise, self.rows, self._smooth = model, belief, noise, rows, smooth
         self._y = np.array([model.y_rows[model.signals.index(n)] for n in seen], dtype=np.intp)
         self._kept = np.unique(np.concatenate([model.state_rows, self._y]))
-        self.dt = model.step.steps * model.step.h
+        self.dt = model.step.h
         self.track, self.innovations = Track(), Innovations()
         self._older = belief.live[self._y]
         self._note()
 
     def step(self, time: np.ndarray, which: np.ndarray, values: np.ndarray) -> None:
-        """A common period on, with the measurements, (m,), of the time behind the instant and up to the next one."""
+        """A macro step on, with the measurements, (m,), of the time behind the instant and up to the next one."""
         belief, y, start = self.belief, self._y, self.model.step.time
         before, first, first_sensitivity = belief.live[y], belief.T[y], belief.sensitivities[y]
         count = belief.T.shape[1]
-        belief.predict(self.dt)
+        try:
+            belief.predict(self.dt)
+        except StepFailed as error:
+            reason = "the scene cannot go on from what is estimated here"
+            raise StepFailed(
+                error.unit, start, reason, "State smaller deviations and walks, or leave out what the scene hardly sees"
+            ) from error
         c = belief.T.shape[1]
         w, W = np.zeros(c), np.eye(c)
         if time.size:

@@ -62,7 +62,7 @@ class Model:
     """
 
     def __init__(self, scene: Scene, plan: EstimateSettings, stack: ExitStack, steps: int, where: str):
-        """steps: common periods that are going to be stepped. Raises `BadInput` for names, units, and scenes without tangents."""
+        """steps: macro steps that are going to be made. Raises `BadInput` for names, units, and scenes without tangents."""
         self.scene, self._where = scene, where
         self.tangents = TangentScene(scene, stack, remedy="")
         self.step = CoupledStep(self.tangents)
@@ -163,7 +163,9 @@ class Model:
             reached[step.reached()] = True
             if not self.large:
                 state[step.cells] = True
-            step.advance(max(steps // SURVEYED, 1) * step.steps)
+            step.advance(
+                max(steps // SURVEYED, 1) | 1
+            )  # an odd number, so that units with rates of their own are met in several phases
             stays &= (self._arena.cells[:n] == begun) | (np.isnan(begun) & np.isnan(self._arena.cells[:n]))
         reached[(step._clear != 0.0).any(axis=1)] = False
         state[step._declared if self.large else []] = True
@@ -239,7 +241,7 @@ class Model:
         return self._arena.cells[: self.step._n]
 
     def propagate(self, cells: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """A common period on; returns how live cells moved with directions, (n, d), of some cells before: (l, d)."""
+        """A macro step on; returns how live cells moved with directions, (n, d), of some cells before: (l, d)."""
         step, width, count = self.step, self.tangents.width, max(directions.shape[1], 1)
         before, moved = step._save() if count > width else None, []
         for k in range(0, count, width):
@@ -247,7 +249,7 @@ class Model:
                 step._restore(before)  # type: ignore[arg-type]
             some = directions[:, k : k + width]
             step.seed(cells, some)
-            step.advance(step.steps)
+            step.advance(1)
             moved.append(step.tangents(self.live)[:, : some.shape[1]].copy())
         return np.concatenate(moved, axis=1)
 

@@ -7,10 +7,12 @@ are some of those that are expected: they start as the deviations say, and are d
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...components.core.errors import StepFailed
 from .beliefs import Extended
 from .measurements import Measurements
 from .model import Model
@@ -37,16 +39,17 @@ def observability(model: Model, measured: Measurements, noise: np.ndarray) -> Ob
     rng, information = np.random.default_rng(0), np.zeros((len(names), len(names)))
     for _ in range(RUNS):
         belief = Extended(model)
-        dt, start, count = model.step.steps * model.step.h, model.step.time, len(names)
+        dt, start, count = model.step.h, model.step.time, len(names)
         last = np.ceil((measured.time - start) / dt - 1e-9).astype(int)  # the step that each measurement lies in
         belief.take(rng.standard_normal(count), np.eye(count))
-        for k in range(1, int(last[-1]) + 1 if last.size else 0):
-            belief.predict(dt)
-            disturbed = rng.standard_normal(belief.T.shape[1]) * (np.arange(belief.T.shape[1]) >= count)
-            belief.take(disturbed, np.eye(belief.T.shape[1])[:, :count])
-            some = measured.which[np.searchsorted(last, k) : np.searchsorted(last, k, side="right")]
-            rows = belief.T[y][some] / noise[some, None]
-            information += rows.T @ rows / RUNS
+        with suppress(StepFailed):  # what is drawn may be too far off for the scene: what was seen until then counts
+            for k in range(1, int(last[-1]) + 1 if last.size else 0):
+                belief.predict(dt)
+                disturbed = rng.standard_normal(belief.T.shape[1]) * (np.arange(belief.T.shape[1]) >= count)
+                belief.take(disturbed, np.eye(belief.T.shape[1])[:, :count])
+                some = measured.which[np.searchsorted(last, k) : np.searchsorted(last, k, side="right")]
+                rows = belief.T[y][some] / noise[some, None]
+                information += rows.T @ rows / RUNS
     values, directions = np.linalg.eigh(information)
     left = np.linalg.inv(np.eye(len(names)) + information)
     deviations = np.sqrt(np.diag(left))

@@ -7,9 +7,10 @@ import json
 import cosimo
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput
+from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.estimation.beliefs import Extended
 from cosimo.orchestrator.estimation.bounds import Bounds
 from cosimo.tests.estimation.oscillator import SIGNAL, Oscillator
 
@@ -131,6 +132,16 @@ def test_what_the_length_of_steps_costs_is_said():
     found = truth.estimate(truth.drawn(3)[0], suspected=[], states={}, halved=True)
     assert any("reduce master.step" in text for text in found.verdict.remarks)
     assert found.errors["mass.base_velocity_x"] > found.series("mass.base_velocity_x")[1].mean()
+
+
+def test_an_estimate_that_the_scene_cannot_go_on_from_is_one_message(monkeypatch):
+    def fail(self):
+        raise StepFailed("spring", 0.0, "no")
+
+    monkeypatch.setattr(Extended, "carry", fail)
+    y, _ = TRUTH.drawn(1)
+    with pytest.raises(StepFailed, match=r"spring failed at t = 0\.01 s: the scene cannot go on from what is estimated"):
+        TRUTH.estimate(y, suspected=[])
 
 
 def test_bounds_are_kept_both_ways():
