@@ -8,7 +8,7 @@ repeated. Where decisions stand at their very boundary, the runs on either side 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from math import isfinite, isnan, nan
 from pathlib import Path
@@ -20,6 +20,7 @@ from ...components.core.errors import BadInput, StepFailed, nearest
 from ..opened.open_scene import OpenScene
 from ..output import write_table
 from ..run.comparison import SURE
+from ..run.figures import KINDS, Figures, after_transient, key_results
 from ..run.results import Result
 from ..run.run import run
 from ..scene.names import numerical_of, place_of
@@ -28,19 +29,12 @@ from ..scene.shorter_steps import refined
 from .along import AGREE, along, length
 from .tangent_run import Rows, TangentScene
 
-STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {
-    "minimum": np.min,
-    "maximum": np.max,
-    "mean": np.mean,
-    "standard deviation": np.std,
-    "last": lambda values: values[-1],
-}
-MISSING = nan, ""  # a figure that a run does not have
+STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {**KINDS, "last": lambda values: values[-1]}
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
 EXACT, LEFT, RIGHT, DIFFERENCES = "exact", "one-sided, below", "one-sided, above", "differences"
 COLUMNS = ("figure", "unit", "value", "parameter", "at", "derivative", "elasticity", "error", "how")
-Figure = tuple[float, str]  # value, unit of measure
-Figures = Callable[[Result], Mapping[str, Figure]]
+Measure = Callable[[Result], Figures]
+Own = Callable[[Result], Mapping[str, tuple[float, str]]]  # a function of a user's: value and unit by name
 
 
 @dataclass(frozen=True)
@@ -103,7 +97,7 @@ class Gradient:
 
 def gradient(
     scene: Scene,
-    of: str | Sequence[str] | Figures | None = None,
+    of: str | Sequence[str] | Own | None = None,
     by: str | Sequence[str] | None = None,
     *,
     differences: float = 0.0,
@@ -115,7 +109,7 @@ def gradient(
     by: real parameters, and inputs that nothing drives; default: all.  differences: by runs with so large a relative change instead,
     for scenes that have no derivatives.  halved: errors by derivatives with half of all steps.  Raises `BadInput`, `StepFailed`.
     """
-    figures = of if callable(of) else _figures([of] if isinstance(of, str) else of)
+    figures = _figures([of] if isinstance(of, str) else of)
     if differences:
         return _by_differences(scene, figures, [by] if isinstance(by, str) else by, differences)
     with ExitStack() as stack:
@@ -139,25 +133,23 @@ def _sorted(slopes: Any) -> tuple[Slope, ...]:
     return tuple(sorted(slopes, key=lambda s: (order[s.figure], -size[id(s)])))
 
 
-def _figures(of: Sequence[str] | None) -> Figures:
+def _figures(of: Sequence[str] | Own | None) -> Measure:
     """The function that gives the wanted figures of a result."""
+    if of is None:
+        return key_results
+    if callable(of):
+        return lambda result: Figures.of((name, *number) for name, number in of(result).items())
 
-    def figures(result: Result) -> dict[str, Figure]:
-        statistics = of is not None and all(name.rpartition(",")[2].strip() in STATISTICS for name in of)
-        summary = {} if statistics else {row.name: (row.value, row.unit) for row in result.summary}
-        if of is None:
-            return summary
-        chosen = {}
+    def figures(result: Result) -> Figures:
+        statistics = all(name.rpartition(",")[2].strip() in STATISTICS for name in of)
+        summary = Figures() if statistics else key_results(result)
+        chosen = Figures()
         for name in of:
             signal, _, kind = (part.strip() for part in name.partition(","))
             if name in summary:
-                chosen[name] = summary[name]
+                chosen.add([(name, summary[name], summary.units[name])])
             elif kind in STATISTICS:
-                first = int(np.searchsorted(result.time, result.scene.counts_from))
-                if first == result.time.size:
-                    transient = f"{result.scene.analysis.transient:g} s"
-                    raise BadInput(f"{result.scene.name}: analysis.transient", transient, "less than the length of the run")
-                chosen[name] = float(STATISTICS[kind](result[signal][first:])), result.measures[signal]
+                chosen.add([(name, STATISTICS[kind](result[signal][after_transient(result)]), result.measures[signal])])
             else:
                 known = [*summary, *(f"{s}, {k}" for s in result.columns for k in STATISTICS)]
                 raise BadInput(f"gradient of {result.scene.name}", repr(name), "a figure", nearest(name, known))
@@ -175,7 +167,7 @@ def _run(scene: Scene) -> Result:
 
 
 def slopes_of(
-    base: Result, tangents: TangentScene, figures: Figures, names: Sequence[str], at: Mapping[str, float]
+    base: Result, tangents: TangentScene, figures: Measure, names: Sequence[str], at: Mapping[str, float]
 ) -> dict[tuple[str, str], Slope]:
     """Derivatives of figures of a run, (figure, parameter) -> `Slope`; at: values of the parameters.
 
@@ -187,23 +179,23 @@ def slopes_of(
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
-        derivatives = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
+        found = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
-        for figure, (value, unit) in values.items():
-            derivative, error, smooth = derivatives[figure]
+        for i, (figure, value) in enumerate(values.items()):
+            derivative, error, smooth = (of_all[i] for of_all in found)
             how = EXACT if smooth else "the figure itself jumps or bends there"
             if sides is not None:
-                how = _verdict(derivative, *(side[figure] for side in sides))
+                how = _verdict(derivative, *sides[:, :, i].tolist())
             if not isfinite(derivative):
                 how = "infinite, or not a number"
             known = how in (EXACT, LEFT, RIGHT)
             slopes[figure, name] = Slope(
-                figure, unit, float(value), name, at[name], float(derivative) if known else nan, float(error), how
+                figure, values.units[figure], value, name, at[name], float(derivative) if known else nan, float(error), how
             )
     return slopes
 
 
-def _of_signals(base: Result, figures: Figures) -> Result:
+def _of_signals(base: Result, figures: Measure) -> Result:
     """The run without its snapshots, which have no tangents; raises `BadInput` where figures depend on them."""
     bare = replace(base, snapshots={})
     try:
@@ -231,46 +223,35 @@ def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.
 
 
 def _along(
-    base: Result, tangents: Mapping[str, np.ndarray], figures: Figures, values: Mapping[str, Figure], name: str, at: float
-) -> dict[str, tuple[float, float, bool]]:
-    """Of each figure its derivative along tangents of the signals, its error, and whether both sides agree."""
+    base: Result, tangents: Mapping[str, np.ndarray], figures: Measure, values: Figures, name: str, at: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the figures (m,) their derivatives along tangents of the signals, the errors of these, and whether both sides agree."""
+    first = values.at(values)
     if not (step := length(base, tangents, at)):
-        return dict.fromkeys(values, (nan, nan, False))
+        return np.full_like(first, nan), np.full_like(first, nan), np.zeros(first.size, dtype=bool)
 
     def numbers(result: Result) -> np.ndarray:
-        of_run = figures(result)
-        return np.array([of_run.get(figure, MISSING)[0] for figure in values])
+        return figures(result).at(values)
 
-    first = np.array([value for value, _ in values.values()])
     whole, _ = along(base, tangents, numbers, first, name, at, step)
     half, bend = along(base, tangents, numbers, first, name, at, 0.5 * step)
     rounding = 1e-13 * np.abs(first) / step
-    error, smooth = np.abs(whole - half) + rounding, np.abs(bend) <= AGREE * np.abs(half) + 10.0 * rounding
-    return {figure: (half[k], error[k], bool(smooth[k])) for k, figure in enumerate(values)}
+    return half, np.abs(whole - half) + rounding, np.abs(bend) <= AGREE * np.abs(half) + 10.0 * rounding
 
 
-def _beside(
-    scene: Scene, figures: Figures, values: Mapping[str, Figure], name: str, at: float
-) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[float, float]]]:
-    """Differences of runs below and above, and what they do not resolve, of each figure; NaN where a side cannot run."""
-    step = BESIDE * (abs(at) or 1.0)
-    sides = []
-    for way in (-step, step):
-        side: dict[str, tuple[float, float]] = {}
-        try:
-            there, half = (figures(_run(scene.with_changes({name: at + share * way}))) for share in (1.0, 0.5))
-            for figure, (value, _) in values.items():
-                whole, near = (
-                    (run.get(figure, MISSING)[0] - value) / (share * way) for run, share in ((there, 1.0), (half, 0.5))
-                )
-                side[figure] = 2.0 * near - whole, abs(near - whole) + 1e-11 * abs(value) / step
-        except (BadInput, StepFailed):
-            side = dict.fromkeys(values, (nan, nan))
-        sides.append(side)
-    return sides[0], sides[1]
+def _beside(scene: Scene, figures: Measure, values: Figures, name: str, at: float) -> np.ndarray:
+    """(2, 2, m), below and above: differences of runs, and what they do not resolve; NaN where a side cannot run."""
+    step, first = BESIDE * (abs(at) or 1.0), values.at(values)
+    sides = np.full((2, 2, first.size), nan)
+    for side, way in zip(sides, (-step, step), strict=True):
+        with suppress(BadInput, StepFailed):
+            runs = [figures(_run(scene.with_changes({name: at + share * way}))).at(values) for share in (1.0, 0.5)]
+            whole, near = ((run - first) / (share * way) for run, share in zip(runs, (1.0, 0.5), strict=True))
+            side[:] = 2.0 * near - whole, np.abs(near - whole) + 1e-11 * np.abs(first) / step
+    return sides
 
 
-def _verdict(derivative: float, below: tuple[float, float], above: tuple[float, float]) -> str:
+def _verdict(derivative: float, below: Sequence[float], above: Sequence[float]) -> str:
     """What runs on either side of a boundary say of a derivative."""
     fits = [abs(derivative - d) <= AGREE * max(abs(derivative), abs(d)) + 2.0 * unsure for d, unsure in (below, above)]
     if fits[0] and fits[1]:
@@ -282,7 +263,7 @@ def _verdict(derivative: float, below: tuple[float, float], above: tuple[float, 
     return f"a decision stands at its boundary; runs give {below[0]:.4g} below and {above[0]:.4g} above"
 
 
-def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, share: float) -> Gradient:
+def _by_differences(scene: Scene, figures: Measure, by: Sequence[str] | None, share: float) -> Gradient:
     """By runs on either side, whatever the units of the scene are; the error by half the distance."""
     if not by:
         raise BadInput(f"gradient of {scene.name}", "no parameters", "their names, where differences of runs are asked for")
@@ -291,7 +272,7 @@ def _by_differences(scene: Scene, figures: Figures, by: Sequence[str] | None, sh
 
 
 def by_differences(
-    base: Result, figures: Figures, steps: Mapping[str, float], *, halved: bool = True
+    base: Result, figures: Measure, steps: Mapping[str, float], *, halved: bool = True
 ) -> dict[tuple[str, str], Slope]:
     """As `slopes_of`, by runs with each parameter so far on either side; 0 where that is no way. Raises `BadInput`, `StepFailed`.
 
@@ -299,18 +280,19 @@ def by_differences(
     """
     scene, values = base.scene, figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
+
+    def quotients(name: str, at: float, step: float) -> np.ndarray:
+        up, down = (figures(_run(scene.with_changes({name: at + way * step}))).at(values) for way in (1.0, -1.0))
+        return (up - down) / (2.0 * step)
+
     for name, step in steps.items():
-        at = _value(scene, name)
-        if not step:
-            slopes |= {(f, name): Slope(f, unit, float(v), name, at, 0.0, 0.0, DIFFERENCES) for f, (v, unit) in values.items()}
-            continue
-        shares = (1.0, 0.5) if halved else (1.0,)
-        runs = [[figures(_run(scene.with_changes({name: at + way * step}))) for way in (s, -s)] for s in shares]
-        for figure, (value, unit) in values.items():
-            ends = [[run.get(figure, MISSING)[0] for run in pair] for pair in runs]
-            quotients = [float((up - down) / (2.0 * s * step)) for s, (up, down) in zip(shares, ends, strict=True)]
-            error = abs(quotients[1] - quotients[0]) if halved else nan
-            slopes[figure, name] = Slope(figure, unit, float(value), name, at, quotients[-1], error, DIFFERENCES)
+        at, derivatives, errors = _value(scene, name), np.zeros(len(values)), np.zeros(len(values))
+        if step:
+            whole = quotients(name, at, step)
+            derivatives = quotients(name, at, 0.5 * step) if halved else whole
+            errors = np.abs(derivatives - whole) if halved else np.full_like(whole, nan)
+        for (f, value), d, e in zip(values.items(), derivatives.tolist(), errors.tolist(), strict=True):
+            slopes[f, name] = Slope(f, values.units[f], value, name, at, d, e, DIFFERENCES)
     return slopes
 
 

@@ -16,13 +16,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
+from math import isfinite
+from types import MappingProxyType
 from typing import Any
 
 from ...components.core.errors import BadInput
 from ..kept import Kept
 from ..run.comparison import Difference, differences
 from ..run.dependence import depends_on
+from ..run.figures import Figures, known_results
 from ..run.results import Result
 from ..run.thresholds import MESH_ORDERS
 from ..scene.meshes import coarsened, coarser, meshes_of
@@ -77,7 +79,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
         return MeshError(left_out=left_out)
     place = place_of(scene)
     kept: MeshError | None = place.read(MeshError) if distances is None else None
-    if kept and {*result.columns, *result.texts} <= {*kept.signals} and {*_figures(result)} <= {*kept.figures}:
+    if kept and {*result.columns, *result.texts} <= {*kept.signals} and {*known_results(result)} <= {*kept.figures}:
         return replace(kept, quantities={}, left_out=left_out, kept=True)
     places = tuple(meshes_of(scene))
     if not affordable():
@@ -100,7 +102,7 @@ def mesh_error(result: Result, again: Again, affordable: Callable[[], bool], dis
     of_meshes = MeshError(
         places,
         _of_signals(gaps, differences(coarsest, coarse) if coarsest is not None else {}, (sizes[0], sizes[1])),
-        _of_figures(*(_figures(one) for one in (result, coarse, coarsest) if one is not None)),
+        _of_figures(*(known_results(one) for one in (result, coarse, coarsest) if one is not None)),
         dict(distances(coarse, result)) if distances is not None else {},
         left_out=left_out,
     )
@@ -141,17 +143,6 @@ def _order(seen: float, sizes: tuple[float, float]) -> float:
     return 0.5 * (low + high)
 
 
-def _of_figures(
-    fine: Mapping[str, float], coarse: Mapping[str, float], coarsest: Mapping[str, float] | None = None
-) -> dict[str, float]:
-    errors = {}
-    for name in fine:
-        chance = abs(coarse.get(name, nan) - coarsest[name]) / LEFT if coarsest and name in coarsest else 0.0
-        errors[name] = abs(fine[name] - coarse.get(name, nan)) + (chance if isfinite(chance) else 0.0)
-    return errors
-
-
-def _figures(result: Result) -> dict[str, float]:
-    with suppress(BadInput):
-        return {row.name: row.value for row in result.summary}
-    return {}
+def _of_figures(fine: Figures, coarse: Figures, coarsest: Mapping[str, float] = MappingProxyType({})) -> dict[str, float]:
+    chances = coarse.finite_gaps(coarsest)
+    return {name: gap + chances.get(name, 0.0) / LEFT for name, gap in fine.gaps(coarse).items()}

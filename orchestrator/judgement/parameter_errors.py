@@ -8,7 +8,7 @@ tell what first order leaves out. A scene without tolerances has nothing of this
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import ceil, inf, isfinite, nan
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput
+from ..run.figures import Figures, key_results
 from ..run.results import Result
 from ..run.thresholds import PARAMETER_SAMPLES, SECOND_ORDER
 from ..scene.scene import Scene
@@ -93,7 +94,7 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
 
     Raises `StepFailed` where a run with derivatives fails.
     """
-    names, values = list(tolerances.names), figures_of(result)
+    names, values = list(tolerances.names), key_results(result)
     if not values:
         return ParameterErrors("the run has no key results, which are those of a system in [analysis]")
     first = FIRST_ORDER * ceil(len(names) / 8)
@@ -106,7 +107,7 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
             return ParameterErrors(MUCH)
         from ..derivatives.gradient import by_differences
 
-        slopes = by_differences(result, _measured, dict(zip(names, tolerances.deviations.tolist(), strict=True)), halved=False)
+        slopes = by_differences(result, key_results, dict(zip(names, tolerances.deviations.tolist(), strict=True)), halved=False)
     derivatives = np.array([[slopes[figure, name].derivative for name in names] for figure in values]).reshape(-1, len(names))
     refused = {f: s.how for f in values for n in names if not isfinite((s := slopes[f, n]).derivative)}
     errors = np.sqrt(np.maximum(np.einsum("fi,ij,fj->f", derivatives, tolerances.covariance, derivatives), 0.0))
@@ -136,15 +137,6 @@ def parameter_errors(result: Result, tolerances: Tolerances, allows: Callable[[f
     )
 
 
-def figures_of(result: Result) -> dict[str, float]:
-    """The numbers of the summary by name."""
-    return {row.name: row.value for row in result.summary}
-
-
-def _measured(run: Result) -> dict[str, tuple[float, str]]:
-    return {row.name: (row.value, row.unit) for row in run.summary}
-
-
 def _exact(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, str], Any] | None, str]:
     """Derivatives of the figures and "exact"; None where the scene has none, and what is taken instead, with the reason."""
     names = tolerances.names
@@ -154,22 +146,17 @@ def _exact(result: Result, tolerances: Tolerances) -> tuple[Mapping[tuple[str, s
 
         with ExitStack() as stack:
             scene = TangentScene(result.scene, stack)
-            return slopes_of(result, scene, _measured, names, {n: scene.value(n) for n in names}), "exact"
+            return slopes_of(result, scene, key_results, names, {n: scene.value(n) for n in names}), "exact"
     except (BadInput, ImportError) as error:
         return None, f"differences ({error})"
 
 
-def _samples(result: Result, values: Mapping[str, float], tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:
+def _samples(result: Result, values: Figures, tolerances: Tolerances, again: Again) -> tuple[np.ndarray, np.ndarray]:
     """(moves (k, n) of the parameters, changes (k, f) of the figures), of those samples that come to their end."""
     power, basis = np.linalg.eigh(tolerances.covariance)
     half = np.random.default_rng(0).standard_normal((PARAMETER_SAMPLES // 2, len(tolerances.names)))
     moves = np.concatenate([half, -half]) @ (basis * np.sqrt(np.maximum(power, 0.0))).T
-    runs = [_moved(result.scene, tolerances, move, again) for move in moves]
-    changes = [[sample.get(f, nan) - v for f, v in values.items()] for sample in runs if sample]
-    return moves[[bool(sample) for sample in runs]], np.array(changes).reshape(-1, len(values))
-
-
-def _moved(scene: Scene, tolerances: Tolerances, move: Sequence[float] | np.ndarray, again: Again) -> dict[str, float]:
-    """Figures with moved parameters; none where there is no such run."""
-    result, _ = again(scene, dict(zip(tolerances.names, (tolerances.values + move).tolist(), strict=True)))
-    return figures_of(result) if result is not None else {}
+    runs = [again(result.scene, dict(zip(tolerances.names, (tolerances.values + m).tolist(), strict=True)))[0] for m in moves]
+    samples = [key_results(run) if run is not None else Figures() for run in runs]
+    changes = [sample.at(values) - values.at(values) for sample in samples if sample]
+    return moves[[bool(sample) for sample in samples]], np.array(changes).reshape(-1, len(values))

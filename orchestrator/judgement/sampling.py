@@ -6,20 +6,21 @@ is the mean over a stretch of one of many histories: there its error is that of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from math import isfinite, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from ...components.core.errors import BadInput
 from ..engine.coupling.graph import is_discrete
+from ..run.figures import Figures
 from ..run.results import Result
 from ..run.thresholds import BETWEEN, MOST_VALUES, PARTS, PARTS_SURE
 
-Values = Callable[[Result], Mapping[str, float]]  # the figures of a result by name
+Values = Callable[[Result], Figures]
 
 
 def denser(result: Result, times: int) -> Result | None:
@@ -70,14 +71,13 @@ def _smooth(result: Result, name: str, values: np.ndarray) -> bool:
     return signal is None or signal.unit != "rad" or bool(np.abs(np.diff(values)).max() < np.pi)
 
 
-def between(result: Result, figures: Mapping[str, float], values: Values) -> dict[str, float]:
+def between(result: Result, figures: Figures, values: Values) -> dict[str, float]:
     """How far the figures of the filled up rows are from those given, by name; none where rows cannot be filled up."""
     gaps: dict[str, float] = {}
     for filled in filter(None, (denser(result, times) for times in BETWEEN)):
         with suppress(BadInput):
-            for name, value in values(filled).items():
-                if isfinite(gap := abs(value - figures.get(name, np.nan))):
-                    gaps[name] = max(gap, gaps.get(name, 0.0))
+            for name, gap in figures.finite_gaps(values(filled)).items():
+                gaps[name] = max(gap, gaps.get(name, 0.0))
     return gaps
 
 
@@ -86,7 +86,7 @@ def of_parts(result: Result, values: Values) -> dict[str, float]:
 
     Each part stands behind the scene's transient, which figures leave out. None for a figure that a part does not have.
     """
-    of_each: list[Mapping[str, float]] = []
+    of_each: list[Figures] = []
     begin = int(np.searchsorted(result.time, result.time[0] + (getattr(result.scene.analysis, "transient", None) or 0.0)))
     for rows in np.array_split(np.arange(begin, result.rows), PARTS):
         if rows.size < 2:
@@ -97,12 +97,9 @@ def of_parts(result: Result, values: Values) -> dict[str, float]:
             of_each.append(values(replace(part, time=time)))
         except BadInput:
             return {}
-    errors = {}
-    for name in of_each[0]:
-        of_it = np.array([one.get(name, np.nan) for one in of_each])
-        if np.isfinite(of_it).all():
-            errors[name] = PARTS_SURE * float(of_it.std(ddof=1)) / sqrt(PARTS)
-    return errors
+    table = np.array([one.at(of_each[0]) for one in of_each])
+    by_name = zip(of_each[0], table.T, strict=True)
+    return {name: PARTS_SURE * float(x.std(ddof=1)) / sqrt(PARTS) for name, x in by_name if np.isfinite(x).all()}
 
 
 def rows_of(result: Result, rows: np.ndarray | None) -> Result:

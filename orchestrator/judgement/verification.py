@@ -9,9 +9,8 @@ refined as well, one after the other.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from contextlib import suppress
 from dataclasses import replace
-from math import isfinite, nan
+from math import nan
 from pathlib import Path
 from signal import SIGINT, Signals
 from time import process_time  # for what is shown; what is repeated follows from counted work
@@ -36,6 +35,7 @@ from ..run.comparison import (
     signal_errors,
     worst_of,
 )
+from ..run.figures import Figures, key_results, known_results
 from ..run.instability import unfollowed
 from ..run.results import Result
 from ..run.run import run as run_once
@@ -299,7 +299,7 @@ def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = (
     """
     first, second, *more = results
     try:
-        same = [_values(first), *(_values(rows_of(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
+        same = [key_results(first), *(key_results(rows_of(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
     except BadInput:
         return {}
     errors = figure_errors(same, unsure=unsure)
@@ -307,16 +307,16 @@ def _figures(results: list[Result], *, unsure: bool, parted: Collection[str] = (
     there = common_rows(first.time, second.time)[1]
     if there is not None and 2 * second.rows >= 3 * there.size:
         gaps.append(_gaps(second, same[1], np.setdiff1d(np.arange(second.rows), there)))
-    gaps.append(between(first, same[0], _values))
+    gaps.append(between(first, same[0], key_results))
     errors = {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
-    units = {first.scene.split(name)[0] for name in parted}
-    of_mean = of_parts(first, _values) if units else {}
+    units, gap = {first.scene.split(name)[0] for name in parted}, same[0].gaps(same[1])
+    of_mean = of_parts(first, key_results) if units else {}
     for name in (name for name in errors if name in of_mean and name.rpartition(".")[0] in units):
-        errors[name] = max(of_mean[name], abs(same[0][name] - same[1].get(name, nan)))
+        errors[name] = max(of_mean[name], gap[name])
     return errors
 
 
-def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dict[str, float]:
+def _gaps(result: Result, figures: Figures, rows: np.ndarray) -> dict[str, float]:
     """How far the figures of some rows are from those given: without the ends of the run, as spectra need even rows, and where
     that matters with them, from which ways and energies count; the smaller one.
     """
@@ -324,15 +324,9 @@ def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dic
     for some in (rows, np.union1d(rows, [0, result.rows - 1])):
         if gaps and all(gap <= NO_MATTER * abs(figures[name]) for name, gap in gaps.items()):
             break
-        with suppress(BadInput):
-            for name, value in _values(rows_of(result, some)).items():
-                if isfinite(gap := abs(value - figures.get(name, nan))):
-                    gaps[name] = min(gap, gaps.get(name, gap))
+        for name, gap in figures.finite_gaps(known_results(rows_of(result, some))).items():
+            gaps[name] = min(gap, gaps.get(name, gap))
     return gaps
-
-
-def _values(result: Result) -> dict[str, float]:
-    return {row.name: row.value for row in result.summary}
 
 
 def work_of(scene: Scene, counted: float | None) -> float:

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..engine.coupling.graph import is_discrete
 from ..units.interface import Signal
+from .figures import Figures
 from .instants import at_instants
 from .results import Result
 from .thresholds import (
@@ -292,18 +293,17 @@ def _of_three(d: Difference, d2: Difference) -> SignalError:
     )
 
 
-def figure_errors(runs: Sequence[Mapping[str, float]], *, unsure: bool = False) -> dict[str, float]:
+def figure_errors(runs: Sequence[Figures], *, unsure: bool = False) -> dict[str, float]:
     """Errors of the first run's figures, from two or three runs, in the figures' own units; NaN where a run lacks a figure.
 
     `unsure`: of two runs that differ too much for an error of their difference alone.
     """
     first, second, *more = runs
-
-    def error(name: str) -> float:
-        d = abs(first[name] - second.get(name, nan))
-        return d + 2.0 * abs(second.get(name, nan) - more[0].get(name, nan)) if more else (UNSURE if unsure else SURE) * d
-
-    return {name: error(name) for name in first}
+    gaps = first.gaps(second)
+    if not more:
+        return {name: (UNSURE if unsure else SURE) * gap for name, gap in gaps.items()}
+    further = second.gaps(more[0])
+    return {name: gap + 2.0 * further.get(name, nan) for name, gap in gaps.items()}
 
 
 def worst_of(errors: Mapping[str, SignalError], of: Callable[[SignalError], float] = lambda one: one.rms) -> str:

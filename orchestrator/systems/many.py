@@ -15,7 +15,7 @@ from ..settings.plan import KeepSettings, PlanSettings
 from . import scene_of, summary
 
 if TYPE_CHECKING:
-    from ..derivatives.gradient import Figures, Gradient
+    from ..derivatives.gradient import Gradient, Own
     from ..estimation.answer import Estimate
     from ..estimation.measurements import Data
     from ..harness.many.design import Design
@@ -111,7 +111,7 @@ def function(
 
 def gradient(
     scene: Scene | str | Path,
-    of: str | Sequence[str] | Figures | None = None,
+    of: str | Sequence[str] | Own | None = None,
     by: str | Sequence[str] | None = None,
     output: str | Path | None = None,
     *,

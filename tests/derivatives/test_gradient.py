@@ -35,6 +35,12 @@ def test_a_derivative_is_that_of_differences(scene, measured, figure, parameter)
     assert exact.elasticity == pytest.approx(exact.derivative * exact.at / exact.value)
 
 
+def test_a_function_of_ones_own_gives_figures_with_their_units(scene, measured):
+    end = lambda result: {"end": (result["spring.second_force_x"][-1], "N")}  # noqa: E731
+    slope = cosimo.gradient(scene, end, "mass.mass")["end", "mass.mass"]
+    assert (slope.unit, slope.derivative) == ("N", measured["spring.second_force_x, last", "mass.mass"].derivative)
+
+
 def test_the_error_is_about_the_change_with_shorter_steps(scene, measured):
     finest = scene.with_changes({"master.step": scene.master.step / 16.0})
     figure = "spring.second_force_x, last"

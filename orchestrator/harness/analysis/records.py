@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,23 +14,6 @@ from ...units.component import make
 if TYPE_CHECKING:
     from ....components.core.component import Component
     from ...run.results import Result
-
-KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
-    "minimum": np.min,
-    "maximum": np.max,
-    "mean": np.mean,
-    "standard deviation": np.std,
-}
-
-
-def after_transient(result: Result) -> slice:
-    """The samples from [analysis] transient on; all without it."""
-    transient = result.scene.analysis.transient
-    first = int(np.searchsorted(result.time, result.scene.counts_from))
-    if first >= result.time.size - 1:
-        where, length = f"{result.scene.name}: analysis.transient", result.time[-1] - result.time[0]
-        raise BadInput(where, f"{transient:g} s", f"less than the length of the run, {length:g} s")
-    return slice(first, None)
 
 
 class RecordedUnit:

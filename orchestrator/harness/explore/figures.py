@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ...run.figures import KINDS
 from ...scene.scene import Scene
-from ..analysis.records import KINDS
 from ..analysis.signals import Filter, sections
 from ..studies.quantities import EDGE, quantities_of
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
 from ....components.core.errors import BadInput, nearest
+from ...run.figures import KINDS
 from ...scene.scene import Scene
 from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted
-from ..analysis.records import KINDS
 from ..studies.quantities import quantities_of
 from .measures import Task
 

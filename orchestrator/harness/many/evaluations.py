@@ -133,8 +133,8 @@ class Evaluations:
     def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
         """Rows at points that were run, with half of every step, None where that is too much work; and what this changes."""
         rows = self(points)
-        names = dict.fromkeys(n for row in rows for n in row.numbers)
-        numbers = {n: np.array([row.numbers.get(n, np.nan) for row in rows]) for n in names}
+        names = list(dict.fromkeys(n for row in rows for n in row.numbers))
+        numbers = dict(zip(names, np.array([row.numbers.at(names) for row in rows]).T, strict=True))
         again = repeat(self._stored(points), range(len(points)))
         return [again.get(k) for k in range(len(points))], compared(range(len(points)), again, numbers)
 

@@ -12,11 +12,11 @@ import numpy as np
 
 from ....components.core.errors import BadInput, pick
 from ...run.dependence import depends_on, source_of
+from ...run.figures import KINDS, Figures, after_transient
 from ...run.instability import unfollowed
 from ...run.results import Result
 from ...scene.scene import Scene, read_scene
 from ...settings.plan import KeepSettings
-from ..analysis.records import KINDS, after_transient
 from ..analysis.sections import section as section_of
 from ..studies.quantities import TimeHistory, quantities_of, recording
 
@@ -31,22 +31,26 @@ OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 class Row:
     """What a point gives. outcome: of `OUTCOMES`, with its reason; of one that is done, why it may be unstable.
 
-    numbers, units: by column.  section: (k,).  time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the
+    numbers: by column.  section: (k,).  time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the
     signal that has ended the run.
     """
 
     outcome: str
     reason: str = ""
-    numbers: dict[str, float] = field(default_factory=dict)
-    units: dict[str, str] = field(default_factory=dict)
+    numbers: Figures = field(default_factory=Figures)
     section: np.ndarray = field(default_factory=lambda: np.zeros(0))
     time: np.ndarray = field(default_factory=lambda: np.zeros(0))
     signals: dict[str, np.ndarray] = field(default_factory=dict)
     stopped: Signals | None = None
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of measure of columns and of kept signals."""
+        return self.numbers.units
+
     def values(self, names: Iterable[str]) -> np.ndarray:
         """(n,) numbers of columns; NaN where there is none, and where the run is not done."""
-        return np.array([self.numbers.get(name, np.nan) if self.outcome == "done" else np.nan for name in names])
+        return (self.numbers if self.outcome == "done" else Figures()).at(names)
 
 
 @dataclass(frozen=True)
@@ -119,9 +123,7 @@ def row_of_result(result: Result, task: Task) -> Row:
     row = Row("done", "; ".join(unfollowed(result.info.get("missed"))))
     for part in (_statistics, _summary, _quantities, _functions):
         try:
-            for name, value, unit in part(result, task):
-                row.numbers.setdefault(name, float(value))
-                row.units.setdefault(name, unit)
+            row.numbers.add(part(result, task))
         except BadInput as error:
             row.outcome, row.reason = "failed", str(error)
     try:
@@ -135,7 +137,7 @@ def row_of_result(result: Result, task: Task) -> Row:
             start = result.scene.start_time
             row.time = start + interval * np.arange(int((result.end - start) / interval * (1.0 + 1e-12)) + 1)
             row.signals = {name: np.interp(row.time, result.time, x) for name, x in row.signals.items()}
-        row.units |= {name: result.measures.get(name, "") for name in task.keep.signals}
+        row.units.update({name: result.measures.get(name, "") for name in task.keep.signals})
     return row
 
 

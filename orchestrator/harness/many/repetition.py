@@ -14,9 +14,9 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...run import work
+from ...run.figures import KINDS
 from ...run.thresholds import WARN
 from ...scene.shorter_steps import shorter_steps
-from ..analysis.records import KINDS
 from ..summary import with_error
 from .execute import Computing
 from .measures import Row
@@ -132,9 +132,9 @@ def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[st
     done = [k for k in places if k in rows and rows[k].outcome == "done"]
     scales = _scales(numbers)
     errors, shares, at = {}, {}, {}
-    for name, values in numbers.items():
-        differences = {k: abs(rows[k].numbers.get(name, np.nan) - values[k]) for k in done}
-        known = {k: d for k, d in differences.items() if np.isfinite(d)}
+    gaps = {k: np.abs(rows[k].numbers.at(numbers) - [values[k] for values in numbers.values()]) for k in done}
+    for i, name in enumerate(numbers):
+        known = {k: float(gap[i]) for k, gap in gaps.items() if np.isfinite(gap[i])}
         if known:
             at[name] = max(known, key=known.__getitem__)
             errors[name] = 2.0 * known[at[name]]

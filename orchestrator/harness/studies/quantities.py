@@ -16,11 +16,11 @@ from math import inf, isfinite
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ...run.figures import KINDS
 from ...run.results import Result
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
 from ...units.interface import Signal
-from ..analysis.records import KINDS
 from ..analysis.signals import Filter, amplitude_at, uniform
 
 CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is constant

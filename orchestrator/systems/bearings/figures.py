@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ...harness.analysis.records import after_transient
 from ...harness.analysis.recurrence import Quantification, line_survival, quantify, recurrence_matrix, standardised
 from ...harness.analysis.sections import crossings, distinct, section
 from ...harness.analysis.signals import amplitude_spectrum
@@ -22,6 +21,7 @@ from ...harness.charts.blocks import Block, Cells
 from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series, filled
 from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
+from ...run.figures import after_transient
 from . import BearingKeys, RecurrenceKeys
 from .records import BearingRecord, bearings, since
 

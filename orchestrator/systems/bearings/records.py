@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import pick
-from ...harness.analysis.records import RecordedUnit, after_transient
+from ...harness.analysis.records import RecordedUnit
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
+from ...run.figures import after_transient
 from . import BearingKeys
 
 if TYPE_CHECKING:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import after_transient
 from ...harness.analysis.signals import amplitude_spectrum, uniform
 from ...harness.analysis.spectra import Family, follow, turns_steadily, unwrapped, waterfall
 from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Lines, Panel, Picture, Series
 from ...harness.charts.charts import draw_chart
+from ...run.figures import after_transient
 from ..bearings.figures import heat_chart
 from ..bearings.records import STEADY, since
 from . import RotorKeys

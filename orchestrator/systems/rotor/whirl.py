@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.rotor.modal import campbell, critical_speeds
-from ...harness.analysis.records import RecordedUnit, after_transient
+from ...harness.analysis.records import RecordedUnit
+from ...run.figures import after_transient
 from . import RotorKeys
 from .records import RotorRecord
 

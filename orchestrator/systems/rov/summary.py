@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import after_transient
 from ...harness.summary import Summary, SummaryRow, rows
+from ...run.figures import after_transient
 from .records import ERRORS, Vehicle, vehicles
 
 if TYPE_CHECKING:

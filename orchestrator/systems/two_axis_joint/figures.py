@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import after_transient
 from ...harness.charts.blocks import Block
 from ...harness.charts.chart import Chart, Panel, Series
 from ...harness.charts.charts import draw_chart
+from ...run.figures import after_transient
 from .records import Axis, JointRecord, drawn, joints, poincare
 
 if TYPE_CHECKING:

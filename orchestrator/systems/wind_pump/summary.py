@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...harness.analysis.records import after_transient
 from ...harness.analysis.signals import accumulated
 from ...harness.summary import Summary, rows
+from ...run.figures import after_transient
 from . import WindPumpKeys
 from .records import Chain, chains, efficiencies, runnings, wind_energy
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...harness.analysis.records import after_transient
 from ...harness.summary import Summary, SummaryRow
+from ...run.figures import after_transient
 from . import WristKeys
 from .records import HAND, bundles, linkages, postures, wrists
 

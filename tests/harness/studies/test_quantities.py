@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.analysis.records import KINDS
 from cosimo.orchestrator.harness.studies.accuracy import Point, judged
 from cosimo.orchestrator.harness.studies.quantities import (
     Quantity,
@@ -17,6 +16,7 @@ from cosimo.orchestrator.harness.studies.quantities import (
     recording,
 )
 from cosimo.orchestrator.harness.studies.trial import Trial
+from cosimo.orchestrator.run.figures import KINDS
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.interface import Signal

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.orchestrator.judgement.sampling import between, curve, of_parts
+from cosimo.orchestrator.run.figures import Figures
 from cosimo.orchestrator.run.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
@@ -28,12 +29,14 @@ def figures(result):
     """Share of time, number of stretches and length of the longest above 0.8, largest value: of rows as they stand."""
     above, step = result[NAME] > 0.8, result.time[1] - result.time[0]
     edges = np.flatnonzero(np.diff(np.concatenate(([0], above.astype(int), [0]))))
-    return {
-        "share": float(above.mean()),
-        "longest": float((edges[1::2] - edges[::2]).max(initial=0) * step),
-        "largest": float(result[NAME].max()),
-        "count": float(edges.size // 2),
-    }
+    return Figures(
+        {
+            "share": float(above.mean()),
+            "longest": float((edges[1::2] - edges[::2]).max(initial=0) * step),
+            "largest": float(result[NAME].max()),
+            "count": float(edges.size // 2),
+        }
+    )
 
 
 def test_the_error_of_rows_covers_shares_lengths_and_extremes(result):
@@ -65,7 +68,7 @@ def test_a_count_changes_by_what_is_near_its_threshold(result):
 def test_jumps_and_whole_numbers_are_no_curves(result):
     time = np.arange(0.0, 10.0, 0.1)
     counted = with_rows(result, time, np.floor(time))
-    assert between(counted, {"largest": 9.0}, lambda r: {"largest": float(r[NAME].max())}) == {"largest": 0.0}
+    assert between(counted, Figures({"largest": 9.0}), lambda r: Figures({"largest": float(r[NAME].max())})) == {"largest": 0.0}
 
 
 def test_the_mean_of_a_chaotic_motion_has_the_error_that_an_ensemble_shows(result):
@@ -73,7 +76,7 @@ def test_the_mean_of_a_chaotic_motion_has_the_error_that_an_ensemble_shows(resul
     time = np.linspace(0.0, 60.0, 3001)
     flow = lambda t, v: [10.0 * (v[1] - v[0]), v[0] * (28.0 - v[2]) - v[1], v[0] * v[1] - 8.0 / 3.0 * v[2]]  # noqa: E731
     names = {"mean": np.mean, "rms": np.std}
-    values = lambda r: {name: float(of(r[NAME])) for name, of in names.items()}  # noqa: E731
+    values = lambda r: Figures({name: float(of(r[NAME])) for name, of in names.items()})  # noqa: E731
     found = []
     for k in range(20):
         states = solve_ivp(flow, (-10.0, 60.0), [1.0 + 0.01 * k, 1.0, 20.0], t_eval=time, rtol=1e-6, atol=1e-6).y
