@@ -179,10 +179,10 @@ def slopes_of(
     values = figures(base)
     slopes: dict[tuple[str, str], Slope] = {}
     for k, name in enumerate(names):
-        found = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
+        slopes_along = _along(base, {s: t[:, k] for s, t in recorded.items()}, figures, values, name, at[name])
         sides = _beside(scene, figures, values, name, at[name]) if rows.at_tie[k] else None
         for i, (figure, value) in enumerate(values.items()):
-            derivative, error, smooth = (of_all[i] for of_all in found)
+            derivative, error, smooth = (of_all[i] for of_all in slopes_along)
             how = EXACT if smooth else "the figure itself jumps or bends there"
             if sides is not None:
                 how = _verdict(derivative, *sides[:, :, i].tolist())

@@ -19,7 +19,6 @@ from typing import Any, Literal
 from ...components.catalogue import component_name
 from ...components.core.store import digest_of
 from ...fmus.versions import version
-from ..code_digests import code_digest
 from ..scene.scene import Scene, read_toml
 
 Part = Literal["rows", "figures", "model"]
@@ -101,4 +100,6 @@ def _model(scene: Scene, data: dict[str, Any]) -> dict[str, Any]:
 
 @cache
 def _code(components: tuple[str, ...]) -> str:
+    from ..code_digests import code_digest  # which loads what builds FMUs
+
     return code_digest(*components)

@@ -7,17 +7,14 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..engine.coupling import Coupling, Endpoint
+from ..engine.coupling import Endpoint
 from ..engine.stepping.loop import FOREVER, BatchObserver
 from ..units import Simulator
 from .rows import Rows, joined
-
-if TYPE_CHECKING:
-    from ..engine.algorithms.master import Master
 
 Sample = Callable[[], list[Any]]
 
@@ -151,33 +148,6 @@ class Recorder(BatchObserver):
         self._clear()
         self._due, self._last = state["due"], state["last"]
         self.table.go_on(state["rows"], self._beside)
-
-
-def signals_recorder(
-    master: Master,
-    units: Mapping[str, Simulator],
-    coupling: Coupling,
-    every: Fraction,
-    end: int,
-    table: Rows | None = None,
-    beside: Path | None = None,
-) -> Recorder:
-    """The recorder of all signals and texts that a scene records; every, end: ticks.  table: where they go, default: memory."""
-    ends, texts = list(master.positions), coupling.recorded_texts
-    names = [[f"{u}.{n}" for u, n in some] for some in (coupling.signals, texts)]
-    table, places = table if table is not None else Rows(*names), {end: k for k, end in enumerate(ends)}
-    return Recorder(
-        table,
-        master.sample,
-        len(ends),
-        every,
-        end,
-        of_master=True,
-        texts=reading(units, texts, texts=True) if table.texts else None,
-        # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
-        picked=[places[signal] for signal in coupling.signals],
-        beside=beside,
-    )
 
 
 def reading(units: Mapping[str, Simulator], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:

@@ -7,14 +7,12 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
-from fractions import Fraction
 from math import isfinite
 from pathlib import Path
 from signal import SIGINT, Signals
 from time import perf_counter, process_time
-from typing import TYPE_CHECKING
 
 from ...components.core.errors import BadInput, StepFailed
 from .. import working_directory
@@ -23,7 +21,7 @@ from ..engine.coupling import Coupling
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import Observer
 from ..interrupts import Interrupted
-from ..opened.open_scene import Course, OpenScene, remarks_of
+from ..opened.open_scene import Course, OpenScene
 from ..output import UNFINISHED, locked, not_written
 from ..scene.scene import Scene
 from ..scene.shorter_steps import MadeRun, asked_for, note_runs
@@ -35,18 +33,15 @@ from ..units.fmu_messages import DEFAULT, described, level_of, warnings_of
 from ..units.interface import SimulationEnded
 from . import work
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
-from .instability import InstabilityMonitor, energy_warnings
 from .pacing import Pacing
 from .progress import Interrupt, Progress, Stop
-from .recorders import Recorder, reading, signals_recorder
+from .recorders import reading
 from .recording import OutputFailed, ResultFiles
-from .results import Result, result_of
+from .results import Result
 from .rows import Rows
 from .run_info import CompileTime, describe_run
+from .watch import Watch, measures_of
 from .windows import Windows, WindowsWish, obstacle
-
-if TYPE_CHECKING:
-    from ..units.native import NativeFmu
 
 Remedy = Callable[[Scene], str]
 END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
@@ -139,7 +134,6 @@ class Run:
         first step; else it waits for the units, which may be in code that would take it for a failure of its own."""
         self._wish, self._remedy, self._open_scene, self._stop, self._fmu_log = windows, remedy, again, stop, fmu_log
         self.windows: Windows | None = None
-        self.monitor: InstabilityMonitor | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
         self._interrupt = stop or stack.enter_context(Interrupt(at_once=at_once))
@@ -158,7 +152,12 @@ class Run:
         """Open the units and build master, faults and stepping on them."""
         scene, stack = self.scene, self.stack
         if (open_scene := self._open_scene) is None:
-            open_scene = OpenScene(scene, stack, self.in_process, self._rescue, self._native_fmus())
+            native = {}
+            if self.native:
+                from ..opened.native import native_fmus  # which loads a compiler
+
+                native = native_fmus(scene)
+            open_scene = OpenScene(scene, stack, self.in_process, self._rescue, native)
         self.clock, self.units, self.master = open_scene.clock, open_scene.units, open_scene.master
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [
@@ -172,45 +171,18 @@ class Run:
         self.course = Course(open_scene)
         self.account, self.stepping = self.course.account, self.course.stepping
 
-    def _native_fmus(self) -> Mapping[str, NativeFmu]:
-        if not self.native:
-            return {}
-        from ..opened.native import native_fmus  # which loads a compiler
-
-        return native_fmus(self.scene)
-
     def observe(self, checkpoint_every: float | None, checkpoint_to: str | Path | None, past: Checkpoint | None) -> None:
-        """Make all that watches the steps: recorders, the monitor of instability, checkpoints, progress, signals."""
-        scene, coupling, master, stack = self.scene, self.coupling, self.master, self.stack
-        intervals = (scene.record.interval, scene.record.snapshot_interval)
-        end = self.clock.tick(scene.stop_time)
-        step = scene.master.step
-        every, snapshot_every = (
-            self.clock.multiple(i, step) if i else Fraction(1) for i in intervals
-        )  # each macro step ends at a tick
-        self._ends = tuple(master.positions)
-        beside = past.folder if past else None
-        self.signals = signals_recorder(master, self.units, coupling, every, end, self._table(past), beside)
-        self.arrays = {}
-        for (unit, array), names in coupling.snapshots.items():
-            name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
-            self.arrays[name] = Recorder(
-                self.files.snapshots(name, elements) if self.files else Rows(elements),
-                self.units[unit].reader(names),
-                len(names),
-                snapshot_every,
-                end,
-                columns=self.stepping.watch([(unit, n) for n in names]),
-                beside=beside,
-            )
+        """Put on the steps all that watches them: recorders, the monitor of instability, checkpoints, progress, signals."""
+        scene, coupling, stack = self.scene, self.coupling, self.stack
+        self._ends = tuple(self.master.positions)
+        arrays = self.files.snapshots if self.files else lambda name, elements: Rows(elements)
+        self.watch = Watch(self.course, table=self._table(past), arrays=arrays, beside=past.folder if past else None)
         if isinstance(self._interrupt, Interrupt):
             self._interrupt.halt = self.stepping.halt
-        self.recorders = [self.signals, *self.arrays.values()]
-        self.observers: list[Observer] = [*self.recorders, self._interrupt]
+        self.observers: list[Observer] = [*self.watch.recorders, self._interrupt]
         if self.files is not None:
-            self.files.watch(self.recorders)
+            self.files.watch(self.watch.recorders)
             self.observers.append(self.files)
-        steps = int(scene.duration / scene.master.step)
         if self._wish is not None and not obstacle(scene):
             angles = {
                 f"{unit}.{name}"
@@ -218,13 +190,12 @@ class Run:
                 for name, signal in interface.outputs.items()
                 if signal.unit == "rad"
             }
-            self.windows = Windows(self.course, self._ends, steps, angles)
+            self.windows = Windows(self.course, self._ends, int(scene.duration / scene.master.step), angles)
             self.observers.append(self.windows)
-        if any(len(group) > 1 for group in coupling.groups):
-            self.monitor = InstabilityMonitor(master, steps, self.account)
-            self.observers.append(self.monitor)
+        if self.watch.monitor is not None:
+            self.observers.append(self.watch.monitor)
         if checkpoint_every is not None and checkpoint_to is not None:
-            self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, self.stepping, self.parts())
+            self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, self.master, self.stepping, self.parts())
             self.observers.append(self.checkpoints)
         if self.progress:
             since = past.t if past else scene.start_time
@@ -239,19 +210,14 @@ class Run:
         names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
         info = {"scene": self.scene.info(), "outcome": "running", "message": "the run has not ended", "warnings": []}
         try:
-            return self.files.open(names, texts, self._measures, info, resumed=past is not None)
+            return self.files.open(names, texts, measures_of(self.coupling), info, resumed=past is not None)
         except OSError as error:
             raise not_written(self.files.directory, error) from None
 
-    @property
-    def _measures(self) -> dict[str, str]:
-        """Units of measure of the recorded signals."""
-        return {f"{u}.{n}": self.coupling.interfaces[u].outputs[n].unit for u, n in self.coupling.signals}
-
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.signals, "stepping": self.stepping}
-        return parts | {f"snapshots of {name}": recorder for name, recorder in self.arrays.items()}
+        parts: dict[str, Part] = {"signals": self.watch.signals, "stepping": self.stepping}
+        return parts | {f"snapshots of {name}": recorder for name, recorder in self.watch.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
         """Initialize, go on from a checkpoint where there is one, and step to the end; keeps why it did not get there."""
@@ -262,8 +228,8 @@ class Run:
             self._start(past)
             self._mark()
             self.stepping.run(self.observers)
-            if self.monitor is not None:
-                self.monitor.close(self._now)
+            if self.watch.monitor is not None:
+                self.watch.monitor.close(self._now)
             self._check_figures()
             self.outcome = "done"
         except Runaway as error:
@@ -333,10 +299,10 @@ class Run:
         rewinds = self.stepping.rewinds
         if len(self.units) == 1 or rewinds:
             t = self._now if rewinds else end.time
-            self.signals.close(t, reading(self.units, self._ends))
-            for recorder in self.arrays.values():
+            self.watch.signals.close(t, reading(self.units, self._ends))
+            for recorder in self.watch.arrays.values():
                 recorder.close(t)
-        last, near = self.signals.last, END * self.scene.master.step
+        last, near = self.watch.signals.last, END * self.scene.master.step
         if isfinite(last) and last < end.time - near:
             self.message += f"; the last row, of all units at the same time, is that of t = {last:.9g} s"
         if last > end.time + near:  # it steps with every n-th macro step
@@ -346,7 +312,7 @@ class Run:
         """The result, with all that run.json says of the run."""
         coupling = self.coupling
         try:
-            for recorder in self.recorders if self.files is None else ():
+            for recorder in self.watch.recorders if self.files is None else ():
                 recorder.flush()
             if self.files is not None:
                 self.files.flush()
@@ -356,7 +322,7 @@ class Run:
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
         info |= {"traceback": self.log} if self.log else {}
         info |= {"signal": self._signal.name} if self.outcome == "stopped" else {}
-        if self.monitor is not None and (missed := self.monitor.missed()) is not None:
+        if self.watch.monitor is not None and (missed := self.watch.monitor.missed()) is not None:
             info |= {"missed": missed}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"real_time": self.pacing.report()} if self.pacing else {}
@@ -392,14 +358,7 @@ class Run:
             except OutputFailed as error:
                 self.outcome, self.message = "failed", f"{error}; what was written is in its folder {UNFINISHED!r}"
                 info |= {"outcome": self.outcome, "message": self.message}
-        return result_of(
-            self.scene,
-            self.signals.table,
-            {name: recorder.table for name, recorder in self.arrays.items()},
-            self._measures,
-            info,
-            directory,
-        )
+        return self.watch.result(self.scene, info, directory)
 
     @property
     def _now(self) -> float:
@@ -448,13 +407,12 @@ class Run:
             with working_directory.of_its_own(
                 any(kind.foreign for kind in self.scene.kinds.values())
             ):  # the run's own files stay
-                self.windows.answer(wish, self.signals.table.chunks())
+                self.windows.answer(wish, self.watch.signals.table.chunks())
         else:
             wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"
 
     def _warnings(self) -> list[str]:
         """What a user should know."""
-        caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
-        texts = [*remarks_of(self.scene, self.units), *caught, *self.course.warnings(), *energy_warnings(self.account)]
+        texts = self.watch.warnings(self.scene, list(dict.fromkeys(str(w.message) for w in self._caught_warnings)))
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         return texts + ([self.message] if self.outcome == "done" and self.message else [])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from fractions import Fraction
 from functools import cached_property
 from html import escape
 from math import isfinite
@@ -19,13 +18,13 @@ from ...components.core.measure import is_quantity, number_in
 from ...components.core.variables import SEED
 from ..engine.coupling import Endpoint
 from ..judgement.verification import verified_result
-from ..opened.open_scene import Course, OpenScene, remarks_of
+from ..opened.open_scene import Course, OpenScene
 from ..opened.state import Inputs, State
 from ..run.checkpoint import Part, checkpoint_of, header, present, restore
-from ..run.instability import energy_warnings
-from ..run.recorders import Recorder, reading, signals_recorder
-from ..run.results import Result, result_of
+from ..run.recorders import reading
+from ..run.results import Result
 from ..run.run_info import describe_run
+from ..run.watch import Watch
 from ..scene.names import declared, elements, variable_of
 from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
@@ -68,7 +67,7 @@ class Session:
         self._unseen = False  # whether a step may be taken that nothing has to be asked before
         self._readers: dict[tuple[str, ...], Callable[[], np.ndarray]] = {}
         self._observers: list[Any] = []
-        self._recorder: Recorder | None = None
+        self._watch: Watch | None = None  # where rows are recorded
         self._free: dict[str, tuple[str, str, Signal]] = {}  # inputs that were set, by name
 
     # -- from the beginning to the end -------------------------------------------------------------------------------
@@ -165,7 +164,7 @@ class Session:
         self._initialized, self._unseen, self._failure, self._ended = False, False, "", ""
         self._inputs.clear()
         self._readers.clear()
-        self._observers, self._recorder = [], None
+        self._observers, self._watch = [], None
         if self._open_scene is not None and not self._open_scene.takes({}):
             self._close_units()
         if seed is not None:
@@ -410,8 +409,8 @@ class Session:
         else:
             self._go_to(state)
         self._failure, self._ended = "", ""
-        if self._recorder is not None:
-            self._recorder.forget(self.time)
+        if self._watch is not None:
+            self._watch.signals.forget(self.time)
 
     def _go_to(self, state: State) -> None:
         if state.released or state.units != [node.unit for node in self._master.nodes]:
@@ -446,26 +445,22 @@ class Session:
     def record(self) -> None:
         """From now on a row of all that the scene records, at every macro step; see `result`."""
         self._started("record()")
-        self._recorder = signals_recorder(self._master, self._units, self._scene.coupling, Fraction(1), self._stepping.end)
-        self._observers, self._unseen = [self._recorder], False
-        for observe in self._observers:
-            observe(self._stepping.tick, self.time)
+        self._watch = Watch(self._course, every_step=True)
+        self._observers, self._unseen = [self._watch.signals], False
+        self._watch.signals(self._stepping.tick, self.time)
 
     def result(self) -> Result:
         """What was recorded so far, as of `cosimo.run`: its summary, report and plots; not verified."""
-        if self._recorder is None:
+        if self._watch is None:
             raise BadInput(f"{self._where}: result", "a session that records nothing", "a call of record() before")
-        self._recorder.flush()
-        coupling = self._scene.coupling
-        measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
-        info = describe_run(self._scene, coupling, self._units, self._master)
+        self._watch.signals.flush()
+        info = describe_run(self._scene, self._scene.coupling, self._units, self._master)
         outcome, message = ("done", self._ended) if self.done else ("stopped", f"held at t = {self.time:.9g} s")
         if self._failure:
             outcome, message = "failed", self._failure
-        warnings = [*remarks_of(self._scene, self._units), *self._course.warnings(), *energy_warnings(self._course.account)]
-        warnings += of_discarded(info["counters"]["units"])
+        warnings = [*self._watch.warnings(self._scene), *of_discarded(info["counters"]["units"])]
         info |= {"outcome": outcome, "message": message, "warnings": warnings, "timing": {}}
-        return verified_result(result_of(self._scene, self._recorder.table, {}, measures, info, None), "no")
+        return verified_result(self._watch.result(self._scene, info), "no")
 
     # -- what it is --------------------------------------------------------------------------------------------------
     def _alive(self) -> None:

@@ -7,20 +7,15 @@ import logging
 import warnings
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack
-from fractions import Fraction
 from signal import SIGINT, Signals
 from typing import Any
 
-import numpy as np
-
 from ....components.core.errors import BadInput, StepFailed
 from ...opened.open_scene import Course, OpenScene
-from ...run.instability import InstabilityMonitor
 from ...run.progress import Interrupt, Stop
-from ...run.recorders import signals_recorder
 from ...run.results import Result
-from ...run.rows import Rows
 from ...run.run import Run, run
+from ...run.watch import Watch
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked_for
 from .measures import Row, Task, row_of_result
@@ -63,7 +58,7 @@ class PointRuns:
         self.stop: Stop | None = None
         self._stack, self._key = ExitStack(), ""
         self._open_scene: OpenScene | None = None
-        self._course: _Course | None = None  # of the open scene
+        self._course: Course | None = None  # of the open scene
         self._numbers: set[tuple[str, ...]] = set()  # names of points that differ in numbers alone
 
     def close(self) -> None:
@@ -82,16 +77,47 @@ class PointRuns:
             return None
         if (open_scene := self.open_scene({})) is None or not open_scene.takes(values):
             return None
-        self._course = self._course or _Course(open_scene, described=self._task.summarize is not None)
         try:
             if self.stop is not None:  # what all threads share is left alone
-                return self._course.run(values, self.stop)
+                return self._watched(open_scene, values, self.stop)
             with Interrupt() as interrupt, warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)
-                return self._course.run(values, interrupt)
+                return self._watched(open_scene, values, interrupt)
         except (BadInput, StepFailed, ArithmeticError, MemoryError):
             self._course = None
             return None
+
+    def _watched(self, open_scene: OpenScene, numbers: Mapping[str, Any], stop: Stop | Interrupt) -> Result:
+        """With these parameters, by name, to the end; raises `BadInput` and `StepFailed`. stop: ends it between two batches of steps.
+
+        `info` has the parameters of the units where a system has figures, which read them.
+        """
+        scene = open_scene.begin_anew(numbers)
+        if self._course is None or open_scene.master.coupling.bonds:  # an account of energy is that of one run
+            self._course = Course(open_scene)
+            self._course.stepping.run((), 0)  # it has begun; the observers look at the start below
+        stepping, master = self._course.stepping, open_scene.master
+        stepping.tick = 0
+        watch = Watch(self._course)
+        observers = [*watch.recorders, stop, *([watch.monitor] if watch.monitor is not None else [])]
+        if isinstance(stop, Interrupt):
+            stop.halt = stepping.halt
+        self._course.start()
+        try:
+            for observe in observers:
+                observe(0, scene.start_time)
+            stepping.run(observers)
+        except KeyboardInterrupt:
+            return watch.result(scene, {"outcome": "stopped", "signal": (stop.taken or SIGINT).name})
+        if watch.monitor is not None:
+            watch.monitor.close(scene.stop_time)
+        if master.no_numbers:
+            raise StepFailed(scene.name, scene.stop_time, "an output was no number")
+        watch.signals.flush()
+        info: dict[str, Any] = {"outcome": "done", "missed": watch.monitor and watch.monitor.missed()}
+        if self._task.summarize is not None:
+            info["units"] = {name: {"parameters": unit.parameters()} for name, unit in open_scene.units.items()}
+        return watch.result(scene, info)
 
     def _are_numbers(self, names: tuple[str, ...]) -> bool:
         """Whether points that differ in these names differ in numbers alone."""
@@ -135,55 +161,3 @@ class PointRuns:
         """Whether a setting is, by its name, a parameter that no layout depends on."""
         variable = parameter_of(self.scene, name)
         return variable is not None and not variable.structural
-
-
-class _Course:
-    """Runs of an open scene to its end, of which the rows are kept; what it needs of the scene is made once.
-
-    described: `info` of the results has the parameters of the units, for the figures of a system.
-    """
-
-    def __init__(self, open_scene: OpenScene, described: bool):
-        self._described = described
-        scene, coupling = open_scene.scene, open_scene.scene.coupling
-        self._open_scene, self._coupling = open_scene, coupling
-        self._course: Course | None = None
-        self._names = [f"{u}.{n}" for u, n in coupling.signals]
-        self._measures = {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals}
-        interval, step = scene.record.interval, scene.master.step
-        self._every = open_scene.clock.multiple(interval, step) if interval else Fraction(1)
-        self._steps = int(scene.duration / step)
-        self._monitored = any(len(group) > 1 for group in coupling.groups)
-
-    def run(self, numbers: Mapping[str, Any], stop: Stop | Interrupt) -> Result:
-        """With these parameters, by name; raises `BadInput` and `StepFailed`. stop: ends it between two batches of steps."""
-        open_scene, coupling = self._open_scene, self._coupling
-        scene = open_scene.begin_anew(numbers)
-        if self._course is None or coupling.bonds:  # an account of energy is that of one run
-            self._course = Course(open_scene)
-            self._course.stepping.run((), 0)  # it has begun; the observers look at the start below
-        stepping, account, master = self._course.stepping, self._course.account, open_scene.master
-        stepping.tick = 0
-        recorder = signals_recorder(master, open_scene.units, coupling, self._every, stepping.end, Rows(self._names))
-        monitor = InstabilityMonitor(master, self._steps, account) if self._monitored else None
-        observers = [recorder, stop, *([monitor] if monitor else [])]
-        if isinstance(stop, Interrupt):
-            stop.halt = stepping.halt
-        self._course.start()
-        try:
-            for observe in observers:
-                observe(0, scene.start_time)
-            stepping.run(observers)
-        except KeyboardInterrupt:
-            taken = {"signal": (stop.taken or SIGINT).name}
-            return Result(scene, np.zeros(0), {}, {}, self._measures, taken, "stopped", "")
-        if monitor is not None:
-            monitor.close(scene.stop_time)
-        if master.no_numbers:
-            raise StepFailed(scene.name, scene.stop_time, "an output was no number")
-        time, values, _ = recorder.rows
-        columns = dict(zip(self._names, values.T, strict=True))
-        info: dict[str, Any] = {"missed": monitor and monitor.missed()}
-        if self._described:
-            info["units"] = {name: {"parameters": unit.parameters()} for name, unit in open_scene.units.items()}
-        return Result(scene, time, columns, {}, self._measures, info, "done", "")
