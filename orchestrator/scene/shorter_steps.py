@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
-from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from ...components.core.errors import BadInput
@@ -18,12 +17,6 @@ from .tolerances import tolerances_of
 
 P = ParamSpec("P")
 R = TypeVar("R")
-_parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
-_coarser: ContextVar[int] = ContextVar("times the length of elements", default=1)
-_moves: ContextVar[Mapping[str, float]] = ContextVar(
-    "standard deviations that parameters are moved by", default=MappingProxyType({})
-)
-_noted: ContextVar[list[MadeRun] | None] = ContextVar("runs that were made", default=None)
 
 
 class MadeRun(NamedTuple):
@@ -31,6 +24,24 @@ class MadeRun(NamedTuple):
 
     scene: Scene
     work: float | None
+
+
+class RunsInside(NamedTuple):
+    """How every run inside of `runs_with` differs from its scene.
+
+    parts: of each macro step and each internal step, with rows at the same times.  coarser: times the length of elements.  moves:
+    standard deviations of their tolerances that parameters, "unit.parameter", are moved by, where a scene has these.
+    noted: the runs that were made.
+    """
+
+    parts: int = 1
+    coarser: int = 1
+    moves: tuple[tuple[str, float], ...] = ()
+    noted: list[MadeRun] | None = None
+
+
+AS_THEY_ARE = RunsInside()
+_inside: ContextVar[RunsInside] = ContextVar("how runs differ from their scenes", default=AS_THEY_ARE)
 
 
 def numbers_in_use(scene: Scene, parameter: str) -> dict[str, float]:
@@ -118,61 +129,35 @@ def shorter(scene: Scene, parts: int, *, denser: bool = True, inside: bool = Tru
 
 
 @contextmanager
-def shorter_steps(parts: int) -> Iterator[None]:
-    """Every run inside has each macro step and each internal step in so many parts, and its rows at the same times."""
-    token = _parts.set(parts)
+def runs_with(**changes: Any) -> Iterator[None]:
+    """Every run inside is made so, by the fields of `RunsInside`; others stay. Raises `BadInput` there for a mesh that is too coarse."""
+    token = _inside.set(_inside.get()._replace(**changes))
     try:
         yield
     finally:
-        _parts.reset(token)
-
-
-@contextmanager
-def coarser_meshes(factor: int) -> Iterator[None]:
-    """Every run inside has elements so many times as long; raises `BadInput` there for a mesh that is too coarse for it."""
-    token = _coarser.set(factor)
-    try:
-        yield
-    finally:
-        _coarser.reset(token)
-
-
-@contextmanager
-def moved_parameters(moves: Mapping[str, float]) -> Iterator[None]:
-    """Every run inside has parameters, by "unit.parameter", moved by so many standard deviations of their tolerances, if it has these."""
-    token = _moves.set(moves)
-    try:
-        yield
-    finally:
-        _moves.reset(token)
+        _inside.reset(token)
 
 
 @contextmanager
 def made_runs() -> Iterator[list[MadeRun]]:
     """The runs that are made inside, those that `kept_runs` need not make again among them."""
     runs: list[MadeRun] = []
-    token = _noted.set(runs)
     try:
-        yield runs
+        with runs_with(noted=runs):
+            yield runs
     finally:
-        _noted.reset(token)
         note_runs(runs)
 
 
 def note_runs(runs: Iterable[MadeRun]) -> None:
     """Runs that have ended, for `made_runs`."""
-    if (noted := _noted.get()) is not None:
+    if (noted := _inside.get().noted) is not None:
         noted += runs
 
 
-def asked() -> tuple[int, int, tuple[tuple[str, float], ...]]:
-    """In how many parts each step is, how many times as long elements are, and by how many standard deviations parameters move."""
-    return _parts.get(), _coarser.get(), tuple(_moves.get().items())
-
-
 def asked_for(scene: Scene) -> Scene:
-    """The scene as it is to be run: as it is, or with what `shorter_steps` and `coarser_meshes` ask for."""
-    parts, factor, moves = asked()
+    """The scene as it is to be run: as it is, or with what `runs_with` asks for."""
+    parts, factor, moves, _ = _inside.get()
     changes = shorter(scene, parts, denser=False) if parts > 1 else {}
     changes |= coarser(scene, factor) if factor > 1 else {}
     if moves and (tolerances := tolerances_of(scene)) is not None:
@@ -182,12 +167,12 @@ def asked_for(scene: Scene) -> Scene:
 
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
-    """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps and meshes that are asked for, too."""
+    """As `functools.cache`, of a function that runs scenes: what it gives depends on what `runs_with` asks for, too."""
     known: dict[Any, tuple[R, list[MadeRun]]] = {}
 
     @wraps(function)
     def kept(*args: P.args, **kwargs: P.kwargs) -> R:
-        key = (asked(), args, tuple(kwargs.items()))
+        key = (_inside.get()[:-1], args, tuple(kwargs.items()))
         if key not in known:
             with made_runs() as runs:
                 known[key] = function(*args, **kwargs), runs

@@ -16,7 +16,7 @@ from ....components.core.errors import BadInput
 from ...run import work
 from ...run.figures import KINDS
 from ...run.thresholds import WARN
-from ...scene.shorter_steps import shorter_steps
+from ...scene.shorter_steps import runs_with
 from ..summary import with_error
 from .execute import Computing
 from .measures import Row
@@ -104,7 +104,7 @@ def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, Row]:
     places = _allowed(points, places)
     half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
     if (missing := half.missing()).size:
-        with shorter_steps(2), Computing(points.task, 1) as computing:
+        with runs_with(parts=2), Computing(points.task, 1) as computing:
             computing(half, missing)
     return {places[k]: row for k, row in half.rows(range(len(places))).items()}
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...judgement.advice import remedy
 from ...run.instability import unfollowed
 from ...run.run import run
-from ...scene.shorter_steps import shorter_steps
+from ...scene.shorter_steps import runs_with
 from ..charts.described import Described, with_numbers
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Runs(dict[Any, "Result"]):
 
         at_its_steps: a repetition leaves its steps, as they are what is asked about: growth a step, the longest stable step.
         """
-        with shorter_steps(1) if at_its_steps else nullcontext():
+        with runs_with(parts=1) if at_its_steps else nullcontext():
             result = run(scene, in_process=self.options.in_process, progress=self.options.progress, remedy=remedy)
         if may_fail:
             return result.unless_stopped()

@@ -21,7 +21,7 @@ from ...run.dependence import depends_on
 from ...run.thresholds import BUDGETS_OF_CASE, ORDER_UNSURE, SECOND_ORDER
 from ...scene.meshes import meshes_of
 from ...scene.scene import Scene
-from ...scene.shorter_steps import MadeRun, coarser_meshes, made_runs, moved_parameters, shorter_steps
+from ...scene.shorter_steps import MadeRun, made_runs, runs_with
 from ...scene.tolerances import tolerances_of
 from .case import Case, Findings, Row
 from .questions import Evidence, Options
@@ -89,7 +89,7 @@ def _of_parameter(
     """Of each row half the difference of both sides, and how far their mean is from it."""
     sides = []
     for way in (1.0, -1.0):
-        with moved_parameters({name: way}):
+        with runs_with(moves=((name, way),)):
             moved = case.findings(replace(options, in_process=True), kept)
         if not moved.complete or len(moved.rows) != len(findings.rows):
             raise BadInput(case.name, f"a run with another {name} that does not come to its end", "runs that do")
@@ -101,7 +101,7 @@ def _with_errors(
     findings: Findings, case: Case, options: Options, kept: dict[int, Evidence], runs: Sequence[MadeRun]
 ) -> Findings:
     try:
-        with shorter_steps(2):
+        with runs_with(parts=2):
             finer = case.findings(options, kept)
     except (BadInput, StepFailed) as error:
         return _unverified(findings, f"the case cannot be repeated with half of its steps: {error}")
@@ -149,7 +149,7 @@ def _mesh_gaps(
     if (kept_gaps := place.read()) is not None:
         return kept_gaps, ""
     try:
-        with coarser_meshes(2):
+        with runs_with(coarser=2):
             coarse = case.findings(options, kept)
     except (BadInput, StepFailed) as error:
         return None, str(error)

@@ -13,7 +13,7 @@ from cosimo.orchestrator.harness.validation.questions import Evidence, Options, 
 from cosimo.orchestrator.harness.validation.reference import TableRow
 from cosimo.orchestrator.harness.validation.repeated import find
 from cosimo.orchestrator.run.run import run
-from cosimo.orchestrator.scene.shorter_steps import kept_runs, made_runs, shorter_steps
+from cosimo.orchestrator.scene.shorter_steps import kept_runs, made_runs, runs_with
 from cosimo.tests.support import exact_two_masses, two_masses
 
 STEP = 5e-3
@@ -90,7 +90,7 @@ def test_studies_are_made_once():
 
 def test_runs_have_shorter_steps_inside_only_and_the_same_rows():
     whole = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
-    with shorter_steps(2):
+    with runs_with(parts=2):
         half = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
     assert half.scene.master.step == 0.5 * STEP
     assert np.array_equal(whole.time, half.time)
@@ -100,7 +100,7 @@ def test_runs_have_shorter_steps_inside_only_and_the_same_rows():
 def test_kept_runs_are_kept_apart_for_shorter_steps():
     kept = kept_runs(position)
     first = kept()
-    with shorter_steps(2):
+    with runs_with(parts=2):
         assert kept() != first
     assert kept() == first
 

@@ -20,7 +20,7 @@ from .....harness.other_masters import as_other_masters
 from .....harness.validation import Evidence, Runs, done
 from .....run.run import run
 from .....scene.scene import Scene
-from .....scene.shorter_steps import coarser_meshes, shorter_steps
+from .....scene.shorter_steps import runs_with
 from .....scene.ssp.write import write
 from .shaft import BEARING, DAMPING, MASS, MOTION, STIFFNESS, WEIGHT, scene
 
@@ -93,7 +93,7 @@ def by_all(packed: Scene, step: float) -> dict[str, np.ndarray]:
 
     A repetition leaves the steps and meshes of ours, as the others cannot follow: masters are compared at the same ones.
     """
-    with shorter_steps(1), coarser_meshes(1):
+    with runs_with(parts=1, coarser=1):
         result = done(run(packed, in_process=False))
     rows = np.rint(_times() / step).astype(int)
     with TemporaryDirectory() as folder:
