@@ -74,6 +74,8 @@ def page(found: Mapping[str, Mapping[str, Verdict] | str]) -> str:
         "",
         *(f"- {name}: {why}" for name, why in found.items() if isinstance(why, str)),
     ]
+    if missing := sorted(scene_files().keys() - found.keys()):
+        lines += ["", "## Not tried", "", ", ".join(missing)]
     return "\n".join(lines)
 
 
