@@ -27,7 +27,7 @@ from ..scene.names import numerical_of, place_of
 from ..scene.scene import Scene
 from ..scene.shorter_steps import refined
 from .along import AGREE, along, length
-from .tangent_run import Rows, TangentScene
+from .tangent_run import TangentRows, TangentScene
 
 STATISTICS: dict[str, Callable[[np.ndarray], Any]] = {**KINDS, "last": lambda values: values[-1]}
 BESIDE = 1e-5  # of runs on either side of a boundary, relative to the parameter
@@ -208,7 +208,7 @@ def _of_signals(base: Result, figures: Measure) -> Result:
     return bare
 
 
-def _recorded(base: Result, tangents: TangentScene, rows: Rows) -> dict[str, np.ndarray]:
+def _recorded(base: Result, tangents: TangentScene, rows: TangentRows) -> dict[str, np.ndarray]:
     """Tangents of the recorded columns at the recorded times, (n, d); raises `BadInput` where the runs are not one."""
     at = np.clip(np.searchsorted(rows.time, base.time - 1e-9 * tangents.scene.master.step), 0, rows.time.size - 1)
     places = {f"{unit}.{name}": k for k, (unit, name) in enumerate(tangents.signals)}

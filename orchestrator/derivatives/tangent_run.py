@@ -37,7 +37,7 @@ BY_DIFFERENCES = "Differences have no such limit: differences = 1e-4."
 KERNELS_ALONE = "a scene of components whose macro step is kernels alone (Jacobi or Gauss-Seidel, no algebraic loop)"
 
 
-class Rows(NamedTuple):
+class TangentRows(NamedTuple):
     """Signals at the start and behind each macro step, with their derivatives.
 
     time: (n,) s; values: (n, S); tangents: (n, S, d); at_tie: (d,) of each direction whether a decision stood at its boundary.
@@ -134,12 +134,12 @@ class TangentScene:
         raise BadInput(self._where, repr(parameter), "a real parameter", nearest(parameter, self.parameters()))
 
     # -- the run -----------------------------------------------------------------------------------------------------
-    def run(self, parameters: Sequence[str]) -> Rows:
+    def run(self, parameters: Sequence[str]) -> TangentRows:
         """All macro steps, with the derivatives of all signals by each parameter; raises `StepFailed`."""
         cells = [self._place_of(parameter) for parameter in parameters]
         batches = [self._pass(cells[k : k + self.width]) for k in range(0, len(cells), self.width)] or [self._pass([])]
         time, values = batches[0].time, batches[0].values
-        return Rows(
+        return TangentRows(
             time, values, np.concatenate([p.tangents for p in batches], axis=2), np.concatenate([p.at_tie for p in batches])
         )
 
@@ -174,7 +174,7 @@ class TangentScene:
         of_each = np.moveaxis(rows.tangents[some], 2, 0)
         return result, [dict(zip(names, t.T, strict=True)) for t in of_each], rows.at_tie
 
-    def _pass(self, seeds: Sequence[int]) -> Rows:
+    def _pass(self, seeds: Sequence[int]) -> TangentRows:
         arena, scene = self._arena, self.scene
         self.start(seeds)
         S, start = len(self.signals), scene.start_time
@@ -191,7 +191,7 @@ class TangentScene:
                 values.append(arena.cells[some].reshape(steps, S).copy())
                 tangents.append(arena.tangents[some].reshape(steps, S, self.width).copy())
                 tick += steps * length
-        return Rows(
+        return TangentRows(
             np.concatenate(times),
             np.concatenate(values),
             np.concatenate(tangents)[:, :, : len(seeds)],

@@ -22,7 +22,7 @@ MOST_STEPS = 2_000_000  # of a run on that search
 
 
 @dataclass(frozen=True)
-class Row:
+class SharedQuantity:
     """One quantity: here and there (the mean, of a time history), and the difference over the range of the signal."""
 
     quantity: Quantity
@@ -32,11 +32,11 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MasterComparison:
     """A scene with its own master and with held inputs at a macro step, s. `failure`: why the latter did not reach the end."""
 
     step: float
-    rows: tuple[Row, ...]
+    rows: tuple[SharedQuantity, ...]
     failure: str
 
     @property
@@ -65,14 +65,16 @@ class OtherMasters:
             raise BadInput(scene.name, own.message, "a scene that runs to its end", "--force packs it all the same.")
         self._own = TimeHistory(own.time, own.columns)
 
-    def compare(self, step: float | None = None) -> Comparison:
+    def compare(self, step: float | None = None) -> MasterComparison:
         """With held inputs at a macro step, s; by default the scene's own."""
         other = run(as_other_masters(self._scene, step), in_process=True)
         there = TimeHistory(other.time, other.columns)
-        rows = tuple(Row(q, _shown(q, self._own), _shown(q, there), q.error(there, self._own)) for q in self._quantities)
-        return Comparison(step or self._scene.master.step, rows, "" if other.outcome == "done" else other.message)
+        rows = tuple(
+            SharedQuantity(q, _shown(q, self._own), _shown(q, there), q.error(there, self._own)) for q in self._quantities
+        )
+        return MasterComparison(step or self._scene.master.step, rows, "" if other.outcome == "done" else other.message)
 
-    def step_within(self, tolerance: float) -> Comparison | None:
+    def step_within(self, tolerance: float) -> MasterComparison | None:
         """With the first halved macro step that keeps the tolerance; None where none is found."""
         step = self._scene.master.step
         for _ in range(HALVINGS):

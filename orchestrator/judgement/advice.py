@@ -20,7 +20,7 @@ from ..run import work
 from ..run.run_info import CompileTime
 from ..run.thresholds import PREFIX_STEPS, PREFIX_WORK
 from ..scene.scene import Scene
-from .growth import Growth, Limit, limit_text
+from .growth import Growth, StepLimit, limit_text
 
 if TYPE_CHECKING:
     from .stability import CouplingStability
@@ -79,14 +79,14 @@ def step_cost(open_scene: OpenScene, name: str, step: float) -> StepCost:
 
 
 @dataclass(frozen=True)
-class Stability:
+class StabilityAdvice:
     """Of the coupling of a scene. growth: with its macro step, of the first `looked` seconds; None where it was not examined.
 
     limit: of the macro step, where one is known at once.  why: why it was not examined; "" where no unit feeds back to another, too.
     """
 
     growth: Growth | None = None
-    limit: Limit | None = None
+    limit: StepLimit | None = None
     looked: float = 0.0
     why: str = ""
 
@@ -99,7 +99,7 @@ class Advice:
     of the macro step only, and what a whole one takes.
     """
 
-    stability: Stability
+    stability: StabilityAdvice
     steps: int
     seconds: float
     work: float
@@ -134,7 +134,7 @@ class Advice:
         return [f"{what}. {remedy_of(scene, self.stability.limit, examined=True)}"]
 
 
-def remedy_of(scene: Scene, limit: Limit | None, examined: bool) -> str:
+def remedy_of(scene: Scene, limit: StepLimit | None, examined: bool) -> str:
     """What would help an unstable scene; limit: of its macro step, where that is known at once."""
     if limit is None or limit.longest == inf:
         return "Reduce the macro step" + ("; cosimo stability tells the longest stable one" if examined else "")
@@ -164,27 +164,27 @@ def coupling_of(scene: Scene, stack: ExitStack) -> CouplingStability:
     return CouplingStability(scene.with_changes({"faults": ()}) if scene.faults else scene, stack)
 
 
-def stability_of(scene: Scene, counted: float = 0.0) -> Stability:
+def stability_of(scene: Scene, counted: float = 0.0) -> StabilityAdvice:
     """Of a scene; counted: work of a macro step, which shortens what is looked at."""
     if all(len(group) == 1 for group in scene.coupling.groups):
-        return Stability()
+        return StabilityAdvice()
     looked = scene.duration
     if (whole := RUNS * counted * looked / scene.master.step) > PREFIX_WORK:
         looked *= PREFIX_WORK / whole
         if looked < PREFIX_STEPS * scene.master.step:
-            return Stability(why="a macro step takes too much work")
+            return StabilityAdvice(why="a macro step takes too much work")
         scene = work.beginning(scene, looked)
     try:
         with ExitStack() as stack:
             coupling = coupling_of(scene, stack)
             growth = coupling.growth(scene.master.step)
             if not growth.unstable and scene.master.step > coupling.most:
-                return Stability(why="the run has too few macro steps to see growth along it")
-            return Stability(growth, coupling.longest() if growth.constant else None, looked)
+                return StabilityAdvice(why="the run has too few macro steps to see growth along it")
+            return StabilityAdvice(growth, coupling.longest() if growth.constant else None, looked)
     except BadInput as error:
-        return Stability(why=error.actual)
+        return StabilityAdvice(why=error.actual)
     except StepFailed as error:
-        return Stability(why=str(error))
+        return StabilityAdvice(why=str(error))
 
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:

@@ -14,12 +14,12 @@ from ..run import work
 from ..run.thresholds import PREFIX_STEPS, PREFIX_WORK, PROBED, WINDOWS_SHARE
 from ..scene.scene import Scene
 from ..units.kinds import UnitKind
-from .advice import Advice, Stability
+from .advice import Advice, StabilityAdvice
 from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
-NOTHING_PROBED = Advice(Stability(), 0, 0.0, 0.0, 0.0)
+NOTHING_PROBED = Advice(StabilityAdvice(), 0, 0.0, 0.0, 0.0)
 
 
 def not_executed(scene: Scene) -> list[str]:

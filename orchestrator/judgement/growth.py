@@ -53,7 +53,7 @@ class Growth:
         return f"{'grows' if self.rate > 0.0 else 'decays'} by a factor of 2.7 in {1.0 / abs(self.rate * self.step):.3g} steps"
 
 
-class Limit(NamedTuple):
+class StepLimit(NamedTuple):
     """The longest stable step, s: infinite where the longest one tried is stable, 0 where the shortest is not.
 
     seen: what the next longer one does.  tried: the longest or shortest step that was tried, s.
@@ -65,7 +65,7 @@ class Limit(NamedTuple):
 
 
 def limit_text(longest: float, tried: float) -> str:
-    """A longest stable step, s, for the reader; see `Limit`."""
+    """A longest stable step, s, for the reader; see `StepLimit`."""
     if math.isnan(longest):
         return "not examined"
     beyond = {math.inf: "above", 0.0: "below"}.get(longest)
@@ -83,7 +83,7 @@ def growth_rate(sizes: np.ndarray, h: float) -> float:
     return math.log(late / early) / ((whole - 2 * part) * h)
 
 
-def longest_stable(grows: Callable[[float], str], first: float, least: float, most: float, accuracy: float) -> Limit:
+def longest_stable(grows: Callable[[float], str], first: float, least: float, most: float, accuracy: float) -> StepLimit:
     """Of steps between `least` and `most`, s. grows: what happens with a step, "" where that is stable.
 
     Steps are tried upwards from `first`, or downwards where that is unstable; longer ones than the limit may be stable again.
@@ -94,14 +94,14 @@ def longest_stable(grows: Callable[[float], str], first: float, least: float, mo
         while more := grows(low := max(low / PACE, least)):
             high, seen = low, more
             if low == least:
-                return Limit(0.0, f"at {low:.4g} s: {seen}", low)
+                return StepLimit(0.0, f"at {low:.4g} s: {seen}", low)
     else:
         while not (seen := grows(high := min(PACE * high, most))):
             low = high
             if high == most:
-                return Limit(math.inf, "", high)
+                return StepLimit(math.inf, "", high)
     seen = f"at {high:.4g} s: {seen}"
     while high > accuracy * low:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if grows(middle) else (middle, high)
-    return Limit(low, seen, high)
+    return StepLimit(low, seen, high)

@@ -19,7 +19,7 @@ from ..derivatives.coupled_step import CoupledStep, sampling_periods
 from ..derivatives.growth import Instant, PushedScene
 from ..run.thresholds import AT_REST, SAME_MAP
 from ..scene.scene import Scene
-from .growth import Growth, Limit, growth_rate, longest_stable
+from .growth import Growth, StepLimit, growth_rate, longest_stable
 
 FINER = 4  # steps that one is compared with
 FINEST = FINER**3  # parts of a step, one of which shows what grows by itself where a longer one does not
@@ -55,7 +55,7 @@ class CouplingStability:
         growth = self.growth(h)
         return growth.text if growth.unstable else ""
 
-    def longest(self) -> Limit:
+    def longest(self) -> StepLimit:
         """The longest macro step of those that the run has room for."""
         step, least = self.scene.master.step, self.scene.master.step / SHORTEST
         if self.constant:

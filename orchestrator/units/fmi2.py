@@ -27,7 +27,7 @@ from .discarded import ShorterSteps
 from .fmu_simulator import DISCARD, NEAR, FmuSimulator
 from .inputs import WARNING
 from .interface import PortValues, SimulationEnded
-from .states import State
+from .states import FmuState
 
 PENDING = 5
 STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
@@ -71,7 +71,7 @@ class Fmi2CoSimulation(Fmi2Simulator):
 
     fmpy_class = FMU2Slave
     driven: Callable[[], Sequence[PortValues | None]]
-    _before: State | None = None  # where the present step began, if the FMU can go back there
+    _before: FmuState | None = None  # where the present step began, if the FMU can go back there
 
     def wire(self, inputs: Any, outputs: Any) -> None:
         super().wire(inputs, outputs)

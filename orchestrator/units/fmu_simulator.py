@@ -27,7 +27,7 @@ from .folders import give, take
 from .inputs import WARNING, Functions, Others, Reals, means
 from .interface import ARRAY_THRESHOLD, WITHOUT_END, PortValues, SimulationEnded, Span
 from .outputs import derivatives, reader
-from .states import State, States
+from .states import FmuState, States
 from .values import Block, blocks, decoded, same
 
 if TYPE_CHECKING:
@@ -401,11 +401,11 @@ class FmuSimulator:
 
     # States and derivatives
 
-    def save(self, reuse: State | None = None) -> State:
+    def save(self, reuse: FmuState | None = None) -> FmuState:
         self._forget = 0
         return self._states.save(self._beside(), reuse)
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: FmuState) -> None:
         self._states.restore(state)
         self._healthy, self._ended = True, None  # whatever it reported in a step that is taken back
         self._take(state.beside)
@@ -417,14 +417,14 @@ class FmuSimulator:
     def _take(self, beside: Any) -> None:
         self.next_event, self._last_held, self._last_texts = beside
 
-    def release(self, state: State) -> None:
+    def release(self, state: FmuState) -> None:
         self._states.release(state)
         self._forget = int(self._states.none)
 
-    def pack(self, state: State) -> bytes:
+    def pack(self, state: FmuState) -> bytes:
         return self._states.pack(state)
 
-    def unpack(self, packed: bytes) -> State:
+    def unpack(self, packed: bytes) -> FmuState:
         self._forget = 0
         return self._states.unpack(packed)
 

@@ -27,7 +27,7 @@ from .fmu_simulator import DiscreteStates, FmuSimulator
 from .inputs import WARNING
 from .interface import PortValues, SimulationEnded, Span
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
-from .states import State
+from .states import FmuState
 from .values import signature
 
 DISCARD = 2
@@ -282,7 +282,7 @@ class ModelExchange(FmuSimulator):
 
     # The rest
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: FmuState) -> None:
         super().restore(state)
         self._goes_on_at = None
         self._polynomial, self._singles, self._signs = None, None, self._present_signs()
@@ -291,7 +291,7 @@ class ModelExchange(FmuSimulator):
             for row, value in zip(block.rows, self._read(block), strict=True):
                 self._last_held[row] = value
 
-    def pack(self, state: State) -> bytes:
+    def pack(self, state: FmuState) -> bytes:
         self._goes_on_at = None
         return super().pack(state)
 

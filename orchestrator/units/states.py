@@ -16,7 +16,7 @@ NAMES = {
 }
 
 
-class State:
+class FmuState:
     """A state of the FMU, in its own memory, and what the unit knows beside it: plain numbers and texts."""
 
     def __init__(self) -> None:
@@ -35,44 +35,44 @@ class States:
         self._get, self._set, self._free, self._size, self._serialize, self._deserialize = (
             functions(name, *t) for name, t in zip(NAMES[fmi3], types, strict=True)
         )
-        self._kept: dict[int, State] = {}
+        self._kept: dict[int, FmuState] = {}
         self.none = True  # no state that could be restored is kept: what DoStep wants to know in every step
 
     def _check(self, status: int) -> None:
         if status > WARNING:
             self._failed(status)
 
-    def save(self, beside: Any, reuse: State | None) -> State:
+    def save(self, beside: Any, reuse: FmuState | None) -> FmuState:
         """The present state, in the memory of an older one if it may be overwritten."""
-        state = reuse or State()
+        state = reuse or FmuState()
         state.beside = beside
         self._kept[state.place], self.none = state, False
         self._check(self._get(self._instance, state.place))
         return state
 
-    def of_steps(self) -> State | None:
+    def of_steps(self) -> FmuState | None:
         """For `note`: one that is kept as long as the FMU is; None where it only says that it saves states."""
-        state = State()
+        state = FmuState()
         if self._get(self._instance, state.place) > WARNING:
             return None
         self._kept[state.place], self.none = state, False
         return state
 
-    def note(self, state: State) -> None:
+    def note(self, state: FmuState) -> None:
         """The state where a step begins."""
         self._check(self._get(self._instance, state.place))
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: FmuState) -> None:
         """Back to a state; it can be restored again."""
         self._check(self._set(self._instance, state.handle))
 
-    def release(self, state: State) -> None:
+    def release(self, state: FmuState) -> None:
         """Give its memory back."""
         del self._kept[state.place]
         self.none = not self._kept
         self._check(self._free(self._instance, state.place))
 
-    def pack(self, state: State) -> bytes:
+    def pack(self, state: FmuState) -> bytes:
         """What the unit knows, and the FMU's own bytes."""
         size = ctypes.c_size_t()
         self._check(self._size(self._instance, state.handle, ctypes.addressof(size)))
@@ -80,9 +80,9 @@ class States:
         self._check(self._serialize(self._instance, state.handle, ctypes.addressof(buffer), size.value))
         return packed([state.beside, buffer.raw])
 
-    def unpack(self, content: bytes) -> State:
+    def unpack(self, content: bytes) -> FmuState:
         """The state of `pack`, in the FMU's memory."""
-        state = State()
+        state = FmuState()
         state.beside, own = unpacked(content)
         buffer = (ctypes.c_char * len(own)).from_buffer_copy(own)
         self._check(self._deserialize(self._instance, ctypes.addressof(buffer), len(buffer), state.place))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 
 import pytest
@@ -9,6 +10,7 @@ from cosimo.components.catalogue import CATALOGUE
 from cosimo.orchestrator.systems import NAMES, SYSTEMS
 from cosimo.tests.architecture.test_imports import ROOT, dotted, modules, relative_imports
 
+SEVERAL = 12  # names of classes that mean more than one thing
 OTHER_WORDS = {"bearings", "rotor"}  # also words of mechanics, which texts on spectra need
 
 
@@ -44,3 +46,16 @@ def test_a_system_has_folders_of_its_name(name):
     assert (ROOT / f"orchestrator/systems/{name}/figures.py").is_file() or (
         ROOT / f"orchestrator/systems/{name}/figures"
     ).is_dir()
+
+
+def test_few_names_of_classes_stand_for_several_things():
+    """A reader who meets a name knows which it is; what a single system calls its own is no matter here."""
+    places: dict[str, list[str]] = {}
+    for path in modules("orchestrator"):
+        name = dotted(path)
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and not name.startswith("orchestrator.systems"):
+                places.setdefault(node.name, []).append(name)
+    several = {name: there for name, there in places.items() if len(there) > 1}
+    assert several.keys().isdisjoint({"Row", "Rows", "Comparison", "Limit", "Stability", "State", "Recorded"})
+    assert len(several) <= SEVERAL, several

@@ -14,7 +14,7 @@ from cosimo.components.core import store
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
-from cosimo.orchestrator.harness.many.measures import Row
+from cosimo.orchestrator.harness.many.measures import PointResult
 from cosimo.orchestrator.harness.many.store import Store
 from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
@@ -134,7 +134,7 @@ def read_rows(path):
 
 def make_rows(path):
     rows = Store(path.parent)
-    rows.append([(1, Row("done", path.parent.name))])
+    rows.append([(1, PointResult("done", path.parent.name))])
     rows.flush()
     return next(path.parent.glob("*.arrow"))
 

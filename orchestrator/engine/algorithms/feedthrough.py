@@ -7,7 +7,7 @@ from math import inf
 from ..coupling.graph import Loop
 from .loops import LoopSolver
 from .machine import Machine
-from .network import Acts, Network, Rows
+from .network import Acts, Network, RowRange
 from .node import Node
 from .records import FOLLOW, LEFT, LOOK, PUSH, RIGHT, SHIFT
 
@@ -55,7 +55,7 @@ class Feedthrough:
             left, right = ([(act, part) for part in following] for act in (LEFT, RIGHT))
             self.acts = [*left, (LOOK, network.fed), *right, (SHIFT, network.fed), push]
         self.rows = network.rows(*follow)
-        self._parts: list[LoopSolver | Rows] = [
+        self._parts: list[LoopSolver | RowRange] = [
             part if isinstance(part, LoopSolver) else network.rows((FOLLOW, part)) for part in parts
         ]
 

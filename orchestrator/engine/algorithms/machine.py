@@ -13,7 +13,7 @@ import numpy as np
 from ...units.call_table import Callback, calls_of, polynomials
 from ...units.interface import port_values
 from .memory import Records
-from .network import Rows
+from .network import RowRange
 from .node import Node
 from .records import BEYOND, GIVEN
 from .texts import Texts
@@ -97,13 +97,13 @@ class Machine:
                 self.fmus.append((unit, no_return, taken, warned))
             self._tables.append(table)
 
-    def perform(self, rows: Rows, t: float, h: float) -> None:
+    def perform(self, rows: RowRange, t: float, h: float) -> None:
         """Take rows of the program, in the step from t to t + h; raises what a unit raises."""
         self.records.take_rows(rows, t, h)
         if self.records.answer("unit") >= 0:
             self._go_on(t, h)
 
-    def step(self, rows: Rows, t: float, h: float) -> bool:
+    def step(self, rows: RowRange, t: float, h: float) -> bool:
         """Take the rows of a macro step, and tell the units; returns whether the signals have left the limit."""
         records = self.records
         records.take_rows(rows, t, h, 1)
@@ -158,7 +158,7 @@ class Machine:
             ),
         )
 
-    def take_batch(self, rows: Rows, space: Space, h: float, last: int) -> BaseException | None:
+    def take_batch(self, rows: RowRange, space: Space, h: float, last: int) -> BaseException | None:
         """The macro steps up to the `last`, in one call; returns why there are fewer."""
         records, steps, first = self.records, space.steps, space.done
         before = int(np.searchsorted(space.sampled, first))

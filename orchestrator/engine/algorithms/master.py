@@ -26,7 +26,7 @@ from .initial_kernels import RUNAWAY
 from .layout import lay_out
 from .loops import LoopSolver
 from .machine import Machine, Space, Steps, singly
-from .network import Network, Rows
+from .network import Network, RowRange
 from .records import EXTRAPOLATED, FORESEE, INTERPOLATED, LOOK, PUSH, READ, UPDATE
 from .texts import Texts
 
@@ -233,7 +233,7 @@ class Master:
         self.machine.watch_nothing()
         self._remember(0, [None] * len(self.loops), self._begin)
 
-    def rows(self, name: str) -> Rows:
+    def rows(self, name: str) -> RowRange:
         """Rows of the program: of a whole "step", of "push", which keeps the inputs of an instant, of "follow", or of "jump"."""
         return {"step": self._step, "push": self._push, "follow": self.feedthrough.rows, "jump": self._jump}[name]
 

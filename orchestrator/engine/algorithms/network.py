@@ -11,7 +11,7 @@ from ..coupling.graph import is_discrete
 from .node import Node, Samples, samples_of
 
 Acts = Sequence[tuple[int, Sequence[Node]]]  # what is done, and with which units, one after the other
-Rows = tuple[int, int]  # of the program: the first one, and the one behind the last
+RowRange = tuple[int, int]  # of the program: the first one, and the one behind the last
 
 
 class Network:
@@ -50,7 +50,7 @@ class Network:
         self.program: list[tuple[int, int]] = []
         self._used = self.handed_over | {*coupling.events}
 
-    def rows(self, *acts: tuple[int, Sequence[Node]]) -> Rows:
+    def rows(self, *acts: tuple[int, Sequence[Node]]) -> RowRange:
         """Rows of the program that do these acts; `Machine.perform` takes them."""
         first, places = len(self.program), {id(node): k for k, node in enumerate(self.nodes)}
         self.program += [(act, places[id(node)]) for act, nodes in acts for node in nodes]

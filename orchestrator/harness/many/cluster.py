@@ -13,7 +13,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from ....components.core.errors import BadInput
-from .measures import Row, Task
+from .measures import PointResult, Task
 from .point_runs import LOOK, Ended, Point, PointRuns
 
 CONNECT = 15.0  # s to wait for a scheduler, its first worker, a row: a nanny needs some to start a killed one again
@@ -26,7 +26,7 @@ LOCAL = {
 _open_scenes: dict[str, PointRuns] = {}  # in a worker, by task
 
 
-def run_point(task: Task, values: Mapping[str, Any]) -> Row:
+def run_point(task: Task, values: Mapping[str, Any]) -> PointResult:
     """In a worker of one thread: the row of a point. The scene stays open for the next one of its task."""
     if task.base not in _open_scenes:
         for runs in _open_scenes.values():
@@ -97,7 +97,7 @@ class Workers:
                     if not lost:
                         return
                     submit(suspect := lost.popleft())
-                rows: list[tuple[int, Row]] = []
+                rows: list[tuple[int, PointResult]] = []
                 with suppress(Empty):
                     future, point = flying.pop(ended.get(timeout=LOOK).key)
                     try:
@@ -107,7 +107,7 @@ class Workers:
                         if point is not suspect:
                             lost.append(point)
                         elif isinstance(error, KilledWorker):
-                            rows.append((point[0], Row("killed", KILLED)))
+                            rows.append((point[0], PointResult("killed", KILLED)))
                         else:
                             raise
                 yield rows

@@ -21,7 +21,7 @@ from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
 from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
-from .measures import Row
+from .measures import PointResult
 from .plan import other_starts, read_settings
 from .repetition import Repeated
 from .searches import Ask, jacobian, run_searches
@@ -205,7 +205,12 @@ def design(
 
 
 def _one_aim(
-    wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: Row, begin: np.ndarray
+    wanted: DesignSettings,
+    runs: Evaluations,
+    quantity: str,
+    limits: Mapping[str, LimitSettings],
+    first: PointResult,
+    begin: np.ndarray,
 ) -> str:
     """Search from `begin` and from the other starts; what a user should know of it."""
     searching = _Searching(wanted, runs, quantity, limits, first.numbers[quantity])
@@ -277,7 +282,7 @@ class _Searching:
 
         return solve
 
-    def _scaled(self, row: Row) -> np.ndarray:
+    def _scaled(self, row: PointResult) -> np.ndarray:
         """Aim and limited columns, (1 + c,); NaN where the run failed."""
         return row.values([self.quantity, *self.limits]) / [self.sign * self.scale, *self.sizes]
 
@@ -292,7 +297,7 @@ def _outside(limit: LimitSettings, size: float) -> float:
     return limit.high / size + 1.0 if limit.high is not None else limit.low / size - 1.0  # type: ignore[operator]
 
 
-def _step(p: np.ndarray, row: Row, aims: Sequence[str], limits: Mapping[str, LimitSettings]) -> Step:
+def _step(p: np.ndarray, row: PointResult, aims: Sequence[str], limits: Mapping[str, LimitSettings]) -> Step:
     values, sizes = row.values(limits).tolist(), row.values(aims)
     inside = all(limit.keeps(v, FEASIBLE * limit.size) for v, limit in zip(values, limits.values(), strict=True))
     good = bool(np.isfinite(sizes).all()) and inside

@@ -21,7 +21,7 @@ from ..journal import Stopped
 from ..sweep import Sweep, collected_sweep, points_directory
 from .columns import check_columns
 from .execute import Computing, WorkerOptions
-from .measures import Row, Task, check_analysis, row_of_result
+from .measures import PointResult, Task, check_analysis, row_of_result
 from .plan import Column, Points, plan_settings
 from .repetition import Repeated, compared, repeat
 from .store import Store, StoredPlan
@@ -102,7 +102,7 @@ class Evaluations:
         """Parameters (n,) by name."""
         return dict(zip(self.names, np.asarray(p, dtype=float).tolist(), strict=True))
 
-    def __call__(self, points: Sequence[np.ndarray]) -> list[Row]:
+    def __call__(self, points: Sequence[np.ndarray]) -> list[PointResult]:
         """The rows at points (n,) in the parameters' units; those that are not known yet are run, several by workers.
 
         Raises `Stopped` where a signal has ended them; what they have computed is kept.
@@ -119,7 +119,7 @@ class Evaluations:
         """Those that the scene has; nothing is made for them before."""
         return PointDerivatives(self.scene, self.names, self._stack)
 
-    def slopes(self, p: np.ndarray, numbers: Callable[[Row], np.ndarray]) -> np.ndarray:
+    def slopes(self, p: np.ndarray, numbers: Callable[[PointResult], np.ndarray]) -> np.ndarray:
         """Exact derivatives of numbers (m,) of a row, (m, n), at parameters p (n,); NaN, or no rows, where there are none."""
         if self._task.keep.functions:  # they may look at all of a run
             return np.full((0, len(self.names)), np.nan)
@@ -130,7 +130,7 @@ class Evaluations:
             self._last_slopes = asked, matrix
         return matrix
 
-    def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
+    def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[PointResult | None], Repeated]:
         """Rows at points that were run, with half of every step, None where that is too much work; and what this changes."""
         rows = self(points)
         names = list(dict.fromkeys(n for row in rows for n in row.numbers))
@@ -152,7 +152,7 @@ class Evaluations:
         return stopped
 
     @property
-    def history(self) -> list[tuple[np.ndarray, Row]]:
+    def history(self) -> list[tuple[np.ndarray, PointResult]]:
         """All points in the order in which they were asked for first."""
         points = list(self._asked.values())
         return list(zip(points, self(points), strict=True))

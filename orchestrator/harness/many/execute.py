@@ -20,7 +20,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...run.progress import Interrupt, Stop
-from .measures import Row, Summarize, Task
+from .measures import PointResult, Summarize, Task
 from .point_runs import LOOK, Ended, Point, PointRuns, only_kernels
 from .store import StoredPlan
 
@@ -46,7 +46,7 @@ def one_by_one(runs: PointRuns, points: Iterator[Point], until: float = inf) -> 
 def by_threads(runs: Sequence[PointRuns], points: Iterator[Point]) -> Ended:
     """Run points of a scene whose steps need no interpreter, each `PointRuns` in a thread. Who leaves it early ends the runs."""
     lock, stop = Lock(), Stop()
-    rows: SimpleQueue[tuple[int, Row]] = SimpleQueue()
+    rows: SimpleQueue[tuple[int, PointResult]] = SimpleQueue()
 
     def work(one: PointRuns) -> None:
         one.stop = stop
@@ -88,7 +88,7 @@ class Computing:
         task: Task,
         jobs: int | None,
         cluster: str = "",
-        observe: Callable[[Sequence[tuple[int, Row]]], None] = lambda rows: None,
+        observe: Callable[[Sequence[tuple[int, PointResult]]], None] = lambda rows: None,
     ):
         if jobs is not None and jobs < 1:
             raise BadInput("--jobs", str(jobs), "at least 1")

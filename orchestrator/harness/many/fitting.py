@@ -21,11 +21,11 @@ from ..analysis.least_squares import Fit
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
-from ..validation.curves import Comparison, Measured, compare_curve, read_curve, units_of
+from ..validation.curves import CurveComparison, Measured, compare_curve, read_curve, units_of
 from ..validation.spectra import compare_spectrum, read_spectrum
 from .columns import column_name, keep_for
 from .evaluations import Evaluations, SearchOptions, evaluations
-from .measures import Row
+from .measures import PointResult
 from .plan import other_starts, read_settings
 from .repetition import OF_DEVIATION
 from .searches import Ask, jacobian, run_searches
@@ -122,7 +122,7 @@ class _KeptRun:
     """Signals of a point, as a comparison with a measurement reads them."""
 
     scene: Scene
-    row: Row
+    row: PointResult
 
     @property
     def time(self) -> np.ndarray:
@@ -189,7 +189,7 @@ class _Fitting:
             runs.sweep(),
         )
 
-    def _blurred(self, best: Fit, row: Row) -> list[str]:
+    def _blurred(self, best: Fit, row: PointResult) -> list[str]:
         """What half of every step changes at the fit, where that is not small beside what is left of the residuals."""
         rows, repeated = self.runs.repeated([best.values])
         (again,) = rows
@@ -230,7 +230,7 @@ class _Fitting:
 
         return search
 
-    def _residuals(self, p: np.ndarray, row: Row) -> np.ndarray:
+    def _residuals(self, p: np.ndarray, row: PointResult) -> np.ndarray:
         """All residuals at parameters p, (m,); NaN where the run failed.
 
         Raises `BadInput` where the stretch that both have depends on the parameters.
@@ -252,15 +252,15 @@ class _Fitting:
             )
         return whole
 
-    def _compared(self, scene: Scene, row: Row) -> list[Comparison]:
+    def _compared(self, scene: Scene, row: PointResult) -> list[CurveComparison]:
         """Every curve beside a run."""
         return [compare_curve(curve, measured, _KeptRun(scene, row)) for curve, measured in self.curves]
 
-    def _target(self, row: Row, quantity: str) -> float:
+    def _target(self, row: PointResult, quantity: str) -> float:
         return row.numbers[column_name(row.numbers, quantity, "fit: targets")]
 
 
-def _between(comparison: Comparison) -> str:
+def _between(comparison: CurveComparison) -> str:
     """What a user should know where the rows of the run are too far apart for the instants of a measurement."""
     deviation = comparison.curve.deviation if isinstance(comparison.curve, FittedCurve) else None
     noise = deviation or float(np.std(comparison.simulated - comparison.measured))

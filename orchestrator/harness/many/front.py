@@ -16,7 +16,7 @@ from ....components.core.errors import BadInput
 from ...settings.answers import DesignSettings
 from ...settings.plan import LimitSettings
 from .evaluations import Evaluations
-from .measures import Row
+from .measures import PointResult
 from .plan import unit_points
 
 EVALUATIONS = 1000  # runs at most
@@ -64,7 +64,7 @@ def search_front(
 
 
 def _judged(
-    row: Row, aims: Sequence[str], sign: np.ndarray, limits: Mapping[str, LimitSettings]
+    row: PointResult, aims: Sequence[str], sign: np.ndarray, limits: Mapping[str, LimitSettings]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Aims (m,), all to be small, and how far the run is out of its limits (1 + 2 c,), negative inside; the first: it failed."""
     values = sign * row.values(aims)

@@ -21,7 +21,7 @@ from ...settings.plan import KeepSettings
 from ...settings.study import wanted
 from .columns import as_column, check_columns, column_name, keep_for
 from .execute import by_threads, cores
-from .measures import Row, Summarize, Task
+from .measures import PointResult, Summarize, Task
 from .point_runs import PointRuns, only_kernels
 
 
@@ -104,7 +104,7 @@ class Function:
         """Why the last call has given NaN, at its first such point; "" where it has not."""
         return next(filter(None, self.reasons), "")
 
-    def _rows(self, x: np.ndarray) -> list[Row]:
+    def _rows(self, x: np.ndarray) -> list[PointResult]:
         """Of points (n, k)."""
         if not self._runs:
             raise BadInput("function", "a call of a function that is closed", "one that is open")
@@ -148,7 +148,7 @@ class Function:
         self._open()
 
 
-def _reason(row: Row, values: np.ndarray, figures: Sequence[str]) -> str:
+def _reason(row: PointResult, values: np.ndarray, figures: Sequence[str]) -> str:
     if row.outcome != "done":
         return row.reason or row.outcome
     missing = [name for name, value in zip(figures, values, strict=True) if np.isnan(value)]

@@ -28,7 +28,7 @@ OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
 
 
 @dataclass
-class Row:
+class PointResult:
     """What a point gives. outcome: of `OUTCOMES`, with its reason; of one that is done, why it may be unstable.
 
     numbers: by column.  section: (k,).  time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the
@@ -117,10 +117,10 @@ def function_of(text: str) -> Callable[[Result], Any]:
     return function
 
 
-def row_of_result(result: Result, task: Task) -> Row:
+def row_of_result(result: Result, task: Task) -> PointResult:
     """What is kept of a run. Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured
     fails the point, and leaves the others of its numbers."""
-    row = Row("done", "; ".join(unfollowed(result.info.get("missed"))))
+    row = PointResult("done", "; ".join(unfollowed(result.info.get("missed"))))
     for part in (_statistics, _summary, _quantities, _functions):
         try:
             row.numbers.add(part(result, task))

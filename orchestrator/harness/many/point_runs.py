@@ -18,12 +18,12 @@ from ...run.run import Run, run
 from ...run.watch import Watch
 from ...scene.names import parameter_of
 from ...scene.shorter_steps import asked_for
-from .measures import Row, Task, row_of_result
+from .measures import PointResult, Task, row_of_result
 
 log = logging.getLogger("cosimo")
 LOOK = 0.2  # s between two looks at signals
 Point = tuple[int, Mapping[str, Any]]  # a number of the caller's, values
-Ended = Generator[list[tuple[int, Row]], None, None]  # rows as they come; none of them at some looks at signals
+Ended = Generator[list[tuple[int, PointResult]], None, None]  # rows as they come; none of them at some looks at signals
 
 
 def only_kernels(task: Task, runs: PointRuns) -> bool:
@@ -32,18 +32,18 @@ def only_kernels(task: Task, runs: PointRuns) -> bool:
     return catalogue and not task.keep.functions and runs.open_scene({}) is not None
 
 
-def row_of(run: Callable[[], Result], task: Task) -> Row:
+def row_of(run: Callable[[], Result], task: Task) -> PointResult:
     """What is kept of a run; every failure is a row with its reason."""
     try:
         result = run()
         if result.outcome == "stopped":
-            return Row("not run", stopped=Signals[result.info["signal"]])
-        return row_of_result(result, task) if result.outcome == "done" else Row(result.outcome, result.message)
+            return PointResult("not run", stopped=Signals[result.info["signal"]])
+        return row_of_result(result, task) if result.outcome == "done" else PointResult(result.outcome, result.message)
     except BadInput as error:  # a value with which this point cannot start
-        return Row("refused", str(error))
+        return PointResult("refused", str(error))
     except Exception as error:  # of a user's own code: one point, not all of them
         log.debug("a point of %s", task.name, exc_info=True)
-        return Row("failed", f"{type(error).__name__}: {error}")
+        return PointResult("failed", f"{type(error).__name__}: {error}")
 
 
 class PointRuns:
@@ -66,7 +66,7 @@ class PointRuns:
         self._stack.close()
         self._key, self._open_scene, self._course = "", None, None
 
-    def row(self, values: Mapping[str, Any]) -> Row:
+    def row(self, values: Mapping[str, Any]) -> PointResult:
         """What is kept of the run with the values of a point; every failure is a row with its reason."""
         return row_of(lambda: self._result_of_rows(values) or self.result(values), self._task)
 

@@ -19,7 +19,7 @@ from ...run.thresholds import WARN
 from ...scene.shorter_steps import runs_with
 from ..summary import with_error
 from .execute import Computing
-from .measures import Row
+from .measures import PointResult
 from .plan import Points
 from .point_runs import PointRuns
 from .store import Store, StoredPlan
@@ -99,7 +99,7 @@ def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
     return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
 
 
-def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, Row]:
+def repeat(points: StoredPlan, places: Sequence[int]) -> dict[int, PointResult]:
     """Rows with half of every step by place, of as many as their counted work allows; of one in any case."""
     places = _allowed(points, places)
     half = StoredPlan(points.task, points.plan.at(places), Store(points.store.folder / "half"))
@@ -127,7 +127,7 @@ def _allowed(points: StoredPlan, places: Sequence[int]) -> Sequence[int]:
     return places
 
 
-def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:
+def compared(places: Sequence[int], rows: Mapping[int, PointResult], numbers: Mapping[str, np.ndarray]) -> Repeated:
     """The rows with half of every step against the numbers (n,) of all points by column."""
     done = [k for k in places if k in rows and rows[k].outcome == "done"]
     scales = _scales(numbers)

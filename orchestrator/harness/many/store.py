@@ -20,7 +20,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ....components.core.store import digest_of, opened_trusted, replaced
 from ...output import not_written
-from .measures import Row, Task
+from .measures import PointResult, Task
 from .plan import Points
 
 WRITE_EVERY = 1.0  # s between two files
@@ -29,7 +29,7 @@ PIECE = 65536  # points that are in memory at a time
 NUMBER, SIGNAL, SECTION, TIME = "number ", "signal ", "section", "time"  # columns; a name follows the first two
 
 
-def table_of(rows: Sequence[tuple[int, Row]]) -> Any:
+def table_of(rows: Sequence[tuple[int, PointResult]]) -> Any:
     """Rows with their digests as a table of pyarrow. Units of measure are metadata of the fields."""
     import pyarrow
 
@@ -53,9 +53,9 @@ def table_of(rows: Sequence[tuple[int, Row]]) -> Any:
     return pyarrow.table([pyarrow.array(x, type=t) for _, t, x, _ in columns], schema=schema)
 
 
-def row_of(table: Any, k: int) -> Row:
+def row_of(table: Any, k: int) -> PointResult:
     """A row of such a table; without the numbers that other rows alone have."""
-    row = Row(table.column("outcome")[k].as_py(), table.column("reason")[k].as_py())
+    row = PointResult(table.column("outcome")[k].as_py(), table.column("reason")[k].as_py())
     for field in table.schema:
         if field.name.startswith(NUMBER):
             name = field.name.removeprefix(NUMBER)
@@ -92,7 +92,7 @@ class Store:
         self._files: list[Path] = []
         self._digests: list[np.ndarray] = []  # of each file's rows
         self._done: list[np.ndarray] = []
-        self._pending: list[tuple[int, Row]] = []  # with their digests, not written yet
+        self._pending: list[tuple[int, PointResult]] = []  # with their digests, not written yet
         self._since = perf_counter()
         self.columns: dict[str, str] = {}
         self.remarks: list[str] = []
@@ -124,7 +124,7 @@ class Store:
         """How many rows there are."""
         return sum(part.size for part in self._digests)
 
-    def append(self, rows: Sequence[tuple[int, Row]]) -> None:
+    def append(self, rows: Sequence[tuple[int, PointResult]]) -> None:
         """Add rows with the digests of their points; they are on disk within a second of work, and after `flush`."""
         self._pending += rows
         if perf_counter() - self._since > WRITE_EVERY:
@@ -217,7 +217,7 @@ class StoredPlan:
         left = np.flatnonzero(self.store.find(self.digests, retry) < 0)
         return left[np.sort(np.unique(self.digests[left], return_index=True)[1])]
 
-    def rows(self, places: Sequence[int]) -> dict[int, Row]:
+    def rows(self, places: Sequence[int]) -> dict[int, PointResult]:
         """The rows at places, by place; without those that the store does not have."""
         numbers = self.store.find(self.digests[np.array(places, dtype=int)])
         table = self.store.table(numbers)

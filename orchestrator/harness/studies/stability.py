@@ -41,10 +41,10 @@ COLUMNS = {
 
 
 @dataclass(frozen=True)
-class Limit:
+class SchemeLimit:
     """The longest stable macro step of one scheme at one point of a map.
 
-    point: "unit.parameter" -> value.  longest, seen, tried: as of `judgement.growth.Limit`; NaN where nothing was measured, and
+    point: "unit.parameter" -> value.  longest, seen, tried: as of `judgement.growth.StepLimit`; NaN where nothing was measured, and
     `seen` tells why.  how: what has told it.  own: growth of disturbances with a quarter of the scene's step, 1/s.
     """
 
@@ -59,7 +59,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Stability:
+class StabilityMap:
     """Limits of a scene over a map.
 
     varied: "unit.parameter" -> unit of measure.  limits: points in the order of the map, schemes within each.
@@ -68,7 +68,7 @@ class Stability:
 
     scene: Scene
     varied: Mapping[str, str]
-    limits: tuple[Limit, ...]
+    limits: tuple[SchemeLimit, ...]
     remarks: tuple[str, ...]
 
     @property
@@ -76,13 +76,13 @@ class Stability:
         """Algorithms with extrapolations, as they were asked for."""
         return tuple(dict.fromkeys((limit.algorithm, limit.extrapolation) for limit in self.limits))
 
-    def of(self, scheme: Scheme) -> tuple[Limit, ...]:
+    def of(self, scheme: Scheme) -> tuple[SchemeLimit, ...]:
         """The limits of one scheme, in the order of the map."""
         return tuple(limit for limit in self.limits if (limit.algorithm, limit.extrapolation) == scheme)
 
     def __repr__(self) -> str:
         """A line a scheme: its longest stable macro step, of a map the shortest and the longest of them."""
-        lines = [f"<Stability of {self.scene.name}: longest stable macro step, s>"]
+        lines = [f"<StabilityMap of {self.scene.name}: longest stable macro step, s>"]
         for algorithm, extrapolation in self.schemes:
             of = sorted(self.of((algorithm, extrapolation)), key=lambda limit: limit.longest)
             ends = dict.fromkeys(limit_text(limit.longest, limit.tried) for limit in (of[0], of[-1]))
@@ -102,7 +102,7 @@ def schemes_of(algorithms: Sequence[str] = (), extrapolations: Sequence[int] = (
     return [(algorithm, degree) for algorithm in algorithms or usual for degree in extrapolations or (0, 1, 2)]
 
 
-def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, progress: bool = False) -> Stability:
+def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, progress: bool = False) -> StabilityMap:
     """The limits of a scene with each scheme, over the map of its [study] if it has one.
 
     Raises `BadInput` where no units feed one another.
@@ -118,13 +118,13 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, progress: bool = 
     given = points(scene.with_changes({"sweep": dict(scene.study.stability)})) if varied else [({}, scene)]
     tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of()]
     limits = tuple(
-        once("limit", (one, scheme), partial(_measured, point, one, scheme), Limit)
+        once("limit", (one, scheme), partial(_measured, point, one, scheme), SchemeLimit)
         for point, one, scheme in tracked(tasks, scene.title or scene.name, progress)
     )
-    return Stability(scene, varied, limits, tuple(_remarks(scene, limits)))
+    return StabilityMap(scene, varied, limits, tuple(_remarks(scene, limits)))
 
 
-def _remarks(scene: Scene, limits: Sequence[Limit]) -> list[str]:
+def _remarks(scene: Scene, limits: Sequence[SchemeLimit]) -> list[str]:
     remarks = []
     if (own := max((limit.own for limit in limits if math.isfinite(limit.own)), default=0.0)) > 0.0:
         remarks.append(
@@ -146,13 +146,13 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
     return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
 
 
-def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme) -> Limit:
+def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme) -> SchemeLimit:
     with ExitStack() as stack:
         try:
             coupling = coupling_of(_with(scene, scheme), stack)
             longest = coupling.longest()
             how = EIGENVALUE if coupling.constant else ALONG_THE_RUN
             own = coupling.growth(scene.master.step).finer
-            return Limit(point, *scheme, longest.longest, longest.seen, longest.tried, how, own)
+            return SchemeLimit(point, *scheme, longest.longest, longest.seen, longest.tried, how, own)
         except (BadInput, StepFailed) as error:
-            return Limit(point, *scheme, math.nan, str(error), math.nan)
+            return SchemeLimit(point, *scheme, math.nan, str(error), math.nan)

@@ -47,7 +47,7 @@ class Scaling(Protocol):
     def model_fields_set(self) -> set[str]: ...
 
 
-class Recorded(Protocol):
+class RecordedRun(Protocol):
     """A run, or what is kept of one. time: (n,) s.  measures: units by signal."""
 
     @property
@@ -72,7 +72,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class CurveComparison:
     """A measured curve and the run at the measured instants, where both exist.
 
     time: (n,) s of the run, rising.  abscissa: (n,) what the measurement is over.  measured, simulated: (n,), filtered alike.
@@ -131,7 +131,7 @@ class Comparison:
         return Chart(f"{c.signal} against the measurement{where}", "", (history, spectrum), text, columns=1, height=260)
 
 
-def compare_curve(curve: CurveSettings, measured: Measured, result: Recorded) -> Comparison:
+def compare_curve(curve: CurveSettings, measured: Measured, result: RecordedRun) -> CurveComparison:
     """The comparison of a measured curve with a run, which is evaluated at the measured instants: a run is dense and without noise.
 
     A filter goes over both sequences of samples alike, so that neither their spacing nor a gap makes a difference. Before it the run
@@ -168,7 +168,7 @@ def compare_curve(curve: CurveSettings, measured: Measured, result: Recorded) ->
         "within the transient or the ends of the filter": int(at.size - kept.sum()),
     }
     unit = result.measures.get(curve.signal, "")
-    return Comparison(curve, unit, at[kept], x[inside][kept], y[kept], s[kept], between[kept], left_out)
+    return CurveComparison(curve, unit, at[kept], x[inside][kept], y[kept], s[kept], between[kept], left_out)
 
 
 def _as_sampled(cutoff: float, at: np.ndarray, time: np.ndarray, values: np.ndarray, where: str) -> tuple[np.ndarray, np.ndarray]:

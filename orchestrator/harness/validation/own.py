@@ -19,7 +19,7 @@ from ...settings.chart import ChartSettings
 from ...settings.messages import one_message
 from ..studies.quantities import recording
 from .case import Case, Row, compare
-from .curves import Comparison, compare_curve, read_curve, units_of
+from .curves import CurveComparison, compare_curve, read_curve, units_of
 from .limits_of_run import judge, named_numbers
 from .questions import Evidence, Question, Runs
 from .reference import TableRow, rows_of, table_rows
@@ -168,7 +168,7 @@ def _measure(
     return Evidence(rows=tuple(own_rows), charts=tuple(charts), shown=runs, notes=tuple(notes), data={**figures, **own})
 
 
-def _curve_rows(comparison: Comparison, source: str) -> list[Row]:
+def _curve_rows(comparison: CurveComparison, source: str) -> list[Row]:
     """A row for every tolerance of a curve: the simulated number in the range about the measured one."""
     curve = comparison.curve
     rows = []

@@ -12,7 +12,7 @@ from ....components.core.measure import squared
 from ...settings.answers import SpectrumSettings
 from ..analysis.signals import uniform, welch_spectrum
 from ..charts.chart import Chart, Panel, Series
-from .curves import LEAST, Recorded, read_columns
+from .curves import LEAST, RecordedRun, read_columns
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class SpectrumComparison:
         return Chart(f"Spectrum of {s.signal} against the measurement", "", (panel,), text, height=300)
 
 
-def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: Recorded) -> SpectrumComparison:
+def compare_spectrum(wanted: SpectrumSettings, folder: Path, result: RecordedRun) -> SpectrumComparison:
     """The spectrum of a signal after the transient beside the measured one. Between its lines, the simulated one is interpolated.
 
     Raises `BadInput` where the file or the record cannot be used.

@@ -9,7 +9,7 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many import repetition
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
-from cosimo.orchestrator.harness.many.measures import Row
+from cosimo.orchestrator.harness.many.measures import PointResult
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
 from cosimo.orchestrator.harness.many.repetition import compared, ends_and_some
 from cosimo.orchestrator.harness.many.sensitivity import sensitivity
@@ -105,7 +105,10 @@ def test_a_macro_step_that_varies_is_halved_as_well():
 
 def test_a_mean_near_zero_is_judged_by_the_size_of_its_signal_and_failed_points_are_named():
     numbers = {"a.x, mean": np.array([1e-9, np.nan]), "a.x, maximum": np.array([2.0, np.nan]), "own": np.array([4.0, np.nan])}
-    half = {0: Row("done", numbers=Figures({"a.x, mean": 1e-3, "a.x, maximum": 2.0, "own": 3.0})), 1: Row("failed", "it breaks")}
+    half = {
+        0: PointResult("done", numbers=Figures({"a.x, mean": 1e-3, "a.x, maximum": 2.0, "own": 3.0})),
+        1: PointResult("failed", "it breaks"),
+    }
     judged = compared([0, 1], half, numbers)
     assert judged.shares == pytest.approx({"a.x, mean": 1e-3, "a.x, maximum": 0.0, "own": 0.5}, rel=1e-5)
     text = " ".join(judged.messages())

@@ -8,7 +8,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.many import files, store
 from cosimo.orchestrator.harness.many.files import collect
-from cosimo.orchestrator.harness.many.measures import Row, Task
+from cosimo.orchestrator.harness.many.measures import PointResult, Task
 from cosimo.orchestrator.harness.many.plan import plan_of, plan_settings
 from cosimo.orchestrator.harness.many.store import Store, StoredPlan
 from cosimo.orchestrator.harness.sweep import collected_sweep
@@ -23,7 +23,9 @@ def written(folder, *parts):
     """A store of parts, rows of (digest, outcome); the number of a row that is done is ten times its digest."""
     rows = Store(folder)
     for part in parts:
-        rows.append([(k, Row(o, "", Figures({"a": 10.0 * k})) if o == "done" else Row(o, "once")) for k, o in part])
+        rows.append(
+            [(k, PointResult(o, "", Figures({"a": 10.0 * k})) if o == "done" else PointResult(o, "once")) for k, o in part]
+        )
         rows.flush()
     return rows
 
@@ -102,7 +104,7 @@ def test_memory_of_a_sweep_is_stays_small(tmp_path, monkeypatch):
         digests = plan.digests(task.base)
         for first in range(0, n, 1024):
             some = digests[first : first + 1024].tolist()
-            rows.append([(d, Row("done", "", Figures({f"f.x{k}": float(k) for k in range(5)}))) for d in some])
+            rows.append([(d, PointResult("done", "", Figures({f"f.x{k}": float(k) for k in range(5)}))) for d in some])
             rows.flush()
         del digests
         tracemalloc.start()

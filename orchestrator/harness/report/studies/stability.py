@@ -29,7 +29,7 @@ from ...charts.style import (
     vertical,
 )
 from ...studies.internal_steps import InternalStep, InternalSteps
-from ...studies.stability import Scheme, Stability
+from ...studies.stability import Scheme, StabilityMap
 from ..page import Page, Section, write_page
 
 ROW = 34  # px of a bar
@@ -40,7 +40,7 @@ TICKS = 8  # values of a parameter that an axis may name
 TITLE = "Longest stable macro step"
 
 
-def for_stability(study: Stability, directory: str | Path) -> Path:
+def for_stability(study: StabilityMap, directory: str | Path) -> Path:
     """`report.html` of a scene's limits."""
     figures: list[Block] = [Text(list(study.remarks), "note")] if study.remarks else []
     figures.append({0: _bars, 1: _curves, 2: _maps}[len(study.varied)](study))
@@ -102,11 +102,11 @@ def _scheme_text(scheme: Scheme) -> str:
     return f"{scheme[0]}, {('held', 'linear', 'quadratic')[scheme[1]]}"
 
 
-def _labels(study: Stability) -> list[str]:
+def _labels(study: StabilityMap) -> list[str]:
     return [f"{name}, {unit}" if unit else name for name, unit in study.varied.items()]
 
 
-def limit_cells(study: Stability) -> Cells:
+def limit_cells(study: StabilityMap) -> Cells:
     """The limit of each scheme at each point."""
     names = _labels(study)
     rows = [
@@ -156,7 +156,7 @@ def _rows_figure(
     return Figure(title, {"data": data, "layout": figure_layout}, caption)
 
 
-def _bars(study: Stability) -> Figure:
+def _bars(study: StabilityMap) -> Figure:
     """One point: a row for each scheme."""
     limits, step = study.limits, study.scene.master.step
     notes = [label("the scene's", log10(step), 1.0, xref="x", yanchor="bottom")]
@@ -176,7 +176,7 @@ def _bars(study: Stability) -> Figure:
     )
 
 
-def _curves(study: Stability) -> Figure:
+def _curves(study: StabilityMap) -> Figure:
     """One parameter: a series for each scheme."""
     (name,), data = study.varied, []
     for k, scheme in enumerate(study.schemes):
@@ -195,7 +195,7 @@ def _curves(study: Stability) -> Figure:
     return Figure(TITLE, {"data": data, "layout": figure_layout}, caption)
 
 
-def _parameter_axis(title: str, study: Stability, name: str, **more: Any) -> dict[str, Any]:
+def _parameter_axis(title: str, study: StabilityMap, name: str, **more: Any) -> dict[str, Any]:
     """Logarithmic where the values are spread over more than a decade."""
     values = sorted({limit.point[name] for limit in study.limits})
     spread = values[0] > 0.0 and values[-1] > 8.0 * values[0]
@@ -204,7 +204,7 @@ def _parameter_axis(title: str, study: Stability, name: str, **more: Any) -> dic
     return axis(title, type="log" if spread else "linear", **marks, **more)
 
 
-def _maps(study: Stability) -> Block:
+def _maps(study: StabilityMap) -> Block:
     """Two parameters: a map for each scheme."""
     first, second = study.varied
     xs, ys = (sorted({limit.point[n] for limit in study.limits}) for n in (first, second))
