@@ -134,3 +134,51 @@ def trim(
     for place, reason in states.refused:
         print(f"{states.parameter} = {place:g}: {reason}")
     print_written(written)
+
+
+@app.command()
+@reports
+def orbit(
+    scene: SceneName,
+    over: Over = None,
+    period: Annotated[float, Option(metavar="SECONDS", help="Period of a forcing that depends on time.")] = 0.0,
+    frequency: Annotated[str, Option(metavar="UNIT.PARAMETER", help="A parameter that is the frequency of a forcing.")] = "",
+    angle: Annotated[str, Option(metavar="UNIT.OUTPUT", help="An angle that turns. Default: that of [analysis] section.")] = "",
+    turns: Annotated[float, Option(help="Periods in a turn of the angle.")] = 1.0,
+    multiple: Annotated[int, Option(min=1, help="Periods to an orbit.")] = 1,
+    guess: Annotated[float, Option(metavar="SECONDS", help="Period of a free oscillation, about.")] = 0.0,
+    after: Annotated[int, Option(min=0, help="Periods of the run from which an orbit is sought.")] = 100,
+    steps: Annotated[int, Option(min=0, help="Macro steps in a period, at least.")] = 0,
+    doublings: Annotated[int, Option(min=0, help="Follow branches from so many period doublings, one after another.")] = 0,
+    output: Output = Path("orbit"),
+    values: Changes = None,
+    presets: Presets = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find periodic orbits and their bifurcations. Example: cosimo orbit ball-bearing-clearance --over bearing.speed=60:300:13 -o out
+
+    Without a period the scene tells it: an angle that turns, or a free oscillation. Branches pass folds; period doublings and
+    Neimark-Sacker points are located.
+    """
+    from ..derivatives.continuation import orbits
+    from ..derivatives.orbit import Forcing
+    from ..harness.report.studies.orbits import for_orbits, orbit_cells
+
+    loaded = scene_of(scene, values, presets)
+    section = loaded.analysis.section
+    if not (angle or period or frequency or guess) and section is not None:
+        angle, turns = section.angle, section.turns
+    forcing = Forcing(period, frequency, angle, turns, multiple)
+    with status_spinner("orbits") as show:
+        states = orbits(
+            loaded, forcing, _axis(loaded, over), after=after, guess=guess, steps=steps, doublings=doublings, progress=show
+        )
+    written = [*states.save(output), for_orbits(states, output)]
+    if as_json:
+        print(json.dumps(states.to_json(), indent=2))
+        return
+    for cells in orbit_cells(states):
+        print_cells(cells)
+    for place, reason in states.gaps:
+        print(f"{states.parameter} = {place:g}: {reason}")
+    print_written(written)

@@ -49,6 +49,8 @@ class StateMap:
             if isinstance(unit.component, SampledComponent)
         ]
         self._base: tuple[np.ndarray, int] | None = None
+        self._plain: np.ndarray | None = None  # what the tangents are beside those that are sought: addresses
+        self._filled = True  # whether the base follows from the length of the steps, by samples
         self._numbers = self.tangents._image.view(np.float64)
 
     @property
@@ -64,16 +66,17 @@ class StateMap:
     def begin(self, p: np.ndarray | None = None, h: float | None = None, steps: int | None = None) -> None:
         """Parameters (m,), length h of the macro steps, s, and their number from now on; default those that were."""
         h, steps, p = h or self.step.h, steps or self.step.steps, self.p if p is None else p
-        if self._base is not None and (h, steps) == (self.step.h, self.step.steps) and np.array_equal(p, self.p):
+        same = self._base is not None and (h == self.step.h or not self._filled) and np.array_equal(p, self.p)
+        self.step.h, self.step.steps = h, steps
+        if same:
             return
         self._numbers[self._places] = p
-        self.step.h, self.step.steps = h, steps
-        self.step.begin(at=self.at)
-        self._plain = self._seeded = self.step._clear
-        if self._places:
-            self.step.begin(self._places, self.at)
-            self._seeded = self.step._clear
-        self._base = self.step._save()
+        if self._plain is None:
+            self.step.begin(at=self.at)
+            self._plain = self.step._clear
+        self.step.begin(self._places, self.at)
+        self._seeded, self._base = self.step._clear, self.step._save()
+        self._filled = self.step._taken > 0
 
     def find(self, z: np.ndarray | None = None) -> bool:
         """Find the cells of the state, at z or at the start, beside those that are known; whether there are more. `begin` comes first."""
@@ -91,6 +94,7 @@ class StateMap:
         self.stand()
 
     def _cells_read(self) -> np.ndarray:
+        assert self._plain is not None
         self.step._cells, self.step._clear = None, self._plain
         return np.setdiff1d(self.step.cells, self._counters)
 
@@ -106,6 +110,7 @@ class StateMap:
     def stand(self, z: np.ndarray | None = None) -> None:
         """At the start, with the state z, (n,), and without tangents of parameters."""
         assert self._base is not None
+        assert self._plain is not None
         self.step._clear = self._plain
         self.step._restore(self._base)
         if z is not None:

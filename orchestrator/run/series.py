@@ -12,7 +12,7 @@ Numbers = Sequence[float] | np.ndarray
 
 @dataclass(frozen=True)
 class Series:
-    """One line or set of points. kind: "line", "points", "line+points", "dots" (small, for clouds of many).
+    """One line or set of points. kind: "line", "dashed", "points", "line+points", "dots" (small, for clouds of many).
 
     faint: context, drawn thin and pale.  labels: a text per point, shown at the pointer.
     shades: a number per point that is shown as its colour, with `shade_label` at the scale; zero is the neutral middle.

@@ -32,6 +32,7 @@ from ..units.interface import Signal, SimulationEnded
 from ..verified_file import verified_bytes, verified_content
 
 if TYPE_CHECKING:
+    from ..derivatives.continuation import Orbits
     from ..derivatives.gradient import Gradient
     from ..derivatives.linear import Linear
     from ..derivatives.trim import SteadyState
@@ -377,6 +378,20 @@ class Session:
         scene = self._scene.with_changes(self._changes) if self._changes else self._scene
         given = {".".join(end): value for end, value in self._inputs.items() if isinstance(value, float)}
         return trim(scene, free, want, at=self.place, given=given, **options).points[0][1]
+
+    def orbit(self, **options: Any) -> Orbits:
+        """Periodic orbits from the scene's start, with the parameters that were set; the session stays where it is.
+
+        options: as of `derivatives.continuation.orbits`, with those of `Forcing` by name: period, frequency, angle, turns, multiple.
+        Raises `BadInput` where none is found.
+        """
+        from ..derivatives.continuation import orbits
+        from ..derivatives.orbit import Forcing
+
+        self._alive()
+        scene = self._scene.with_changes(self._changes) if self._changes else self._scene
+        names = [name for name in Forcing.__dataclass_fields__ if name in options]
+        return orbits(scene, Forcing(**{name: options.pop(name) for name in names}), **options)
 
     @property
     def place(self) -> tuple[Master, float] | None:

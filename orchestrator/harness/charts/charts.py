@@ -38,7 +38,7 @@ from .style import (
     vertical,
 )
 
-MODES = {"line": "lines", "points": "markers", "line+points": "lines+markers", "dots": "markers"}
+MODES = {"line": "lines", "points": "markers", "line+points": "lines+markers", "dots": "markers", "dashed": "lines"}
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "star")
 PALETTES = {"binary": BINARY, "rising": RISING, "range": RISING, "diverging": DIVERGING}
 LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
@@ -378,6 +378,8 @@ def _trace(
         "line": {"color": colour, "width": 1 if s.faint else 1.8},
         "marker": marker,
     }
+    if s.kind == "dashed":
+        trace["line"]["dash"] = "dash"
     if cut and s.kind == "line":
         trace[SAMPLES] = np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float)
     if s.labels:
