@@ -379,19 +379,12 @@ class Session:
         given = {".".join(end): value for end, value in self._inputs.items() if isinstance(value, float)}
         return trim(scene, free, want, at=self.place, given=given, **options).points[0][1]
 
-    def orbit(self, **options: Any) -> Orbits:
-        """Periodic orbits from the scene's start, with the parameters that were set; the session stays where it is.
-
-        options: as of `derivatives.continuation.orbits`, with those of `Forcing` by name: period, frequency, angle, turns, multiple.
-        Raises `BadInput` where none is found.
-        """
+    def orbit(self, *forcing: Any, **options: Any) -> Orbits:
+        """Periodic orbits from the scene's start, as of `derivatives.continuation.orbits`; the session stays where it is."""
         from ..derivatives.continuation import orbits
-        from ..derivatives.orbit import Forcing
 
         self._alive()
-        scene = self._scene.with_changes(self._changes) if self._changes else self._scene
-        names = [name for name in Forcing.__dataclass_fields__ if name in options]
-        return orbits(scene, Forcing(**{name: options.pop(name) for name in names}), **options)
+        return orbits(self._scene.with_changes(self._changes) if self._changes else self._scene, *forcing, **options)
 
     @property
     def place(self) -> tuple[Master, float] | None:
