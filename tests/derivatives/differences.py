@@ -73,6 +73,7 @@ def _disagreement(exact: np.ndarray, base: np.ndarray, differences: Differences)
     best = np.argmin(np.where(np.isnan(between), np.inf, between), axis=0)[None]
     value, unsure = (np.take_along_axis(one, best, 0)[0] for one in (values[:-1], between))
     lengths = np.array([d for d, _ in differences])
-    rounding = 1e-14 * np.max(np.abs(base), axis=0 if base.ndim > 1 else None) / lengths[best[0] + 1]
+    size, largest = np.max(np.abs(base), axis=0 if base.ndim > 1 else None), np.max(np.abs(base))
+    rounding = 1e-14 * np.maximum(size, min(largest, 1.0)) / lengths[best[0] + 1]  # a small one may be a difference of others
     error = np.abs(exact - value) - 20.0 * unsure - rounding
     return float(np.max(error / np.maximum(np.maximum(np.abs(value), np.abs(exact)), 1e-12), initial=0.0))
