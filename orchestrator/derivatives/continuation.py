@@ -76,7 +76,9 @@ class Orbits:
         header = ("branch", "periods", first, "period, s", "stable", "largest multiplier", *names)
         files = [write_table(directory, "orbits.csv", header, rows)]
         if self.parameter:
-            marks = [[m.kind, m.orbit.value, m.orbit.period, m.multiplier.real, m.multiplier.imag] for m in self.marks]
+            marks: list[list[Any]] = [
+                [m.kind, m.orbit.value, m.orbit.period, m.multiplier.real, m.multiplier.imag] for m in self.marks
+            ]
             columns = ("kind", self.parameter, "period, s", "multiplier, real", "multiplier, imaginary")
             files.append(write_table(directory, "bifurcations.csv", columns, marks))
         return files
