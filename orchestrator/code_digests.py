@@ -10,7 +10,6 @@ from uuid import uuid4
 
 from ..components.catalogue import CATALOGUE, component_class
 from ..components.core.store import digest_of
-from ..fmus.build import sources
 from .kept import Kept
 
 _THIS_PROCESS = uuid4().hex  # code that may be another one in the next process
@@ -23,6 +22,8 @@ def code_digest(*components: str) -> str:
 
 def _code_digests(component: str) -> list[str]:
     if component in CATALOGUE:
+        from ..fmus.build import sources  # most runs need no key
+
         return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
     try:
         return [_code_digest(Path(inspect.getfile(component_class(component))).read_bytes())]

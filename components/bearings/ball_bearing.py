@@ -96,6 +96,7 @@ class GivenStart(Effect):
     """Start from a given state instead of from equilibrium."""
 
     explicit_only = True
+    read_by = ("initialize",)
 
     x = parameter(0.0, "m", "position along the load", nominal=1e-6)
     y = parameter(0.0, "m", "position across the load", nominal=1e-6)

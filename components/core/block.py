@@ -15,21 +15,22 @@ import ctypes
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from math import prod
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from .kernel_sources import private_folder
 from .kernels import COMPILED, RAISED
 from .store import digest_of, read_kept, write_kept
 
 if COMPILED:
     import llvmlite.binding as llvm
-    from numba.core.compiler_lock import global_compiler_lock
-    from numba.core.types import unliteral
 
-    from .kernel_cache import private_folder
+    from .kept_kernels import LOCK, machine, machine_code
 
 CELL = 8  # bytes
+NOTHING: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 TIME = 0  # the cell that holds the time
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 ENTRIES = {"initialize": ("double %t",), "step": ("double %t", "double %h"), "outputs": ("double %t",)}  # what each hands on
@@ -57,9 +58,19 @@ class Block:
     `s` holds arrays and records, whose contents are those that the block begins with.
     """
 
-    def __init__(self, s: Any, p: Any, e: Any, entries: Mapping[str, tuple[str, ...]] = ENTRIES, constant: tuple[str, ...] = ()):
-        """entries: what each hands on besides the block.  constant: fields of `s` that nothing changes, which lie last."""
-        self.entries, self._constant = entries, constant
+    def __init__(
+        self,
+        s: Any,
+        p: Any,
+        e: Any,
+        entries: Mapping[str, tuple[str, ...]] = ENTRIES,
+        constant: tuple[str, ...] = (),
+        unread: Mapping[str, tuple[str, ...]] = NOTHING,
+    ):
+        """entries: what each hands on besides the block.  constant: fields of `s` that nothing changes, which lie last.
+        unread: of entries the fields of `e` that their kernels do not read, and get as None.
+        """
+        self.entries, self._constant, self._unread = entries, constant, unread
         self.cells, self._leaves = TIME + 1, dict[tuple[str | int, ...], Leaf]()
         first = [name for name in ("u", "y", "x", "counts") if name in s._fields]
         for name in first:
@@ -167,12 +178,24 @@ class Block:
         for part in self._anew[but]:
             self.memory[part] = self._initial[part]
 
-    def in_order(self) -> Iterator[Leaf]:
-        """The leaves in the order of a kernel's arguments `s`, `p`, `e`."""
+    def in_order(self, entry: str = "") -> Iterator[Leaf]:
+        """The leaves in the order of a kernel's arguments `s`, `p`, `e`; entry: as that gives them to its kernel."""
         for name in self._fields:
             yield from (leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name))
-        for part in ("p", "e"):
-            yield from (leaf for path, leaf in self._leaves.items() if path[0] == part)
+        yield from (leaf for path, leaf in self._leaves.items() if path[0] == "p")
+        effects = dict[str | int, list[Leaf]]()
+        for path, leaf in self._leaves.items():
+            if path[0] == "e":
+                effects.setdefault(path[1], []).append(leaf)
+        for name, leaves in effects.items():
+            yield from [Leaf("none")] if name in self._unread.get(entry, ()) else leaves
+
+    def given(self, entry: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        """What an entry gives to its kernel behind the times, of all `s`, `p` and `e`."""
+        if not (unread := self._unread.get(entry, ())):
+            return arguments
+        *others, e = arguments
+        return *others, e._replace(**dict.fromkeys(unread))
 
     def body(self, entry: str, kinds: Sequence[str], kernel: str = "") -> str:
         """The text of an entry's instructions. kinds: types of the kernel's arguments behind its times; kernel: its symbol."""
@@ -182,7 +205,7 @@ class Block:
         arguments = ["ptr %result", "ptr %raised", *self.entries[entry]]
         yield "%result = alloca i64\n%raised = alloca ptr\nstore i64 0, ptr %result"
         given = iter(kinds)
-        for k, leaf in enumerate(self.in_order()):
+        for k, leaf in enumerate(self.in_order(entry)):
             if leaf.kind != "none":
                 yield f"%p{k} = getelementptr i64, ptr %block, i64 {leaf.cell}"
             if leaf.kind == "array":
@@ -215,7 +238,7 @@ class Block:
 
     def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> Entry:
         """An entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
-        address, kinds = compiled(kernel, len(self.entries[name]), tuple(map(kernel.typeof_pyval, arguments)))
+        address, kinds = machine_code(kernel, len(self.entries[name]), self.given(name, arguments))
         return Entry(_function(self.body(name, kinds)), address)
 
     def take(self, name: str, entry: Entry) -> int:
@@ -240,39 +263,18 @@ def callable_of(address: int) -> Callable[[float, float, int], int]:
     return ENTRY(address)
 
 
-def kinds_of(overload: Any, times: int) -> tuple[str, ...]:
-    """Types, in machine code, of a compiled kernel's arguments behind its times."""
-    packer = overload.target_context.get_arg_packer(overload.fndesc.argtypes)
-    return tuple("ptr" if str(k).endswith("*") else str(k) for k in packer.argument_types)[times:]
-
-
-@lru_cache(maxsize=1024)
-def compiled(kernel: Any, times: int, signature: tuple[Any, ...]) -> tuple[int, tuple[str, ...]]:
-    """(address, types of its arguments behind the times) of a kernel's machine code."""
-    with global_compiler_lock:  # LLVM's engines are made for one thread at a time, and its calls free Python's lock
-        overload = kernel.for_kernels((*[kernel.typeof_pyval(0.0)] * times, *signature))
-        check_result(kernel, overload)
-        return overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name), kinds_of(overload, times)
-
-
-def check_result(kernel: Any, overload: Any) -> None:
-    """Raises `TypeError` for a kernel that returns something else than a status."""
-    if str(unliteral(overload.signature.return_type)) not in ("int64", "none"):
-        raise TypeError(f"{kernel.__name__} returns {overload.signature.return_type}, expected a status")
-
-
 @lru_cache(maxsize=256)
 def _function(body: str) -> int:
     """The address of a function with this body; kept on disk, for nothing in it depends on the process."""
     name = "entry_" + digest_of(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}")
     folder = private_folder("entries")
-    with global_compiler_lock:
+    with LOCK:
         engine, added = _engine()
         if name not in added:  # by another thread
             code = None if folder is None else read_kept(folder / f"{name}.o")
             if code is None:
                 text = f"define i32 @{name}(double %t, double %h, ptr %block) {{\n{body}\n}}"
-                code = _machine().emit_object(llvm.parse_assembly(text))
+                code = machine().emit_object(llvm.parse_assembly(text))
                 if folder is not None:
                     write_kept(folder / f"{name}.o", code)
             engine.add_object_file(llvm.ObjectFileRef.from_data(code))
@@ -284,10 +286,4 @@ def _function(body: str) -> int:
 @lru_cache(maxsize=1)
 def _engine() -> tuple[Any, set[str]]:
     """The owner of the machine code, as long as the process lives, and the names of the functions in it."""
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine()), set()
-
-
-def _machine() -> Any:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine()), set()

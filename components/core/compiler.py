@@ -174,3 +174,6 @@ class KernelDispatcher(CPUDispatcher):
 def callable_from_python(compiled) -> bool:
     """Whether machine code has a function that takes its arguments out of Python objects."""
     return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cpython_wrapper_name) != 0
+
+
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "pipeline_class": KernelCompiler}

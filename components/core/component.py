@@ -64,12 +64,15 @@ class Effect:
     and other forms of the model, which do not refine what a scene already has.
 
     `replaces`: parameters of the component that the effect makes ineffective; arrays without an index.
+
+    `read_by`: the kernels that read its values. The others get None, so that they are compiled once for all sets of such effects.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[tuple[str, ...]] = ()
     replaces: ClassVar[tuple[str, ...]] = ()
     explicit_only: ClassVar[bool] = False
+    read_by: ClassVar[tuple[str, ...]] = ("initialize", "step", "outputs")
     variables: ClassVar[tuple[Variable, ...]] = ()
     Values: ClassVar[Any]
 

@@ -23,7 +23,7 @@ from typing import Any, ClassVar, NamedTuple, get_type_hints
 
 import numpy as np
 
-from .block import TIME, Block, Entry, callable_of
+from .block import ENTRIES, TIME, Block, Entry, callable_of
 from .component import Component, _tuple_type
 from .errors import BadInput
 from .kernels import COMPILED, DONE, NOT_FINITE, RAISED, kernel_tuple
@@ -82,6 +82,7 @@ class KernelComponent(Component):
     fixed_arrays: ClassVar[tuple[str, ...]] = ()  # arrays that come with their contents, which no kernel writes; perhaps large
     Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
     known_entries: ClassVar[dict[tuple[Any, ...], Entry]]
+    unread: ClassVar[Mapping[str, tuple[str, ...]]] = {}  # of each kernel the effects that it does not read
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -89,6 +90,7 @@ class KernelComponent(Component):
         if not cls.Values._fields:  # Numba has no NamedTuple without a field
             cls.Values = _tuple_type(cls, "Values", ["none"])
         cls.refusals = {n: r for base in reversed(cls.__mro__) for n, r in vars(base).get("refusals", {}).items()}
+        cls.unread = {k: tuple(n for n, effect in cls.effects.items() if k not in effect.read_by) for k in ENTRIES}
         if not cls.effects:
             cls.Present = _tuple_type(cls, "Present", ["none"])
 
@@ -130,7 +132,7 @@ class KernelComponent(Component):
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
-        self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays)
+        self.block = block = Block(cls.Memory(**contents), p, e, constant=cls.fixed_arrays, unread=cls.unread)
         self._structure, self._calls, self._written = self._present_structure(), dict[str, Any](), tuple[Any, ...]()
         self._contents = hash(block.memory.tobytes()) if cls.kept else 0  # before inputs are there, of which nothing kept follows
         block.s.u[...], block.s.y[...] = self.u, self.y
@@ -159,17 +161,18 @@ class KernelComponent(Component):
 
     def call(self, name: str, t: float, h: float = 0.0) -> int:
         """The status of a kernel for the present block."""
+        assert self.block is not None
         if not COMPILED:
             times = (t, h) if name == "step" else (t,)
             try:
-                return getattr(type(self).kernels, name)(*times, *self.arguments) or DONE
+                return getattr(type(self).kernels, name)(*times, *self.block.given(name, self.arguments)) or DONE
             except (ValueError, OverflowError):  # Python's own functions refuse what machine code goes on with
                 if np.isfinite(self.u).all():
                     raise
                 return NOT_FINITE
         if name not in self._calls:
             self._calls[name] = callable_of(self.entry(name))
-        return self._calls[name](t, h, self.block.address)  # type: ignore[union-attr]
+        return self._calls[name](t, h, self.block.address)
 
     def _prepare(self) -> Block:
         """The block with the present parameters, inputs and `kept` arrays; all else is zero."""

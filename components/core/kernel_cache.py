@@ -12,79 +12,26 @@ in one process, symbols of one name are the same code. What belongs to a package
 from __future__ import annotations
 
 import io
-import os
 import pickle
-import re
 import sys
-import sysconfig
-import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
-from numba import config
 from numba.core import environment
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
 from numba.core.runtime.nrt import rtsys
 
-from .closure import closure
-from .compiler import callable_from_python
-from .folders import cache_root
+from .compiler import OPTIONS, KernelDispatcher, callable_from_python
 from .kernel_library import ADDRESS, KERNELS, PYTHON
-from .store import digest_of, private, read_kept, temporary_root, write_kept
+from .kernel_sources import BUNDLE, packages, private_root, sources_digest
+from .store import private, read_kept, write_kept
 
 _PROCESS = uuid4().hex[:8]
-_PACKAGE = __name__.partition(".")[0]
-BUNDLE = re.compile(r"cosimo|bundle_[0-9a-f]{16}")  # packages with components of cosimo: its own, and that of an FMU
-SHARED = "components"  # what stands for their names
-_LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
-
-
-def _own_module(name: str) -> Path | None:
-    """The file of a loaded module that is this package's or the user's; None for libraries."""
-    file = getattr(sys.modules.get(name), "__file__", None)
-    if file is None or not file.endswith(".py"):
-        return None
-    return Path(file) if name.partition(".")[0] == _PACKAGE or not file.startswith(_LIBRARIES) else None
-
-
-@lru_cache(maxsize=1024)
-def sources_digest(*files: str) -> str:
-    """Digest of the import closures of source files; the same for a copy of them in another place."""
-    parts = list[str]()
-    for file in files:
-        start = Path(file).resolve()
-        digests = closure(start, _own_module)
-        for path in sorted(digests, key=lambda p: os.path.relpath(p, start.parent)):
-            parts += [path.name, digests[path]]
-    return digest_of(*parts)
-
-
-@lru_cache(maxsize=1)
-def private_root() -> Path | None:
-    """A folder for machine code that belongs to the user and can be written; None where there is none.
-
-    NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. The files there are executed:
-    one that another user owns or may write is not taken.
-    """
-    asked = config.CACHE_DIR  # type: ignore[attr-defined]
-    for folder in (lambda: Path(asked or Path(cache_root()) / "kernels"), lambda: temporary_root() / "kernels"):
-        with suppress(OSError):
-            root = folder()
-            if private(root.parent if not asked else root) and private(root):
-                tempfile.TemporaryFile(dir=root).close()
-                return root
-    return None
-
-
-def private_folder(name: str) -> Path | None:
-    """A folder in `private_root`; None where there is none, or others may write it."""
-    with suppress(OSError):
-        if (root := private_root()) is not None and private(root / name):
-            return root / name
-    return None
 
 
 class _Locator(_CacheLocator):
@@ -262,9 +209,7 @@ class _OpenCache(FunctionCache):
     def __init__(self, function, root: Path, digest: str):
         self._py_func, self._name = function, repr(function)
         module = f"{function.__module__}"
-        own = module.partition(".")[0]
-        shared = bool(BUNDLE.fullmatch(own)) and module.startswith(f"{own}.components.")
-        neutral = SHARED if shared else own
+        own, neutral = packages(module)
         package = root / neutral
         folder = package / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
         if not (private(package) and private(folder)):
@@ -275,7 +220,7 @@ class _OpenCache(FunctionCache):
         name = function.__qualname__.replace(own, neutral)  # of one that is bound, it has the package in it
         self._impl._filename_base = self._impl.get_filename_base(name, getattr(sys, "abiflags", ""))
         self._cache_path = str(folder)
-        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest, own if shared else "")
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest, own if neutral != own else "")
         self.enable()
 
     def _index_key(self, sig, codegen):
@@ -291,3 +236,11 @@ class _OpenCache(FunctionCache):
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
         return None
+
+
+def dispatcher_of(function: Callable[..., Any], files: tuple[str, ...], inline: bool) -> KernelDispatcher:
+    """The compiler of a function. files: as of `KernelCache`.  inline: its instructions stand wherever a kernel calls it."""
+    options = {"nopython": True, "boundscheck": None, **OPTIONS} | ({"forceinline": True} if inline else {})
+    dispatcher = KernelDispatcher(function, targetoptions=options, pipeline_class=options.pop("pipeline_class"))
+    dispatcher._cache = KernelCache(function, files)
+    return dispatcher

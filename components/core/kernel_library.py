@@ -31,6 +31,7 @@ class KernelLibrary(JITCodeLibrary):
     """Numba's library of a function, with machine code from the time on that an address is asked for."""
 
     _linked = False
+    _taken = b""  # machine code from the cache
     _codegen: Any
 
     @property
@@ -101,6 +102,9 @@ class KernelLibrary(JITCodeLibrary):
         with global_compiler_lock:
             return super().get_pointer_to_function(name)
 
+    def _get_compiled_object(self):
+        return self._taken or super()._get_compiled_object()
+
     def serialize_using_object_code(self):
         """What the cache keeps: machine code, or constants to look into, and LLVM's language."""
         if self._finalized:
@@ -111,9 +115,11 @@ class KernelLibrary(JITCodeLibrary):
 
     @classmethod
     def _unserialize(cls, codegen, state):
-        name, kind, (_, code) = state
+        name, kind, (compiled, code) = state
         if kind != LINKED:
-            return super()._unserialize(codegen, state)
+            library = super()._unserialize(codegen, state)
+            library._taken = compiled  # Numba forgets it once it is in memory
+            return library
         library = codegen.create_library(name)
         library.enable_object_caching()
         library._final_module = llvm.parse_bitcode(code)

@@ -8,24 +8,21 @@ NamedTuple of its values, or None where it is off. A branch `if e.effect is not 
 
 from __future__ import annotations
 
+import sys
 import types
 from collections.abc import Callable
+from functools import cached_property, update_wrapper
+from threading import RLock
 from typing import Any
 from zlib import crc32
 
-try:
-    from numba import config
-except ImportError:  # an FMU's host may lack Numba: slower, the same equations
-    config = None  # type: ignore[assignment]
+from .compiled_here import compiles
 
-# NUMBA_DISABLE_JIT=1: plain Python, without waiting for the compiler
-COMPILED = config is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
-if COMPILED:
-    from .compiler import KernelCompiler, KernelDispatcher
-    from .kernel_cache import KernelCache
-
-    OPTIONS["pipeline_class"] = KernelCompiler
+COMPILED = compiles()  # else plain Python: an FMU's host may lack Numba, and NUMBA_DISABLE_JIT=1 waits for no compiler
+LOADING = RLock()
+# told that the compiler will be loaded (False) and that it is (True)
+# one list of the process, for its FMUs are packages of their own
+WHEN_LOADED: list[Callable[[bool], None]] = vars(sys).setdefault("_cosimo_when_loaded", [])
 
 DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE, STEP_TOO_LONG = range(5)
 RAISED = 99  # an error inside a kernel that is no status, such as an index out of range
@@ -38,24 +35,58 @@ REASONS = {
 }
 
 
+class Kernel:
+    """A function that is machine code from the first call on.
+
+    The compiler takes longer to load than what a run finds in the cache: it is loaded where something is not found there.
+    """
+
+    def __init__(self, function: Callable[..., Any], files: tuple[str, ...]):
+        update_wrapper(self, function)
+        self.py_func, self.files, self.forceinline = function, files, False
+        self.hits = 0  # how often its machine code was found without the compiler
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Numba's compiler of this function."""
+        with LOADING:
+            for tell in WHEN_LOADED:
+                tell(False)
+            from .kernel_cache import dispatcher_of
+
+            while WHEN_LOADED:
+                WHEN_LOADED.pop()(True)
+            dispatcher = dispatcher_of(self.py_func, self.files, self.forceinline)
+        return dispatcher
+
+    @property
+    def _numba_type_(self) -> Any:  # by which a kernel that calls this one is typed
+        return self.dispatcher._numba_type_
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            return getattr(self.py_func, name)
+        if name == "parts":  # of templates, see `bind`
+            raise AttributeError(name)
+        return getattr(self.dispatcher, name)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.dispatcher(*arguments)
+
+
 def kernel(function, *files: str):
     """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports."""
-    if not COMPILED:
-        return function
-    options = {"nopython": True, "boundscheck": None, **OPTIONS}
-    dispatcher = KernelDispatcher(function, targetoptions=options, pipeline_class=options.pop("pipeline_class"))
-    dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
-    return dispatcher
+    return Kernel(function, (function.__code__.co_filename, *files)) if COMPILED else function
 
 
-def inlined(dispatcher):
+def inlined(kernel):
     """A kernel whose instructions stand wherever a kernel calls it: nothing is handed on.
 
     Of an array that a call hands on seven numbers are copied, and of a component's memory all the arrays.
     """
     if COMPILED:
-        dispatcher.targetoptions["forceinline"] = True
-    return dispatcher
+        kernel.forceinline = True
+    return kernel
 
 
 def inlined_kernel(function):
@@ -106,5 +137,7 @@ def hold_inputs(u, h):
 
 def compiled_from_cache(*kernels) -> tuple[int, int]:
     """(hits, misses) of the on-disk cache, summed over `kernels`; (0, 0) without Numba."""
-    stats = [k.stats for k in kernels if hasattr(k, "stats")]
-    return sum(s.cache_hits.total() for s in stats), sum(s.cache_misses.total() for s in stats)
+    some = [k for k in kernels if isinstance(k, Kernel)]
+    stats = [k.dispatcher.stats for k in some if "dispatcher" in vars(k)]
+    hits = sum(k.hits for k in some) + sum(s.cache_hits.total() for s in stats)
+    return hits, sum(s.cache_misses.total() for s in stats)

@@ -12,12 +12,16 @@ PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in t
 class DropperSlackening(Effect):
     """Droppers carry tension only; off, they also push."""
 
+    read_by = ("initialize", "step")
+
 
 class BendingStiffness(Effect):
     """Bending stiffness of the wires: Euler-Bernoulli beams under tension instead of strings.
 
     Values read in two public sources; the 2002 standard gives none.
     """
+
+    read_by = ("initialize", "step")
 
     contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0)
     messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0)
@@ -26,11 +30,14 @@ class BendingStiffness(Effect):
 class GravitySag(Effect):
     """Sag of the contact wire between its clamps, in the geometry of the contact; off, straight lines between clamps."""
 
+    read_by = ("initialize",)
+
 
 class PreSag(Effect):
     """Parabolic pre-sag of the dropper clamps, 0 at the first and last dropper of a span; 55 mm as read for AC simple."""
 
     explicit_only = True
+    read_by = ("initialize",)
 
     depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
 
@@ -40,6 +47,8 @@ class Damping(Effect):
 
     The 2002 standard prescribes none. beta = 1 ms is a choice: undamped wires do not converge with the mesh, with it they do.
     """
+
+    read_by = ("initialize", "step")
 
     alpha = parameter(0.0, "1/s", "mass-proportional coefficient", low=0.0)
     beta = parameter(1e-3, "s", "stiffness-proportional coefficient", low=0.0)
@@ -51,6 +60,8 @@ class SteadyArm(Effect):
     300 N/m read in two public sources, whether it is in the 2002 standard is not known.
     """
 
+    read_by = ("initialize",)
+
     stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0)
     mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0)
 
@@ -59,12 +70,14 @@ class LevelSupport(Effect):
     """The steady arms hold the contact wire at dropper level at rest; off, it hangs free at the supports."""
 
     explicit_only = True
+    read_by = ()
 
 
 class SecondPantograph(Effect):
     """A second contact point, in the wake of the first."""
 
     explicit_only = True
+    read_by = ()
 
     contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
@@ -82,6 +95,7 @@ class FurtherPantographs(Effect):
 
     explicit_only = True
     requires = ("second_pantograph",)
+    read_by = ()
 
     count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER, structural=PARTS)
     contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, moving=True, size=FURTHER)
@@ -114,6 +128,7 @@ class MovingWindow(Effect):
     """
 
     explicit_only = True
+    read_by = ("initialize",)
 
     ahead = parameter(0.0, "m", "length ahead of the first contact point; 0: from damping and speed", low=0.0)
     behind = parameter(0.0, "m", "length behind the last contact point; 0: from damping and speed", low=0.0)
@@ -136,6 +151,7 @@ class LineTable(Effect):
     explicit_only = True
     excludes = ("pre_sag", "level_support", "steady_arm")
     replaces = ("spans", "span_length", "droppers", "dropper_position")
+    read_by = ("initialize",)
 
     table = text(SIX_SPANS, "table of the line, as TOML text; a scene may name its file")
     droppers = text("", "droppers in the place of those of the table, as CSV text; a scene may name its file")
@@ -150,6 +166,7 @@ class Temperature(Effect):
 
     explicit_only = True
     requires = ("line_table",)
+    read_by = ("initialize",)
 
     change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
 
@@ -163,6 +180,7 @@ class SecondWire(Effect):
 
     explicit_only = True
     requires = ("line_table",)
+    read_by = ("initialize",)
 
     contact_force = input_(0.0, "N", "force on the second contact wire, positive upwards", nominal=100.0, size=2 + FURTHER)
     wire_height = output(
@@ -193,6 +211,7 @@ class Stagger(Effect):
 
     explicit_only = True
     requires = ("line_table",)
+    read_by = ("step", "outputs")
 
     lateral_position = output(
         "m", "lateral position of the contact wire at the contact point", nominal=0.1, feedthrough=("contact_position",)
@@ -204,6 +223,7 @@ class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
 
     explicit_only = True
+    read_by = ("step", "outputs")
 
     height = output(
         "m",
@@ -219,6 +239,7 @@ class LineProfile(Effect):
 
     explicit_only = True
     requires = ("wire_profile",)
+    read_by = ("step", "outputs")
 
     messenger_uplift = output(
         "m",

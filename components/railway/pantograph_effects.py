@@ -149,6 +149,7 @@ class WireUnevenness(Effect):
     """
 
     explicit_only = True
+    read_by = ("initialize",)
 
     deviation = parameter(1e-3, "m", "standard deviation of the unevenness", low=0.0)
     longest = parameter(60.0, "m", "longest wave length, 1 / n0", low=1e-2)
@@ -167,6 +168,7 @@ class MeasuredUnevenness(Effect):
 
     explicit_only = True
     excludes = ("wire_unevenness",)
+    read_by = ()
 
     table = text("position [m],height [m]\n0,0\n1000,0\n", "measured heights as a CSV table; a scene may name its file")
 

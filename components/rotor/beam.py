@@ -37,11 +37,14 @@ DEFAULT_DISKS = (solid_disk(0.28, 0.05, 0.07, STEEL), solid_disk(0.35, 0.05, 0.0
 class Gyroscopic(Effect):
     """Gyroscopic moments of the shaft and of the disks."""
 
+    read_by = ()
+
 
 class Disks(Effect):
     """Rigid disks on the shaft; a disk of mass and inertia 0 is none. `elements.solid_disk` gives the numbers of a size."""
 
     explicit_only = True
+    read_by = ("initialize",)
 
     position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
     mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
@@ -57,6 +60,7 @@ class Unbalance(Effect):
     """Masses beside the axis, one a disk."""
 
     requires = ("disks",)
+    read_by = ("initialize",)
 
     moment = parameter((1e-3, 0.0, 0.0, 0.0), "kg.m", "mass times eccentricity at a disk", size=MAX_DISKS, low=0.0)
     phase = parameter(0.0, "rad", "angle by which the mass is ahead of the rotor's angle", size=MAX_DISKS)
@@ -68,11 +72,15 @@ class InternalDamping(Effect):
     0.2 ms is a choice of ours: a loss factor of 0.02 at 100 rad/s.
     """
 
+    read_by = ("initialize",)
+
     time_constant = parameter(2e-4, "s", "damping over stiffness of the shaft", low=0.0)
 
 
 class Gravity(Effect):
     """Weight, along -y."""
+
+    read_by = ("initialize",)
 
     acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
 
@@ -81,6 +89,7 @@ class LinearSupports(Effect):
     """Two places where springs and dampers hold the shaft to the ground; values of the rotor of the defaults."""
 
     explicit_only = True
+    read_by = ("initialize",)
 
     position = parameter((0.0, 1.5), "m", "place of a support on the shaft", size=2, low=0.0)
     stiffness_x = parameter(1e6, "N/m", "stiffness along x", size=2, low=0.0)

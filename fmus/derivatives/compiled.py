@@ -13,7 +13,7 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from ...components.core import store
 from ...components.core.block import CELL
-from ...components.core.kernel_cache import private_folder, sources_digest
+from ...components.core.kernel_sources import private_folder, sources_digest
 from .tangents import derivative_of, derived, entry_of
 
 LINE = 8  # cells of a cache line

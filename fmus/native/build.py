@@ -21,7 +21,7 @@ from ...components.core import store
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, pick
-from ...components.core.kernel_cache import sources_digest
+from ...components.core.kernel_sources import sources_digest
 from ..build import write
 from ..derivatives.grammar import Unsupported
 from ..description import documentation, shared_files

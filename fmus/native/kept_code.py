@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ...components.core import store
-from ...components.core.kernel_cache import private_folder, sources_digest
+from ...components.core.kernel_sources import private_folder, sources_digest
 from ..versions import version
 
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")

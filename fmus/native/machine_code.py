@@ -22,10 +22,11 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from numba.core.typing.typeof import typeof
 
-from ...components.core.block import ENTRIES, Block, check_result, kinds_of
+from ...components.core.block import ENTRIES, Block
+from ...components.core.compiler import OPTIONS
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
-from ...components.core.kernels import OPTIONS
+from ...components.core.kept_kernels import check_result, kinds_of
 from ..derivatives.tangents import derivative_of, derived, entry_of
 from .kept_code import digest_of, load, save
 from .wide_pointers import widened
@@ -267,7 +268,7 @@ def _refuse_counts(source: Source) -> None:
 
 
 def _signature(source: Source, name: str) -> tuple[Any, ...]:
-    return (t.float64,) * len(source.block.entries[name]) + tuple(map(typeof, source.arguments))
+    return (t.float64,) * len(source.block.entries[name]) + tuple(map(typeof, source.block.given(name, source.arguments)))
 
 
 def _compile(source: Source) -> str:

@@ -23,6 +23,8 @@ from .common import BAD_INPUT, FAILED_RUN, shown_output
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
+    for library in ("OPENBLAS", "OMP", "MKL"):  # threads of BLAS wait by spinning from the moment that NumPy is loaded
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
     sys.path.append(os.getcwd())  # module:Class on the command line

@@ -274,7 +274,7 @@ def _internal_steps(
 
 
 def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
-    if "numba" not in sys.modules:
+    if not any(name.endswith(".components.core.kernels") for name in sys.modules):  # which decides it for this process
         os.environ["NUMBA_DISABLE_JIT"] = "1"
     from ..harness.report.studies.hard_cases import for_hard_cases, margin_text
     from ..harness.studies.hard_cases import hard_cases

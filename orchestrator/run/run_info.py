@@ -10,6 +10,7 @@ from functools import cache, partial
 from time import perf_counter, process_time
 from typing import Any
 
+from ...components.core.kernels import WHEN_LOADED
 from ...fmus.versions import distribution
 from ..engine.algorithms import Master
 from ..engine.coupling import Coupling
@@ -39,6 +40,7 @@ class CompileTime:
         """`announce`: tell on a terminal that the first compilation has started."""
         self.spent = 0.0, 0.0  # real and CPU time, s
         self._depth, self._since, self._announce = 0, (0.0, 0.0), announce
+        self._unregister: Callable[[], None] | None = None
 
     @property
     def seconds(self) -> float:
@@ -46,11 +48,22 @@ class CompileTime:
         return self.spent[0]
 
     def __enter__(self) -> CompileTime:
-        try:
-            from numba.core import event
-        except ImportError:  # without Numba nothing is compiled
-            self._unregister: Callable[[], None] = lambda: None
-            return self
+        if "numba.core.event" in sys.modules:
+            self._listen()
+        else:
+            WHEN_LOADED.append(self._loaded)
+        return self
+
+    def _loaded(self, done: bool) -> None:
+        """The compiler will be loaded, or is."""
+        if done:
+            self._leave()
+            self._listen()
+        else:
+            self._enter()
+
+    def _listen(self) -> None:
+        from numba.core import event
 
         compile_time = self
 
@@ -64,10 +77,12 @@ class CompileTime:
         listener = Listener()
         event.register(COMPILATION, listener)
         self._unregister = partial(event.unregister, COMPILATION, listener)
-        return self
 
     def __exit__(self, *_: object) -> None:
-        self._unregister()
+        if self._loaded in WHEN_LOADED:
+            WHEN_LOADED.remove(self._loaded)
+        if self._unregister is not None:
+            self._unregister()
 
     def _enter(self) -> None:
         """A kernel compiles those that it calls: only the outermost one is timed."""

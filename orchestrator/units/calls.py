@@ -8,23 +8,41 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from functools import wraps
+from functools import cached_property, wraps
 from typing import Any
 
 from ...components.core.kernels import COMPILED
-
-if COMPILED:
-    from llvmlite import ir
-    from numba import types
-    from numba.extending import intrinsic
 
 # types: an address is an int64 for kernels, `POINTER` where a C function gets it
 DOUBLE, INT, LONG, POINTER = "double", "int32", "int64", "pointer"
 C: dict[str, Any] = {DOUBLE: ctypes.c_double, INT: ctypes.c_int32, LONG: ctypes.c_int64, POINTER: ctypes.c_void_p}
 
 
+class _ForKernels:
+    """A function for kernels; the compiler gets it from `make` when it compiles one that calls it."""
+
+    def __init__(self, function: Callable[..., Any], make: Callable[[], Any]) -> None:
+        self.__doc__, self._make = function.__doc__, make
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        from numba.core.registry import cpu_target
+
+        intrinsic, context = self._make(), cpu_target.typing_context
+        intrinsic._register()
+        context.refresh()
+        return context.resolve_value_type(intrinsic)
+
+
 def _by_types(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
     """A function for kernels; emit(builder, arguments): its instructions."""
+    return _ForKernels(function, lambda: _intrinsic(function, result, kinds, emit))
+
+
+def _intrinsic(function: Callable[..., Any], result: str, kinds: tuple[str, ...], emit: Callable[..., Any]) -> Any:
+    from numba import types
+    from numba.extending import intrinsic
+
     numba = {DOUBLE: types.float64, INT: types.int32, LONG: types.int64, POINTER: types.int64, "": types.void}
     signature = numba[result](*(numba[kind] for kind in kinds))
 
@@ -36,6 +54,8 @@ def _by_types(function: Callable[..., Any], result: str, kinds: tuple[str, ...],
 
 
 def _llvm(kind: str) -> Any:
+    from llvmlite import ir
+
     return {DOUBLE: ir.DoubleType(), INT: ir.IntType(32), LONG: ir.IntType(64), POINTER: ir.IntType(8).as_pointer()}[kind]
 
 
@@ -50,6 +70,8 @@ def calls(*kinds: str) -> Callable[[Callable[..., Any]], Any]:
             )
 
         def emit(builder: Any, given: Any) -> Any:
+            from llvmlite import ir
+
             llvm = [_llvm(kind) for kind in kinds]
             called = builder.inttoptr(given[0], ir.FunctionType(_llvm(INT), llvm).as_pointer())
             return builder.call(

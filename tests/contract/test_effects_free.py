@@ -8,7 +8,7 @@ import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.integrators import OdeComponent, rk4
-from cosimo.components.core.kernels import COMPILED, OPTIONS
+from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
 from cosimo.tests.contract.never_written import never_written, python, stripped
 from cosimo.tests.contract.test_effects_absent import SINGLE
@@ -82,6 +82,7 @@ def test_without_effects_it_is_the_component_without_their_source(component):
 def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(component):
     import numba
     import numpy as np
+    from cosimo.components.core.compiler import OPTIONS
 
     cls = component_class(component)
     made, full = cls((), SMALL[component]), cls(compatible(cls), SMALL[component])

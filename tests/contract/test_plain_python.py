@@ -14,6 +14,7 @@ SHORT = (
     "tests/contract/test_steps.py",
     "tests/contract/test_hard_cases.py",
     "tests/contract/test_effects_absent.py",
+    "tests/contract/test_effects_read.py",
     "tests/contract/test_ranges.py",
     "tests/contract/test_refusals.py",
     "tests/harness/studies/test_effects.py",

@@ -32,7 +32,7 @@ for name in SMALL:
     run(name, (), SMALL[name], 1)
 kernels = {id(k): k for m in list(sys.modules.values()) if m.__name__.startswith("cosimo.components.")
            for space in (vars(m), *(vars(c) for c in vars(m).values() if isinstance(c, type)))
-           for k in space.values() if type(k).__name__ == "KernelDispatcher"}
+           for k in space.values() if type(k).__name__ == "Kernel"}
 print(json.dumps(compiled_from_cache(*kernels.values())))
 """
 

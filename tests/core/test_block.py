@@ -5,7 +5,7 @@ from typing import NamedTuple
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
-from cosimo.components.core import block, kernel_cache
+from cosimo.components.core import block, kept_kernels, kernel_sources
 from cosimo.components.core.block import Block, callable_of
 from cosimo.components.core.kernels import COMPILED, kernel, kernel_tuple
 
@@ -79,8 +79,8 @@ def test_a_copy_of_the_memory_is_another_of_the_same():
 @pytest.fixture
 def process(tmp_path, monkeypatch):
     """A function that runs an entry of `add` as another process would: (status, values, how often it was made)."""
-    monkeypatch.setattr(kernel_cache, "private_root", lambda: tmp_path)
-    made_here, engines, kept_function, kept_machine = [], [], block._function, block._machine
+    monkeypatch.setattr(kernel_sources, "private_root", lambda: tmp_path)
+    made_here, engines, kept_function, kept_machine = [], [], block._function, kept_kernels.machine
 
     class Machine:
         def emit_object(self, module):
@@ -90,7 +90,7 @@ def process(tmp_path, monkeypatch):
     def run(t: float = 2.0) -> tuple[int, list[float], int]:
         engines.append((llvm.create_mcjit_compiler(llvm.parse_assembly(""), kept_machine()), set()))
         monkeypatch.setattr(block, "_engine", lambda: engines[-1])
-        monkeypatch.setattr(block, "_machine", Machine)
+        monkeypatch.setattr(block, "machine", Machine)
         monkeypatch.setattr(block, "_function", kept_function.__wrapped__)
         one, before = made(), len(made_here)
         status = callable_of(one.take("step", one.entry("step", add, one.arguments)))(t, 0.5, one.address)

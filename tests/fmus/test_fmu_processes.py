@@ -108,7 +108,7 @@ def test_the_second_process_compiles_nothing(pantograph, tmp_path):
         + """
 import gc
 answers(sys.argv[1])
-kernels = [o for o in gc.get_objects() if type(o).__name__ == "KernelDispatcher" and o.__module__.startswith("bundle_")]
+kernels = [o for o in gc.get_objects() if type(o).__name__ == "Kernel" and o.__module__.startswith("bundle_")]
 bundle = next(m for m in sys.modules if m.startswith("bundle_") and m.endswith(".core.kernels"))
 print(*sys.modules[bundle].compiled_from_cache(*kernels))
 """

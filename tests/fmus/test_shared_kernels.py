@@ -23,7 +23,7 @@ def rows(path, name, port, steps=20):
     return answers
 
 def counts(path):
-    kernels = [o for o in gc.get_objects() if type(o).__name__ == "KernelDispatcher" and o.__module__.startswith(package(path))]
+    kernels = [o for o in gc.get_objects() if type(o).__name__ == "Kernel" and o.__module__.startswith(package(path))]
     return sys.modules[package(path) + ".components.core.kernels"].compiled_from_cache(*kernels)
 
 def package(path):

@@ -9,15 +9,21 @@ power bonds in co-simulations" (Engineering with Computers 33, 2017, arXiv 1602.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ....components.core.kernels import COMPILED
 from ..coupling import Coupling
 from .energy_steps import POINTS, enter_steps
 from .machine import Steps, singly
 from .master import NONE, Master, Saved
+
+if COMPILED:
+    from ....components.core.kept_kernels import call
+
+_enter = partial(call, enter_steps) if COMPILED else enter_steps
 
 
 class Sums(NamedTuple):
@@ -106,8 +112,8 @@ class EnergyAccount:
             times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
             even = times.tobytes() == self.times.tobytes()  # and will be from here on
             last = n if even else first + 1
-            enter_steps(
-                h,
+            _enter(
+                float(h),
                 _basis(times.tobytes()),
                 outputs[kept + first + 1 - times.size :],
                 jumped[kept + first + 1 - times.size :],

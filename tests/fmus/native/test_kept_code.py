@@ -4,7 +4,7 @@ import importlib.util
 import sys
 
 import pytest
-from cosimo.components.core import kernel_cache
+from cosimo.components.core import kept_kernels, kernel_cache, kernel_sources
 from cosimo.fmus.native import machine_code
 from cosimo.fmus.native.build import initialized
 from numba.core import event
@@ -47,7 +47,8 @@ class Weighed(StatelessComponent):
 @pytest.fixture
 def compiled(tmp_path, monkeypatch):
     """A function that gives (code, what was done for it: kernels compiled, their code linked) of a component written with a factor."""
-    monkeypatch.setattr(kernel_cache, "private_root", lambda: tmp_path)
+    for module in (kernel_sources, kernel_cache):
+        monkeypatch.setattr(module, "private_root", lambda: tmp_path)
     done = []
     linked = machine_code._linked
     monkeypatch.setattr(machine_code, "_linked", lambda *a: done.append("linked") or linked(*a))
@@ -56,6 +57,7 @@ def compiled(tmp_path, monkeypatch):
         file = tmp_path / f"copy{len(list(tmp_path.glob('copy*')))}" / "weighed.py"  # another module, as in another process
         file.parent.mkdir()
         file.write_text(SOURCE.format(factor=factor, power=power))
+        monkeypatch.setattr(kept_kernels, "_LOADED", {})
         spec = importlib.util.spec_from_file_location("weighed", file)
         module = importlib.util.module_from_spec(spec)
         monkeypatch.setitem(sys.modules, "weighed", module)
@@ -90,7 +92,7 @@ def test_another_layout_takes_the_same_kernels(compiled):
 @pytest.mark.full
 def test_damaged_files_are_made_again(compiled, tmp_path):
     compiled()
-    for kinds, done in (("*.ll",), {"linked"}), (("*.ll", "*.nb?"), {"compiled", "linked"}):
+    for kinds, done in (("*.ll",), {"linked"}), (("*.ll", "*.nb?", "machine/*"), {"compiled", "linked"}):
         for begin in (0, 100):
             for file in (f for kind in kinds for f in tmp_path.rglob(kind)):
                 whole = file.read_bytes()
