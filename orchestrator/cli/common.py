@@ -83,7 +83,7 @@ def first_sentence(text: str) -> str:
 # what commands are for, in the order of the help
 GROUPS = {
     "Simulate": ("run", "show", "list", "compare", "explore", "new"),
-    "Check": ("validate", "accuracy", "stability", "effects", "gradient", "modes", "trim", "orbit"),
+    "Check": ("validate", "accuracy", "stability", "effects", "gradient", "modes", "trim", "orbit", "estimate"),
     "Many runs": ("sweep", "sensitivity", "uncertainty", "fit", "design"),
     "Export": ("build", "check", "ssp"),
     "Railway": ("railway",),

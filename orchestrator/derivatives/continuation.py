@@ -152,15 +152,24 @@ def orbits(
 
 
 def _begun(shooting: Shooting, value: float | None, after: int, guess: float) -> np.ndarray | str:
-    """An orbit from a run, or why there is none."""
+    """An orbit from a run, or from one that is a period longer, or why there is none."""
+    for more in range(3):
+        unknown = _begun_behind(shooting, value, after + more, guess)
+        if not isinstance(unknown, str):
+            break
+    return unknown
+
+
+def _begun_behind(shooting: Shooting, value: float | None, after: int, guess: float) -> np.ndarray | str:
     try:
-        for _ in range(3):
+        unknown = shooting.solve(shooting.start(value, after, guess))
+        while unknown is not None and shooting.refresh(shooting.split(unknown)[0]):
             unknown = shooting.solve(shooting.start(value, after, guess))
-            if unknown is None or not shooting.refresh(shooting.split(unknown)[0]):
-                break
+        if unknown is None:
+            return f"no orbit of {shooting.multiple} periods behind {after} of them"
+        return shooting.orbit(unknown).refused or unknown
     except StepFailed as error:
         return str(error)
-    return f"no orbit of {shooting.multiple} periods behind {after} of them" if unknown is None else unknown
 
 
 def _reached(branch: Branch, value: float) -> bool:
@@ -327,6 +336,8 @@ class _Follower:
                     return [f"no orbit next to {point.value:g}"]
                 continue
             ahead = self.shooting.orbit(unknown)
+            if ahead.refused:
+                return [f"at {ahead.value:g} {ahead.refused}"]
             if self._joined(unknown, branch.multiple):
                 return [f"joins a branch at {ahead.value:g}"]
             if _beyond(ahead) != _beyond(point):

@@ -27,6 +27,8 @@ LATER = 7  # common periods to a second look
 SHIFT = 1e-7  # singular values of motions that act on nothing, such as one of all bodies
 BACK = 1e-6  # of the length of a step: a difference by the period
 INSIDE = 1e-8  # of the sizes: what residuals may leave
+NEUTRAL = 1e-6  # of a multiplier from 1: nothing restores such a motion; folds are passed by wider steps
+REPEATS = 1e-4  # of a signal's range, times the largest multiplier: what a second period may differ by
 ROOM = 1e-9  # of a macro step: a period of whole steps has no further one
 
 
@@ -51,6 +53,7 @@ class Orbit:
     """value: of the parameter.  period: s.  multipliers: (k,), the largest first.  low, high, first: (S,) of the recorded signals.
 
     sections: (multiple, S), signals at the beginning of each period of the forcing.  unknown: state, period, parameter.
+    refused: why this is no orbit that stands alone, though it closes.
     """
 
     value: float
@@ -60,6 +63,7 @@ class Orbit:
     high: np.ndarray
     sections: np.ndarray
     unknown: np.ndarray
+    refused: str = ""
 
     @property
     def stable(self) -> bool:
@@ -227,14 +231,30 @@ class Shooting:
 
     def multipliers(self) -> np.ndarray:
         """Eigenvalues of the last derivative, without that along the motion where the period is unknown, the largest first."""
+        values = np.linalg.eigvals(self._across_motion())
+        values = values[np.argsort(-np.abs(values), kind="stable")]
+        return values[: values.size - self.unknown_period - round(values.size - np.trace(self.across))]
+
+    def _across_motion(self) -> np.ndarray:
+        """The last derivative, without what goes along the motion where the period is unknown."""
         matrix = self.derivative
         if self.unknown_period:
             normal = self._normal()
             across = normal @ self.along
             matrix = matrix - np.outer(self.along, normal @ matrix) / across if across else matrix
-        values = np.linalg.eigvals(matrix)
-        values = values[np.argsort(-np.abs(values), kind="stable")]
-        return values[: values.size - self.unknown_period - round(values.size - np.trace(self.across))]
+        return matrix
+
+    def _refused(self, rows: np.ndarray, multipliers: np.ndarray) -> str:
+        """Why an orbit with these rows (steps, S), behind which the scene stands, is none that stands alone; "" if it is."""
+        change = self._rows_on() - rows
+        largest = np.abs(multipliers).max(initial=1.0)
+        if (np.ptp(change, axis=0) > REPEATS * largest * np.ptp(rows, axis=0) + ACTS).any():
+            return "its second period is not its first: a mode, such as sticking, is another at its end than at its start"
+        if np.abs(multipliers - 1.0).min(initial=1.0) < NEUTRAL:
+            values, vectors = np.linalg.eig(self._across_motion())
+            cell = np.flatnonzero(self.kept)[np.abs(vectors[:, np.abs(values - 1.0).argmin()]).argmax()]
+            return f"nothing restores {self.map.names()[cell]} (a multiplier of 1): orbits lie side by side at one value"
+        return ""
 
     # -- finding one -------------------------------------------------------------------------------------------------
     def start(self, value: float | None, periods: int, guess: float = 0.0) -> np.ndarray:
@@ -257,6 +277,7 @@ class Shooting:
         self.map.begin(p, period / self.steps, self.steps)
         begun = self.map.run(self.base, 0)
         z = self.map.run(begun, self.steps * periods) if periods else begun
+        self.map.hold()
         z = np.where(self.angles, begun, z)
         if self.refresh(z):
             return self.start(value, periods, guess)
@@ -311,11 +332,16 @@ class Shooting:
         rows = self.rows(z)
         places = np.arange(self.multiple) * (self.steps // self.multiple)
         value = float(p[0]) if self.parameter else 0.0
-        return Orbit(value, period, self.multipliers(), rows.min(axis=0), rows.max(axis=0), rows[places], unknown.copy())
+        multipliers = self.multipliers()
+        refused = self._refused(rows, multipliers)
+        return Orbit(value, period, multipliers, rows.min(axis=0), rows.max(axis=0), rows[places], unknown.copy(), refused)
 
     def rows(self, z: np.ndarray) -> np.ndarray:
         """The recorded signals behind each macro step of a period, (steps, S), the last of them first."""
         self.map.stand(z)
+        return self._rows_on()
+
+    def _rows_on(self) -> np.ndarray:
         tangents, step, parts = self.map.tangents, self.map.step, []
         for done in range(0, self.steps, CHUNK):
             some = min(CHUNK, self.steps - done)

@@ -48,6 +48,7 @@ class StateMap:
             for unit in self.tangents.layout.units
             if isinstance(unit.component, SampledComponent)
         ]
+        self._held = np.zeros(0, dtype=np.intp), np.zeros(0)
         self._base: tuple[np.ndarray, int] | None = None
         self._plain: np.ndarray | None = None  # what the tangents are beside those that are sought: addresses
         self._filled = True  # whether the base follows from the length of the steps, by samples
@@ -114,7 +115,16 @@ class StateMap:
         self.step._clear = self._plain
         self.step._restore(self._base)
         if z is not None:
+            cells, values = self._held
+            self.step._arena.cells[cells] = values
             self.step._arena.cells[self.cells] = z
+
+    def hold(self) -> None:
+        """Modes, such as those of friction, are from now on what they are where the scene stands, wherever it is put with a state."""
+        units = [u for u in self.tangents.layout.units if u.component.x.size]
+        states = [np.arange(*ends) + u.first for u in units for ends in u.component.block.ranges("x")]  # type: ignore[union-attr]
+        cells = np.setdiff1d(np.concatenate(states), [*self.cells, *self._counters]) if states else self._held[0]
+        self._held = cells, self.step._arena.cells[cells].copy()
 
     @property
     def z(self) -> np.ndarray:

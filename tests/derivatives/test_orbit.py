@@ -45,6 +45,37 @@ def test_a_rotor_with_unbalance_whirls_as_the_closed_form():
     assert np.abs(orbit.multipliers) == pytest.approx(4 * [math.exp(-damping * w0 * orbit.period)], rel=1e-6)
 
 
+def robot(amplitude: float, frequency: float, *effects: str, **parameters):
+    driven = {"harmonic_force.amplitude": amplitude, "harmonic_force.frequency": frequency}
+    return alone("PipeRobot", ["harmonic_force", *effects], 1e-3, **driven, **parameters)
+
+
+@pytest.mark.parametrize(("amplitude", "frequency"), [(40.0, 60.0), (20.0, 110.0)])
+def test_orbits_with_sticking_are_those_of_the_run(amplitude, frequency):
+    """Friction that sticks for a part of the period: its mode at the start of the run is another."""
+    scene = robot(amplitude, frequency)
+    (branch,) = orbits(scene).branches
+    period = 2.0 * math.pi / frequency
+    steps = math.ceil(period / 1e-3)
+    changes = {"master.step": period / steps, "stop_time": 200 * period}
+    velocity = cosimo.run(scene.with_changes(changes), verify="no")["unit.velocity"][-steps:]
+    orbit = branch.points[0]
+    k = [".".join(end) for end in scene.coupling.signals].index("unit.velocity")
+    assert [orbit.low[k], orbit.high[k]] == pytest.approx([velocity.min(), velocity.max()], abs=1e-3 * np.ptp(velocity))
+
+
+def test_what_closes_once_and_not_again_is_no_orbit():
+    with pytest.raises(BadInput, match="its second period is not its first"):
+        orbits(robot(40.0, 85.0))
+
+
+def test_a_motion_that_nothing_restores_has_no_orbit_that_stands_alone():
+    """Without friction the robot as a whole goes on at any speed."""
+    scene = robot(20.0, 60.0, "smoothed_friction", "cubic_spring", forward_friction=0.0, backward_friction=0.0)
+    with pytest.raises(BadInput, match=r"nothing restores unit.x\[[13]\] \(a multiplier of 1\)"):
+        orbits(scene)
+
+
 def monodromy(rates, y: np.ndarray, period: float, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """State behind a period and its derivative, by differences, with DOP853."""
 
