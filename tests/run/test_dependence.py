@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.fmus import build
 from cosimo.orchestrator import code_digests
 from cosimo.orchestrator.harness.journal import Journal
 from cosimo.orchestrator.harness.many.measures import Task
@@ -156,7 +157,7 @@ def test_the_contents_of_files_count_and_not_their_places(file, kinds, scene, tm
 
 def test_comments_and_docstrings_of_components_do_not_count(monkeypatch):
     def digest(text):
-        monkeypatch.setattr(code_digests, "sources", lambda module: {"x.py": text.encode()})
+        monkeypatch.setattr(build, "sources", lambda module: {"x.py": text.encode()})
         return code_digests.code_digest("PlanarLink")
 
     plain = digest("def f(x):\n    return 2.0 * x\n")
