@@ -70,8 +70,8 @@ class Kernel:
             raise AttributeError(name)
         return getattr(self.dispatcher, name)
 
-    def __call__(self, *arguments: Any) -> Any:
-        return self.dispatcher(*arguments)
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        return self.dispatcher(*arguments, **named)
 
 
 def kernel(function, *files: str):
