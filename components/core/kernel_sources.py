@@ -19,6 +19,7 @@ _PACKAGE = __name__.partition(".")[0]
 BUNDLE = re.compile(r"cosimo|bundle_[0-9a-f]{16}")  # packages with components of cosimo: its own, and that of an FMU
 SHARED = "components"  # what stands for their names
 _LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
+_INSTALLED = re.compile(r"[/\\](site|dist)-packages[/\\]")  # of the user, of the system, of the environment below this one
 
 
 def _own_module(name: str) -> Path | None:
@@ -26,7 +27,8 @@ def _own_module(name: str) -> Path | None:
     file = getattr(sys.modules.get(name), "__file__", None)
     if file is None or not file.endswith(".py"):
         return None
-    return Path(file) if name.partition(".")[0] == _PACKAGE or not file.startswith(_LIBRARIES) else None
+    library = file.startswith(_LIBRARIES) or _INSTALLED.search(file)
+    return Path(file) if name.partition(".")[0] == _PACKAGE or not library else None
 
 
 @lru_cache(maxsize=1024)

@@ -7,9 +7,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from cosimo import components
+from cosimo.components.core import kernel_sources
 from cosimo.components.core.closure import imports
 from cosimo.components.core.kernels import COMPILED
 
@@ -192,3 +194,14 @@ def test_all_import_statements_of_all_sources_are_seen():
     )
     assert all(set(imports(source)) == walked(source) for source in sources)
     assert len(imports(sources[-1])) == 3
+
+
+@pytest.mark.parametrize("folder", ["site-packages", "dist-packages"])
+def test_libraries_of_another_environment_are_no_sources_of_kernels(folder, tmp_path, monkeypatch):
+    """As those of the user or of the system. What a kernel follows from would depend on which of their modules are loaded."""
+    for name, place in {"library": tmp_path / folder / "library.py", "of_user": tmp_path / "of_user.py"}.items():
+        module = ModuleType(name)
+        module.__file__ = str(place)
+        monkeypatch.setitem(sys.modules, name, module)
+    assert kernel_sources._own_module("library") is None
+    assert kernel_sources._own_module("of_user") == tmp_path / "of_user.py"
