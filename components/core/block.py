@@ -236,9 +236,13 @@ class Block:
         yield "%fine = icmp eq i32 %failed, 0\n%wide = load i64, ptr %result\n%status = trunc i64 %wide to i32"
         yield f"%given = select i1 %fine, i32 %status, i32 {RAISED}\nret i32 %given"
 
+    def wanted(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> tuple[Any, int, tuple[Any, ...]]:
+        """What the machine code of an entry's kernel is made for: the kernel, the number of its times, the arguments behind them."""
+        return kernel, len(self.entries[name]), self.given(name, arguments)
+
     def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> Entry:
         """An entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
-        address, kinds = machine_code(kernel, len(self.entries[name]), self.given(name, arguments))
+        address, kinds = machine_code(*self.wanted(name, kernel, arguments))
         return Entry(_function(self.body(name, kinds)), address)
 
     def take(self, name: str, entry: Entry) -> int:

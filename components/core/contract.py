@@ -151,13 +151,24 @@ class KernelComponent(Component):
         return cls.Values(*(values or [None])), cls.Present(*(map(self._effect_values, cls.effects) if cls.effects else (None,)))
 
     # -- the run -----------------------------------------------------------------------------------------------------
+    @property
+    def layout(self) -> tuple[Any, ...]:
+        """What the layout of the block follows from."""
+        return type(self), self.on, self._structure
+
     def entry(self, name: str) -> int:
         """The address of the function `int32 f(double t, double h, void *block)` that calls a kernel: compiled, if need be."""
         assert self.block is not None
-        known, key = type(self).known_entries, (name, self.on, self._structure)  # which the layout follows from
+        known, key = type(self).known_entries, (name, self.layout)
         if key not in known:
             known[key] = self.block.entry(name, getattr(type(self).kernels, name), self.arguments)
         return self.block.take(name, known[key])
+
+    def wanted(self) -> list[tuple[Any, int, tuple[Any, ...]]]:
+        """Of each entry what its machine code is made for; none where the parameters are refused."""
+        if self.block is None:
+            return []
+        return [self.block.wanted(name, getattr(type(self).kernels, name), self.arguments) for name in ENTRIES]
 
     def call(self, name: str, t: float, h: float = 0.0) -> int:
         """The status of a kernel for the present block."""

@@ -45,6 +45,12 @@ def machine_code(kernel: Any, times: int, arguments: tuple[Any, ...]) -> tuple[i
     return known[0], known[1]
 
 
+def missing(kernel: Any, times: int, arguments: tuple[Any, ...]) -> str:
+    """What names machine code that can be kept, and is not: neither in this process nor on disk; "" for all other."""
+    folder, key = private_folder("machine"), _key(kernel, times, arguments)
+    return "" if folder is None or not key or key in _LOADED or (folder / key).is_file() else key
+
+
 def _key(kernel: Any, times: int, arguments: tuple[Any, ...]) -> str:
     """What the machine code follows from; "" where that is not known, or nothing can be kept."""
     function = kernel.py_func

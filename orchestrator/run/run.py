@@ -21,6 +21,7 @@ from ..engine.coupling import Coupling
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.loop import Observer
 from ..interrupts import Interrupted
+from ..opened.compile_ahead import compile_ahead, wanted_by
 from ..opened.open_scene import Course, OpenScene
 from ..output import UNFINISHED, locked, not_written
 from ..scene.scene import Scene
@@ -159,6 +160,8 @@ class Run:
                 native = native_fmus(scene)
             open_scene = OpenScene(scene, stack, self.in_process, self._rescue, native)
         self.clock, self.units, self.master = open_scene.clock, open_scene.units, open_scene.master
+        if self._stop is None:
+            compile_ahead(wanted_by(scene, self.units, self.master), self.progress)
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [
             u for n, kind in scene.kinds.items() if isinstance(u := self.units[n], ComponentSimulator) and not kind.of_catalogue

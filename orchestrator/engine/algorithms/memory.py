@@ -147,6 +147,10 @@ class Records:
             self._calls[name] = lambda t, h, _: kernel(t.value, h.value, memory)
         return self._calls[name]
 
+    def wanted(self) -> list[tuple[Any, int, tuple[Any, ...]]]:
+        """Of each kernel that every run calls, what its machine code is made for."""
+        return [self.block.wanted(name, kernel, (self.memory,)) for name, kernel in KERNELS.items()]
+
     def state(self) -> np.ndarray:
         """The cells that change from step to step, (n,) int64: no addresses, so that a file may hold them."""
         return self.block.memory.view(np.int64)[self._changing]

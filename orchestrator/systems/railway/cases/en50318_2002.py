@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import Any
 
 from ....harness.analysis.signals import Filter
 from ....harness.validation import Evidence, Runs
 from ....harness.validation.reference import Table, compare, load_table
+from ....opened.compile_ahead import compile_ahead, wanted_by
 from ....run.run import run
 from ....scene.scene import Scene
 from ....units.component import make
@@ -44,7 +46,10 @@ def study(runs: Runs) -> Evidence:
     """What moves the cells: variants of the model in process, and filters."""
     table = load_table("en50318-2002")
     results = {condition(v): reference_run(v, runs.options) for v in SPEEDS}
-    variants = _variants(load_scene("en50318-2002"))
+    scene = load_scene("en50318-2002")
+    variants = _variants(scene)
+    effects = [changes for changes in variants.values() if "units.catenary.effects" in changes]
+    compile_ahead(chain(*(wanted_by(scene.with_changes(changes), {}) for changes in ({}, *effects))), runs.options.progress)
     measured = {name: {v: _variant(changes, v) for v in SPEEDS} for name, changes in variants.items()}
     measured = {"as shipped": {v: numbers(results[condition(v)]) for v in SPEEDS}, **measured}
     damped = {name: m for name, m in measured.items() if name.startswith("β")}
