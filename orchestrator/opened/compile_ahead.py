@@ -82,12 +82,12 @@ def _jobs(everything: list[Wanted], absent: list[Wanted]) -> list[list[Wanted]]:
 @cache
 def cost(kernel: Any) -> float:
     """About how long a kernel takes to compile with all that it calls, s."""
-    found, pending = set[Any](), [kernel]
+    called, pending = set[Any](), [kernel]
     while pending:
-        if (one := pending.pop()) not in found:
-            found.add(one)
+        if (one := pending.pop()) not in called:
+            called.add(one)
             pending += [v for n in _names(one.py_func.__code__) if isinstance(v := one.py_func.__globals__.get(n), Kernel)]
-    return SECONDS * sum(len(one.py_func.__code__.co_code) for one in found)
+    return SECONDS * sum(len(one.py_func.__code__.co_code) for one in called)
 
 
 def _names(code: CodeType) -> Iterator[str]:
