@@ -44,6 +44,8 @@ def _backwards(component: Component) -> float:
     return max(-component["velocity"], 0.0)
 
 
+SURVEY = "position [m],diameter [mm]\n0,200\n1,190\n{},200\n"
+
 HARD_CASES = {
     "PipeRobot": {
         "held on a slope under vibration": HardCase(
@@ -227,6 +229,12 @@ HARD_CASES = {
             },
             inputs={"position": ramp(1e-5, 2.9999995)},
             run=(0.2, 1e-3),
+        ),
+        "a survey out of order": HardCase(
+            "A file that goes back.",
+            Refused("a position that rises", accepted={"route_table.table": SURVEY.format(2)}),
+            effects=("route_table",),
+            parameters={"route_table.table": SURVEY.format(1)},
         ),
         "places out of order": HardCase(
             "A table that goes back.", Refused("ascending order", accepted={"place[3]": 1.001}), parameters={"place[3]": 1.0}

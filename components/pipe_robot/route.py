@@ -4,26 +4,47 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from ..core.columns import table_of
+from ..core.component import Effect
 from ..core.contract import Refusal
+from ..core.errors import BadInput
 from ..core.kernels import DONE, OWN, kernel
 from ..core.stateless import StatelessComponent, stateless_kernels
-from ..core.variables import input_, output, parameter
+from ..core.table_curve import between, monotone_rates, read_curve, row_before
+from ..core.variables import input_, output, parameter, text
 
 KNOTS = 8
 DISORDER = OWN + 1  # status
 
 
+class RouteTable(Effect):
+    """The pipe as it was surveyed, in the place of the 8 places: a CSV table with a header and any number of rows.
+
+    Columns: `position`, rising, and `diameter`; also `slope` and `friction_factor`, which are 0 and 1 where the table has none. Such as
+    `position [m];diameter [mm];slope [deg]`.
+    """
+
+    explicit_only = True
+    replaces = ("place", "slope_table", "diameter_table", "factor_table")
+
+    table = text("position [m],diameter [mm]\n0,200\n7,200\n", "the pipe as a CSV table; a scene may name its file")
+
+
 class PipeRoute(StatelessComponent):
-    """Slope, diameter and a factor on friction over the position along the pipe, from a table of 8 places.
+    """Slope, diameter and a factor on friction over the position along the pipe, from a table of 8 places, or from a file.
 
     Between the places a cubic without overshoot (monotone where the table is), whose first derivative is continuous; before
     the first and behind the last place everything is constant. Several robots in one pipe have one route each, of equal numbers.
     The pipe's course is ours; of Matuliauskas and Spruogis (2002), whose robot this is for, only the abstract is known to us.
-    Source of the interpolation: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984) 300-304.
+    Source of the interpolation: see `core.table_curve`.
     """
 
     title = "Pipe along its way"
     system = "pipe_robot"
+
+    route_table = RouteTable
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
     slope_table = parameter(
@@ -48,10 +69,29 @@ class PipeRoute(StatelessComponent):
     def shapes(self) -> dict[str, Any]:
         """Constants that the tables determine.
 
-        `rates`: (3, KNOTS) derivatives at the places of slope, diameter and factor.  `disorder`: (3,) the first place that the
-        next one is not behind: its number, it, and the next.
+        `rows`: (4, n) places, slopes, diameters and factors.  `rates`: (3, n) derivatives of slope, diameter and factor at the places.
+        `disorder`: (3,) the first place that the next one is not behind: its number, it, and the next.
         """
-        return {"rates": (3, KNOTS), "disorder": 3}
+        rows: Any = np.zeros((4, KNOTS))
+        if "route_table" in self.on:
+            rows = surveyed(self.parameters["route_table.table"], f"{self.name}: route_table.table")
+        return {"rows": rows, "rates": (3, rows.shape[1]), "disorder": 3}
+
+
+def surveyed(text: str, where: str) -> np.ndarray:
+    """(4, n) places, slopes, diameters and factors of a table as `RouteTable` describes it; raises `BadInput`."""
+    units = {"position": "m", "diameter": "m", "slope": "rad", "friction_factor": "1"}
+    there = table_of(text, where)
+    chosen = {n: unit for n, unit in units.items() if n in ("position", "diameter") or there.place(n) is not None}
+    columns = dict(zip(chosen, read_curve(text, where, chosen, others=tuple(units))[1], strict=True))
+    if columns["diameter"].min() <= 0.0:
+        raise BadInput(where, f"a diameter of {columns['diameter'].min():g} m", "positive ones")
+    if columns.get("friction_factor", np.ones(1)).min() < 0.0:
+        raise BadInput(where, f"a friction factor of {columns['friction_factor'].min():g}", "0 or more")
+    none = np.zeros_like(columns["position"])
+    return np.array(
+        (columns["position"], columns.get("slope", none), columns["diameter"], columns.get("friction_factor", none + 1.0))
+    )
 
 
 IN = PipeRoute.input_places()
@@ -59,56 +99,37 @@ OUT = PipeRoute.output_places()
 
 
 @kernel
-def monotone_rates(places, table, rates):
-    """Derivatives at the places, (n,), with which the cubics between them do not overshoot; zero at both ends.
-
-    places, ascending, and table: (n,).
-    """
-    rates[0] = rates[-1] = 0.0
-    for i in range(1, places.size - 1):
-        step, next_step = places[i] - places[i - 1], places[i + 1] - places[i]
-        before, after = (table[i] - table[i - 1]) / step, (table[i + 1] - table[i]) / next_step
-        share = (1.0 + next_step / (step + next_step)) / 3.0  # weight of the secant before: the larger, the shorter its step
-        rates[i] = before * after / (share * after + (1.0 - share) * before) if before * after > 0.0 else 0.0
-
-
-@kernel
 def route_start(t, s, p, e):
     """The derivatives of the tables, whose places have to ascend."""
-    for i in range(KNOTS - 1):
-        if not p.place[i + 1] > p.place[i]:
-            s.disorder[0], s.disorder[1], s.disorder[2] = i + 1, p.place[i], p.place[i + 1]
-            return DISORDER
-    monotone_rates(p.place, p.slope_table, s.rates[0])
-    monotone_rates(p.place, p.diameter_table, s.rates[1])
-    monotone_rates(p.place, p.factor_table, s.rates[2])
+    rows = s.rows
+    if e.route_table is None:
+        for i in range(KNOTS):
+            rows[0, i], rows[1, i], rows[2, i], rows[3, i] = p.place[i], p.slope_table[i], p.diameter_table[i], p.factor_table[i]
+        for i in range(KNOTS - 1):
+            if not p.place[i + 1] > p.place[i]:
+                s.disorder[0], s.disorder[1], s.disorder[2] = i + 1, p.place[i], p.place[i + 1]
+                return DISORDER
+    for k in range(3):
+        monotone_rates(rows[0], rows[k + 1], s.rates[k])
     return DONE
-
-
-@kernel
-def between(share, h, table, rates, i):
-    """Value of a cubic behind place i, at a share of the length h to the next."""
-    a, b = share * share * (3.0 - 2.0 * share), share * (1.0 - share)
-    return (1.0 - a) * table[i] + a * table[i + 1] + h * b * ((1.0 - share) * rates[i] - share * rates[i + 1])
 
 
 @kernel
 def route_at(t, s, p, e):
     """Slope, diameter, its growth, and factor at a position."""
-    position, places, rates, y = s.u[0, IN.position], p.place, s.rates, s.y
-    i = 0
-    while i < KNOTS - 2 and position > places[i + 1]:
-        i += 1
+    position, rows, rates, y = s.u[0, IN.position], s.rows, s.rates, s.y
+    places, diameters = rows[0], rows[2]
+    i = row_before(position, places)
     h = places[i + 1] - places[i]
     share = min(max((position - places[i]) / h, 0.0), 1.0)
-    y[OUT.slope] = between(share, h, p.slope_table, rates[0], i)
-    y[OUT.diameter] = between(share, h, p.diameter_table, rates[1], i)
+    y[OUT.slope] = between(share, h, rows[1], rates[0], i)
+    y[OUT.diameter] = between(share, h, diameters, rates[1], i)
     y[OUT.taper] = (
-        6.0 * (share * (1.0 - share)) * (p.diameter_table[i + 1] - p.diameter_table[i]) / h
+        6.0 * (share * (1.0 - share)) * (diameters[i + 1] - diameters[i]) / h
         + (1.0 - share) * (1.0 - 3.0 * share) * rates[1, i]
         + share * (3.0 * share - 2.0) * rates[1, i + 1]
     )
-    y[OUT.friction_factor] = between(share, h, p.factor_table, rates[2], i)
+    y[OUT.friction_factor] = between(share, h, rows[3], rates[2], i)
     return DONE
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.columns import table_of
 from ..core.component import Effect
 from ..core.contract import Refusal
-from ..core.errors import BadInput
 from ..core.kernels import DONE, OWN, kernel
+from ..core.table_curve import read_curve
 from ..core.variables import SEED, input_, integer, output, parameter, text
 from .sines import fill_bands, sum_of_sines
 
@@ -321,15 +320,4 @@ def uneven(wire, position, s):
 
 def measured_heights(table: str, where: str) -> np.ndarray:
     """Positions, rising, and heights, (2, n) m, of `MeasuredUnevenness`; `BadInput` for another kind of table."""
-    place = f"{where}: measured_unevenness.table"
-    columns = table_of(table, place)
-    columns.only(("position", "height"), "position and height")
-    x, height = (columns.numbers(name, "m", asked=True) for name in ("position", "height"))
-    if x.size < 2 or np.isnan(x + height).any():
-        raise BadInput(
-            place, f"{np.isfinite(x + height).sum()} whole rows of {x.size}", "at least two rows of a position and a height"
-        )
-    if np.any(np.diff(x) <= 0.0):
-        k = int(np.argmax(np.diff(x) <= 0.0))
-        raise BadInput(place, f"{x[k + 1]:g} m behind {x[k]:g} m", "positions that rise")
-    return np.array((x, height))
+    return read_curve(table, f"{where}: measured_unevenness.table", {"position": "m", "height": "m"})[1]

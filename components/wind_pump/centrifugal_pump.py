@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.stateless import StatelessComponent, stateless_kernels
-from ..core.variables import input_, output, parameter
+from ..core.variables import flag, input_, output, parameter, text
+from .pump_table import operating_point, prepare, pump_curves
 
 BEYOND_EFFICIENCY = OWN + 1
 
@@ -18,6 +20,25 @@ class SealFriction(Effect):
     """Dry friction of seals and bearings: a torque of its own, which the drive has to overcome at standstill, too."""
 
     torque = parameter(0.2, "N.m", "friction torque; a choice of ours", low=0.0)
+
+
+class CurveTable(Effect):
+    """The pump's own curves at `rated_speed`, as its data sheet has them, in the place of parabolas.
+
+    A CSV table with a header: `flow`, rising from 0, `head`, falling, and `power` at the shaft or `efficiency`, such as
+    `flow [l/s];head [m];power [W]`. Between the rows cubics without overshoot, other speeds by affinity. An efficiency does not
+    say the power without flow, which is that of a straight line through the next two rows then. Behind the last row head and power
+    go on straight, the run warns, and `beyond` is 1.
+    """
+
+    explicit_only = True
+    replaces = ("shutoff_head", "linear_drop", "curve_drop", "best_flow", "best_efficiency")
+
+    table = text(
+        "flow [l/s],head [m],power [W]\n0,30,180\n0.6,27,315\n1.2,20,428\n1.8,9.2,470\n",
+        "flow, head and power, or efficiency, as a CSV table; a scene may name its file",
+    )
+    beyond = flag("whether the flow lies behind the last row of the table", feedthrough=("speed", "head"))
 
 
 class CentrifugalPump(StatelessComponent):
@@ -36,8 +57,10 @@ class CentrifugalPump(StatelessComponent):
     system = "wind_pump"
     default_step = 1e-2
     default_stop = 20.0
+    start_inputs = ()
 
     seal_friction = SealFriction
+    curve_table = CurveTable
 
     rated_speed = parameter(150.0, "rad/s", "speed w0 of the curve", low=1e-6)
     shutoff_head = parameter(30.0, "m", "head H0 without flow at that speed", low=1e-6)
@@ -66,8 +89,30 @@ class CentrifugalPump(StatelessComponent):
     }
 
     def shapes(self) -> dict[str, Any]:
-        """`reach`: largest flow at the rated speed over the best one."""
-        return {"reach": 1}
+        """`reach`: largest flow at the rated speed over the best one.  `curves`: see `PumpCurves`; None without a table.
+
+        `noted`: speed, rad/s, head, m, and time, s, of the first step that ended behind the table; zeros until then.
+        """
+        curves = None
+        if "curve_table" in self.on:
+            curves = pump_curves(self.parameters["curve_table.table"], f"{self.name}: curve_table.table")
+        return {"reach": 1, "curves": curves, "noted": 3}
+
+    def _initialize(self, t: float) -> int:
+        self._warned = False
+        return super()._initialize(t)
+
+    def stepped(self, t: float) -> None:
+        """As of any component; warns once of a flow behind the table."""
+        super().stepped(t)
+        speed, head, when = self.arguments[0].noted.tolist()
+        if speed > 0.0 and not self._warned:
+            self._warned = True
+            warnings.warn(
+                f"{self.name}: at t = {when:.4g} s, with {speed:.4g} rad/s against {head:.4g} m, the flow lies behind the last row of "
+                "curve_table.table; head and power go on straight there",
+                stacklevel=2,
+            )
 
 
 IN = CentrifugalPump.input_places()
@@ -85,7 +130,10 @@ def flow_at(n, surplus, linear, curve):
 
 @kernel
 def pump_start(t, s, p, e):
-    """Whether the curve stays where the efficiency is known."""
+    """Whether the parabola stays where the efficiency is known; the rates of a table."""
+    if e.curve_table is not None:
+        prepare(s.curves, p.density * p.gravity)
+        return DONE
     s.reach[0] = flow_at(1.0, p.shutoff_head, p.linear_drop, p.curve_drop) / p.best_flow
     return DONE if s.reach[0] < 2.0 else BEYOND_EFFICIENCY
 
@@ -95,12 +143,18 @@ def pump_outputs(t, s, p, e):
     """Torque, flow and power."""
     u, y = s.u[0], s.y
     n, head = max(u[IN.speed], 0.0) / p.rated_speed, max(u[IN.head], 0.0)
-    shutoff = n * n * p.shutoff_head
-    flow, weight, share = flow_at(n, shutoff - head, p.linear_drop, p.curve_drop), p.density * p.gravity, 0.0
-    if flow > 0.0:
-        share = flow / (n * p.best_flow)
-    own_head = shutoff - flow * (n * p.linear_drop + p.curve_drop * flow)
-    y[OUT.torque] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
+    weight = p.density * p.gravity
+    if e.curve_table is not None:
+        flow, own_head, power = operating_point(n, head, s.curves)
+        y[OUT.torque] = n * n * power / p.rated_speed
+        y[e.curve_table.y] = 1.0 if flow > n * s.curves.flows[s.curves.flows.size - 1] else 0.0
+    else:
+        shutoff, share = n * n * p.shutoff_head, 0.0
+        flow = flow_at(n, shutoff - head, p.linear_drop, p.curve_drop)
+        if flow > 0.0:
+            share = flow / (n * p.best_flow)
+        own_head = shutoff - flow * (n * p.linear_drop + p.curve_drop * flow)
+        y[OUT.torque] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
     if e.seal_friction is not None:
         y[OUT.torque] += e.seal_friction.torque
     y[OUT.flow], y[OUT.hydraulic_power] = flow, weight * own_head * flow
@@ -115,6 +169,8 @@ _step = _direct.step
 def pump_step(t, h, s, p, e):
     """The outputs, refused where they are no numbers."""
     status = _step(t, h, s, p, e)
+    if e.curve_table is not None and s.y[e.curve_table.y] > 0.0 and s.noted[0] == 0.0:
+        s.noted[0], s.noted[1], s.noted[2] = s.u[0, IN.speed], s.u[0, IN.head], t + h
     return status if math.isfinite(s.u[0].sum() + s.y.sum()) else NOT_FINITE
 
 

@@ -55,6 +55,9 @@ def _mirrored(component: Component) -> np.ndarray:
     return np.array([*(component[n] for n in SAME), *(-component[n] for n in TURNED)])
 
 
+OWN_ROTOR = "tip_speed_ratio,power_coefficient\n0.4,0.03\n0.8,0.12\n1.2,0.26\n1.6,0.29\n2,0.21\n"
+SHEET = "flow [l/s],head [m],power [W]\n0,30,180\n0.6,{},315\n1.2,20,428\n"
+
 CALM = {
     "nothing moves": HardCase(
         "Drive and load are exactly equal: 0.", (AtMost(_still, 0.0, "speed, torques, ratio"),), run=(1.0, 0.1)
@@ -121,6 +124,20 @@ HARD_CASES = {
             "A farm windmill better than any.",
             Refused("Betz's limit", accepted={"standstill_coefficient": 0.9}),
             parameters={"standstill_coefficient": 1.2},
+        ),
+        "a table that stops before runaway": HardCase(
+            "Behind its last row an unloaded rotor would gather speed without end.",
+            Refused("ends at runaway", accepted={"performance_table.table": OWN_ROTOR + "2.4,0\n"}),
+            effects=("performance_table",),
+            parameters={"performance_table.table": OWN_ROTOR},
+        ),
+        "calm and storm on a table": HardCase(
+            "A turning rotor in no wind, and a gust far outside the table: the first and the last coefficient, within one step.",
+            (AtLeast("speed", 0.0), AtMost("speed", 60.0 * 2.4 / 1.5 + 1e-9)),
+            effects=("performance_table",),
+            parameters={"start_speed": 4.0, "performance_table.table": OWN_ROTOR + "2.4,0\n"},
+            inputs={"wind": jumps(0.0, (1.0, 60.0))},
+            run=(4.0, 0.05),
         ),
     },
     "Wind": {
@@ -427,6 +444,19 @@ HARD_CASES = {
             "It reaches flows at which the parabola is negative.",
             Refused("less than twice", accepted={"best_flow": 1.2e-3}),
             parameters={"best_flow": 0.9e-3},
+        ),
+        "a table whose head rises with the flow": HardCase(
+            "One head would have two flows.",
+            Refused("a head that falls", accepted={"curve_table.table": SHEET.format(28)}),
+            effects=("curve_table",),
+            parameters={"curve_table.table": SHEET.format(31)},
+        ),
+        "a table whose pump speeds up and slows down": HardCase(
+            "Through the shut-off head and behind the last row: a flow without a jump, never negative.",
+            (AtLeast("flow", 0.0), AtLeast("hydraulic_power", 0.0), Finite()),
+            effects=("curve_table",),
+            inputs={"speed": InputSignal(lambda t: 150.0 * math.sin(3.0 * t) ** 2), "head": 4.0},
+            run=(2.0, 0.01),
         ),
     },
     "WaterPipe": {

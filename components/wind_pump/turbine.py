@@ -12,8 +12,9 @@ from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OWN, kernel
-from ..core.variables import choice, input_, output, parameter
+from ..core.variables import choice, input_, output, parameter, text
 from .curves import CURVES, FARM, torque_coefficient
+from .performance import coefficient_of_table, performance_of, prepare
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 LARGEST_NUMBER = 1e12  # of a ratio: where the wind dies under a turning rotor, the torque is that of no wind long before
@@ -28,6 +29,24 @@ class Pitch(Effect):
     """Blades that turn about their own axis: the curves "heier", "simple" and "variant" know it; a negative angle counts as 0."""
 
     angle = input_(0.0, "rad", "pitch of the blades out of their best position", nominal=0.1)
+
+
+class PerformanceTable(Effect):
+    """The turbine's own curve, measured or computed, in the place of the fits.
+
+    A CSV table with a header and one column of `power_coefficient` or `torque_coefficient` over `tip_speed_ratio`, and, with the
+    effect `pitch`, a column `pitch [deg]`: the same ratios for each pitch. Between the ratios a cubic without overshoot of the
+    torque coefficient, between the pitches a straight line; before the first and behind the last row the coefficient stays as it
+    is. So the table has to end at runaway, where the power is 0 or negative. At a ratio of 0 a power coefficient says nothing of
+    the torque: such a row is left out, and a rotor starts with the torque coefficient of the next one.
+    """
+
+    explicit_only = True
+    replaces = ("curve", "standstill_coefficient", "runaway_ratio")
+
+    table = text(
+        "tip_speed_ratio,torque_coefficient\n0,0.5\n1.2,0.25\n2.4,0\n", "coefficients as a CSV table; a scene may name its file"
+    )
 
 
 class Furling(Effect):
@@ -65,6 +84,7 @@ class WindTurbine(EventComponent):
     start_inputs = ("wind", "torque", "pitch.angle")  # they decide whether the rotor sticks
 
     pitch = Pitch
+    performance_table = PerformanceTable
     furling = Furling
     bearing_friction = BearingFriction
 
@@ -115,15 +135,18 @@ class WindTurbine(EventComponent):
         return 3 if "bearing_friction" in self.on else 2
 
     def shapes(self) -> dict[str, Any]:
-        """`largest`: power coefficient of the farm windmill at its best."""
-        if "pitch" in self.on and self.parameters["curve"] == "farm":
+        """`largest`: power coefficient of the farm windmill at its best.  `performance`: see `Performance`; None without a table."""
+        performance = None
+        if "performance_table" in self.on:
+            performance = performance_of(self.parameters["performance_table.table"], "pitch" in self.on, self.name)
+        elif "pitch" in self.on and self.parameters["curve"] == "farm":
             raise BadInput(
                 self.name,
                 "effect 'pitch' with curve 'farm'",
                 "a curve that knows pitch: heier, simple or variant",
                 "Choose another curve, or leave the effect off.",
             )
-        return super().shapes() | {"largest": 1}
+        return super().shapes() | {"largest": 1, "performance": performance}
 
     def energy(self) -> float:
         """Energy of rotation, J."""
@@ -135,38 +158,49 @@ OUT = WindTurbine.output_places()
 
 
 @kernel
-def wind_torque(speed, u, p, pitch, furling):
+def coefficient_at(ratio, degrees, s, p, e):
+    """Torque coefficient at a tip speed ratio and a pitch in degrees."""
+    if e.performance_table is not None:
+        return coefficient_of_table(ratio, degrees, s.performance)
+    return torque_coefficient(p.curve, ratio, degrees, p.standstill_coefficient, p.runaway_ratio)
+
+
+@kernel
+def wind_torque(speed, u, s, p, e):
     """Torque of the wind on the rotor, N.m."""
     wind = u[IN.wind]
-    if furling is not None:
-        wind = min(wind, furling.wind)
+    if e.furling is not None:
+        wind = min(wind, e.furling.wind)
     if wind <= 0.0:  # exactly here the two sides have slopes of their own
         return 0.0
     degrees = 0.0
-    if pitch is not None:
-        degrees = u[pitch.u] / DEGREE
+    if e.pitch is not None:
+        degrees = u[e.pitch.u] / DEGREE
     ratio = min(max(speed * p.radius / wind, -LARGEST_NUMBER), LARGEST_NUMBER)
-    coefficient = torque_coefficient(p.curve, ratio, degrees, p.standstill_coefficient, p.runaway_ratio)
+    coefficient = coefficient_at(ratio, degrees, s, p, e)
     return 0.5 * p.density * math.pi * p.radius**3 * wind * (wind * coefficient)
 
 
 @kernel
-def drive(speed, u, p, e):
+def drive(speed, u, s, p, e):
     """Torque on the rotor, dry friction apart, N.m."""
-    return wind_torque(speed, u, p, e.pitch, e.furling) - u[IN.torque] - p.damping * speed
+    return wind_torque(speed, u, s, p, e) - u[IN.torque] - p.damping * speed
 
 
 @kernel
 def turbine_start(t, s, p, e):
     """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
-    s.largest[0] = 0.25 * p.standstill_coefficient * p.runaway_ratio
-    if p.curve == FARM and s.largest[0] > BETZ:
-        return ABOVE_BETZ
+    if e.performance_table is not None:
+        prepare(s.performance)
+    else:
+        s.largest[0] = 0.25 * p.standstill_coefficient * p.runaway_ratio
+        if p.curve == FARM and s.largest[0] > BETZ:
+            return ABOVE_BETZ
     s.x[0], s.x[1] = p.start_speed, p.start_angle
     if e.bearing_friction is not None:
         if e.bearing_friction.static < e.bearing_friction.kinetic:
             return STATIC_BELOW_KINETIC
-        s.x[2] = stick_mode(p.start_speed, drive(p.start_speed, s.u[0], p, e), e.bearing_friction.static)
+        s.x[2] = stick_mode(p.start_speed, drive(p.start_speed, s.u[0], s, p, e), e.bearing_friction.static)
     return DONE
 
 
@@ -174,9 +208,9 @@ def turbine_start(t, s, p, e):
 def turbine_stable(t, s, p, e):
     """RK4's limit, radius / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
     slope, width = 0.0, LARGEST_RATIO / STEEPNESS
-    before = torque_coefficient(p.curve, 0.0, 0.0, p.standstill_coefficient, p.runaway_ratio)
+    before = coefficient_at(0.0, 0.0, s, p, e)
     for k in range(1, STEEPNESS + 1):
-        now = torque_coefficient(p.curve, k * width, 0.0, p.standstill_coefficient, p.runaway_ratio)
+        now = coefficient_at(k * width, 0.0, s, p, e)
         slope = max(slope, abs(now - before) / width)
         before = now
     steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
@@ -186,7 +220,7 @@ def turbine_stable(t, s, p, e):
 @kernel
 def turbine_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (speed, angle[, direction of sliding])."""
-    torque = drive(x[0], u, p, e)
+    torque = drive(x[0], u, s, p, e)
     if e.bearing_friction is not None:
         torque -= stick_friction(x[2], torque, e.bearing_friction.kinetic)
         dx[2] = 0.0
@@ -199,7 +233,7 @@ def turbine_guards(t, x, u, g, s, p, e):
     """That of the dry friction, where there is one."""
     g[0] = 1.0
     if e.bearing_friction is not None:
-        g[0] = stick_guard(x[2], x[0], drive(x[0], u, p, e), e.bearing_friction.static)
+        g[0] = stick_guard(x[2], x[0], drive(x[0], u, s, p, e), e.bearing_friction.static)
 
 
 @kernel
@@ -207,14 +241,14 @@ def turbine_switch(which, t, x, u, s, p, e):
     """The rotor comes to rest, turns over, or breaks loose."""
     if e.bearing_friction is not None:
         x[0] = 0.0
-        x[2] = stick_switch(x[2], drive(0.0, u, p, e), e.bearing_friction.static)
+        x[2] = stick_switch(x[2], drive(0.0, u, s, p, e), e.bearing_friction.static)
 
 
 @kernel
 def turbine_outputs(t, s, p, e):
     """Motion, torque, coefficients."""
     x, u, y = s.x, s.u[0], s.y
-    torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[IN.wind]
+    torque, wind = wind_torque(x[0], u, s, p, e), u[IN.wind]
     y[OUT.speed], y[OUT.angle], y[OUT.aerodynamic_torque], y[OUT.power] = x[0], x[1], torque, torque * x[0]
     y[OUT.power_coefficient], y[OUT.tip_speed_ratio] = 0.0, 0.0
     if wind > 0.0 and wind**3 > 0.0 and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:

@@ -261,6 +261,7 @@ def switched_on(scene: Scene, texts: Sequence[str] | None) -> dict[str, Any]:
 
 def change(scene: Scene, text: str) -> tuple[str, Any]:
     """(name in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
+    from ..scene.files import table_text
     from ..scene.names import parameter_of
 
     name, equals, value = assigned(scene, text)
@@ -271,7 +272,7 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
     given, known = value_of(value), parameter_of(scene, name)
     if known is not None and (question := known.doubt(given)):
         raise BadInput("--set", repr(text), "a number with its unit", question)
-    return name, given
+    return name, table_text(given, Path(), f"--set {name}") if known is not None else given
 
 
 def assigned(scene: Scene, text: str) -> tuple[str, str, str]:
@@ -355,6 +356,8 @@ def _named(scene: Scene, name: str, value: Any) -> str:
 
     place = place_of(scene, name)
     if place.parameter:
+        if isinstance(value, str) and "\n" in value:
+            return f"{place.unit}.{place.parameter} = a table of {len(value.splitlines())} lines"
         return f"{place.unit}.{place.parameter} = {f'{value:.6g}' if isinstance(value, float) else value}"
     if place.effect:
         return f"{place.unit}: {'' if value else 'without '}effect {place.effect}"

@@ -261,12 +261,14 @@ def value_of(text: str) -> Any:
 
 def parameters_of(texts: Sequence[str] | None) -> dict[str, Any]:
     """Parameters of a component alone, each given as "parameter=value", by the names of their elements."""
+    from ..scene.files import table_text
+
     values: dict[str, Any] = {}
     for text in texts or ():
         parameter, equals, value = text.partition("=")
         if not (parameter and equals and value):
             raise BadInput("--set", repr(text), "parameter=value")
-        given = value_of(value)
+        given = table_text(value_of(value), Path(), f"--set {parameter}")
         elements = enumerate(given, 1) if isinstance(given, list) else ()
         values |= {f"{parameter.strip()}[{k}]": v for k, v in elements} or {
             parameter.strip(): float(given) if isinstance(given, int) and not isinstance(given, bool) else given

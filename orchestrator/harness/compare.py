@@ -157,7 +157,7 @@ class Comparison:
 
     def setting_cells(self) -> Cells:
         """Settings and parameters that are not the same in all runs."""
-        rows = [(name, *texts) for name, texts in self.settings.items()]
+        rows = [(name, *own_lines(texts)) for name, texts in self.settings.items()]
         return Cells("Changed settings", ("setting", *self.names), rows, "" if rows else "All settings are the same.")
 
     def figure_cells(self) -> Cells:
@@ -291,6 +291,15 @@ def _shared(first: Result, other: Result) -> np.ndarray:
     """Rows of the first run at whose times the other one has been, (n,) truth values."""
     near = 1e-12 * float(np.abs(other.time[[0, -1]]).max())
     return (first.time >= other.time[0] - near) & (first.time <= other.time[-1] + near)
+
+
+def own_lines(texts: Sequence[str]) -> tuple[str, ...]:
+    """Texts as they are; of tables, which have several lines, the lines that are not in all of them."""
+    if not any("\n" in text for text in texts):
+        return tuple(texts)
+    lines = [text.splitlines() for text in texts]
+    common = set.intersection(*map(set, lines))
+    return tuple(" / ".join(line for line in each if line not in common) or "nothing else" for each in lines)
 
 
 def _settings(results: Sequence[Result]) -> dict[str, tuple[str, ...]]:

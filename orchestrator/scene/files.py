@@ -73,6 +73,12 @@ def read_text(path: Path, where: str = "scene") -> str:
         raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8", "Save it in this encoding.") from None
 
 
+def table_text(value: Any, folder: Path, where: str) -> Any:
+    """The value of a parameter; of one that names a table's file by its ending, .toml or .csv, the text of the file."""
+    is_file = isinstance(value, str) and value.endswith((".toml", ".csv")) and "\n" not in value
+    return read_text(folder / value, where) if is_file else value
+
+
 def read_toml(path: Path, *kinds: str) -> dict[str, Any]:
     """The file's tables; a missing file, a syntax error, or a file of another kind than wanted is one `BadInput` with file and line."""
     if kinds:

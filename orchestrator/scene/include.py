@@ -15,7 +15,7 @@ from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
 from ..settings.names import TABLE_FORM, prefixed, split_name
 from ..units.kinds import kind_of_entry
-from .files import read_file, read_text, scene_path
+from .files import read_file, scene_path, table_text
 from .modules import find_beside
 
 PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
@@ -140,8 +140,6 @@ def _with_contents(parameters: Mapping[str, Any], folder: Path) -> dict[str, Any
     def content(key: str, value: Any) -> Any:
         if isinstance(value, Mapping):
             return _with_contents(value, folder)
-        if isinstance(value, str) and value.endswith((".toml", ".csv")) and "\n" not in value:
-            return read_text(folder / value, key)
-        return value
+        return table_text(value, folder, key)
 
     return {key: content(key, value) for key, value in parameters.items()}

@@ -9,7 +9,7 @@ Names of units may hold dots, and those of variables do; see `settings.names`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
 from ...components.core.errors import BadInput, nearest
@@ -94,7 +94,8 @@ def displaced(scene: AnyScene, numbers: Mapping[str, float]) -> AnyScene:
 def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[str, Any]:
     """The settings of a scene as plain data, some of them replaced by their names.
 
-    Single effects come behind all others; one that is switched off takes its parameters with it, and their tolerances.
+    Single effects come behind all others. One that is switched off takes its parameters with it, one that is switched on those of
+    the scene that it replaces; their tolerances go, too.
     """
     data, effects = scene.settings(), []
     for name, value in changes.items():
@@ -114,15 +115,34 @@ def changed_settings(scene: SceneSettings, changes: Mapping[str, Any]) -> dict[s
         table = data["units"][place.unit]
         others = [e for e in table.get("effects", ()) if e != place.effect]
         table["effects"] = [*others, place.effect] if on else others
-        if not on:  # numbers of an effect that is off are refused
-            for key in ("parameters", "tolerances"):
-                if key in table:
-                    table[key] = {n: v for n, v in table[key].items() if not n.startswith(f"{place.effect}.")}
-            if pairs := data.get("correlations"):
-                of_effect = f"{place.unit}.{place.effect}."
-                left = [p for p in pairs if not any(n.strip().startswith(of_effect) for n in p.split(","))]
-                data["correlations"] = {p: pairs[p] for p in left}
+        _drop(
+            data,
+            place.unit,
+            _replaced(scene, place, changes) if on else lambda n, effect=f"{place.effect}.": n.startswith(effect),
+        )
     return data
+
+
+def _replaced(scene: SceneSettings, place: Place, changes: Mapping[str, Any]) -> Callable[[str], bool]:
+    """Whether an effect that is switched on takes the place of a parameter, which the changes do not give themselves."""
+    cls = _kind(scene, place.unit).component_class
+    replaced = cls.effects[place.effect].replaces if cls and place.effect in cls.effects else ()
+    given = {other.parameter.partition("[")[0] for other in (place_of(scene, n) for n in changes) if other.unit == place.unit}
+    return lambda name: name.partition("[")[0] in set(replaced) - given
+
+
+def _drop(data: dict[str, Any], unit: str, gone: Callable[[str], bool]) -> None:
+    """Take away the parameters of a unit that have no part any more, with their tolerances and correlations."""
+    table = data["units"][unit]
+    for key in ("parameters", "tolerances"):
+        if key in table:
+            table[key] = {n: v for n, v in table[key].items() if not gone(n)}
+    if pairs := data.get("correlations"):
+        ends = {pair: [n.strip() for n in pair.split(",")] for pair in pairs}
+        own = f"{unit}."
+        data["correlations"] = {
+            p: pairs[p] for p in pairs if not any(n.startswith(own) and gone(n.removeprefix(own)) for n in ends[p])
+        }
 
 
 def _set(data: dict[str, Any], keys: tuple[str, ...], value: Any, where: str) -> None:

@@ -80,6 +80,21 @@ def test_an_effect_that_goes_takes_its_numbers_with_it():
     assert gone.units["pantograph"] == RAILWAY.units["pantograph"]
 
 
+def test_an_effect_that_comes_takes_the_place_of_the_scenes_numbers():
+    """Of those that it replaces, with their tolerances; one that is given beside it is refused."""
+    pump = {
+        "component": "CentrifugalPump",
+        "parameters": {"best_flow": 1.3e-3, "density": 998.0},
+        "tolerances": {"best_flow": "1 %"},
+    }
+    scene = read_scene({"units": {"pump": pump}, "stop_time": 1.0, "master": {"step": 0.1}})
+    changed = scene.with_changes({"pump.effects.curve_table": True})
+    assert changed.units["pump"].parameters == {"density": 998.0}
+    assert not changed.units["pump"].tolerances
+    with pytest.raises(BadInput, match="the effect 'curve_table' takes its place"):
+        scene.with_changes({"pump.effects.curve_table": True, "pump.best_flow": 1e-3})
+
+
 def test_an_effect_of_a_preset_stays():
     scene = load_scene("damped-chain")
     unit, effect = next(

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ....components.core.component import TABLES
+from ....components.core.component import TABLES, Component
 from ....components.core.errors import BadInput
-from ....components.core.signals import LOOKED_AT
+from ....components.core.signals import KNOWN, LOOKED_AT
 from ...settings.units import TABLE_KEYS
+from ..interface import Interface
 from ..signal_files import SUFFIXES, read_signals
 from .component import ComponentKind
 from .kind import UnitKind
@@ -42,6 +45,24 @@ class SignalsKind(ComponentKind):
         others = {key: value for key, value in entry.items() if key not in TABLE_KEYS}
         table = read_signals(self.value, f"{self.where}.signals")
         return {**others, "component": table.__name__, "parameters": parameters}
+
+    @cached_property
+    def component_class(self) -> type[Component] | None:  # type: ignore[override]
+        """None of a result's table that is gone, or is another by now."""
+        with suppress(BadInput):
+            self._read_for_a_result()
+        return KNOWN.get(self.settings.component)
+
+    def _read_for_a_result(self) -> None:
+        """The table of the scene of a stored result, which this process has not read; raises `BadInput` where it is another now."""
+        if self.settings.component in KNOWN:
+            return
+        if read_signals(self.value, f"{self.where}.signals").__name__ != self.settings.component:
+            raise BadInput(self.where, f"{self.value}, which has changed since the run", "the table that the run has read")
+
+    def describe(self, name: str) -> Interface:
+        self._read_for_a_result()
+        return super().describe(name)
 
     @property
     def holds(self) -> bool:  # type: ignore[override]

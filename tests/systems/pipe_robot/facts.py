@@ -37,6 +37,7 @@ FACTS: dict[str, Facts] = {
     "PipeRoute": Facts(
         small={"slope_table[2]": 0.1, "diameter_table[2]": 0.19, "diameter_table[3]": 0.18, "factor_table[1]": 0.8},
         plain=((), {}, 5),
+        structural=frozenset({"route_table"}),
     ),
     "TowCoupling": Facts(
         small={"length": 0.55},  # the bar pushes, the rope is slack

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.route import PipeRoute
 from scipy.interpolate import PchipInterpolator
 
@@ -72,3 +73,33 @@ def test_a_cone_is_one():
     for x in np.linspace(0.5, 6.0, 23):
         assert at(unit, x, "diameter") == pytest.approx(0.2 - 0.01 * x, rel=1e-14)
         assert at(unit, x, "taper") == pytest.approx(-0.01, rel=1e-12)
+
+
+@pytest.mark.known_answers(PipeRoute="route_table")
+def test_a_survey_of_any_length_is_the_cubic_of_scipy_between_its_level_ends():
+    x = np.round(np.concatenate([[0.0, 0.001], np.linspace(0.5, 20.0, 38), [20.5, 20.501]]), 6)
+    d = np.round(0.2 + 0.01 * np.sin(x), 9)
+    d[1], d[-1] = d[0], d[-2]  # level ends, where SciPy's slopes are others
+    rows = "".join(f"{a:.6f};{1e3 * b:.6f};{5.0 * np.cos(a):.9f}\n" for a, b in zip(x, d, strict=True))
+    unit = PipeRoute(["route_table"], {"route_table.table": f"position [m];diameter [mm];slope [deg]\n{rows}"})
+    unit.initialize(0.0)
+    cubic = PchipInterpolator(x, d)
+    for place in np.linspace(0.5, 20.0, 301):
+        assert at(unit, place, "diameter") == pytest.approx(float(cubic(place)), abs=1e-15)
+        assert at(unit, place, "friction_factor") == 1.0
+    assert at(unit, x[7], "slope") == pytest.approx(np.radians(5.0 * np.cos(x[7])), abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("position [m],slope [deg]\n0,1\n1,2\n", "no column 'diameter'"),
+        ("position [m],diameter [mm]\n0,200\n0,210\n", "position 0 behind 0"),
+        ("position [m],diameter [mm]\n0,200\n1,-210\n", "a diameter of -0.21 m"),
+        ("position [m],diameter [mm],friction_factor\n0,200,1\n1,210,-1\n", "a friction factor of -1"),
+        ("position [m],diameter [mm],bend\n0,200,1\n1,210,1\n", "column 'bend'"),
+    ],
+)
+def test_a_survey_that_cannot_be_used_is_one_message(table, expected):
+    with pytest.raises(BadInput, match=expected):
+        PipeRoute(["route_table"], {"route_table.table": table}).initialize(0.0)

@@ -165,7 +165,7 @@ def test_measured_unevenness_is_a_height_of_the_wire():
         ("position [m],height [m]\n0,0\n", "at least two rows"),
         ("position [m],z\n0,0\n", "column 'z'"),
         ("position [m],height [mm]\n0,0\n1,a\n", "'a', expected a number"),
-        ("position [m],height [m]\n0,0\n2,0\n1,0\n", "1 m behind 2 m"),
+        ("position [m],height [m]\n0,0\n2,0\n1,0\n", "position 1 behind 2"),
         ("position [m],height [m]\n0,0,0\n1,0,0\n", "3 cells"),
         ("position [m],height [m]\n0,0\n1,nan\n", "rows"),
     ],

@@ -11,10 +11,11 @@ FACTS: dict[str, Facts] = {
             ({"curve": "farm"}, ("furling", "bearing_friction")),
             ({"curve": "simple", "start_speed": 20.0}, ()),
             ({"curve": "variant", "start_speed": 20.0}, ("pitch",)),
+            ({"curve": "farm", "start_speed": 4.0}, ("performance_table",)),
         ),
         disturbance={"wind": 5.0, "torque": 3.0},
         strengths={"bearing_friction.kinetic": ({"bearing_friction.static": 0.1}, 1e-3)},
-        structural=frozenset({"pitch", "furling"}),
+        structural=frozenset({"pitch", "furling", "performance_table"}),
         form=frozenset({"bearing_friction.static"}),
     ),
     "Wind": Facts(
@@ -102,7 +103,9 @@ FACTS: dict[str, Facts] = {
     "CentrifugalPump": Facts(
         plain=(("seal_friction",), {}, 20),
         disturbance={"speed": 140.0, "head": 15.0},
+        other_ways=(({}, ("curve_table",)),),
         strengths={"seal_friction.torque": ({}, 1e-3)},
+        structural=frozenset({"curve_table"}),
     ),
     "WaterPipe": Facts(
         plain=(("friction", "air_vessel", "tank"), {}, 20),
