@@ -6,13 +6,13 @@ with, and room for the rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...components.core.block import CELL
+from ...components.core.block import CELL, Block
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...fmus.derivatives.compiled import Arena, Compiled
 from ...fmus.derivatives.grammar import Unsupported
@@ -230,15 +230,31 @@ class TangentScene:
 
     def take(self, master: Master) -> None:
         """The block as units and master of another opening of the scene stand; raises `BadInput` for units that are FMUs."""
-        kernels: dict[str, Any] = {n.unit.name: n.unit.kernels for n in master.nodes}
-        self._refuse([f"{name} (opened as an FMU)" for name, component in kernels.items() if component is None])
+        blocks = self._blocks(master)
         self._begin(())
         cells, own = self._arena.cells, [*self._ends, *self._changes, *(cell for cell, _, _ in self._addresses)]
         kept = cells[own].copy()
-        blocks = [(u.first, kernels[u.name].block) for u in self.layout.units]
         for first, block in (*blocks, (self.layout.at, master.records.block)):
             cells[first : first + block.cells] = block.memory
         cells[own] = kept
+
+    def give(self, master: Master) -> None:
+        """Let units and master of another opening of the scene stand as the block does; raises `BadInput` for units that are FMUs."""
+        cells, records = self._arena.cells, master.records
+        for first, block in self._blocks(master):
+            for part in (slice(block.addresses_at), slice(block.addresses_at + len(block.entries), block.cells)):
+                block.memory[part] = cells[first : first + block.cells][part]
+        records.block.memory[records.changing] = cells[self.layout.at + records.changing]
+
+    def _blocks(self, master: Master) -> list[tuple[int, Block]]:
+        """Of each unit the cell where it begins here, and its block there."""
+        kernels: dict[str, Any] = {n.unit.name: n.unit.kernels for n in master.nodes}
+        self._refuse([f"{name} (opened as an FMU)" for name, component in kernels.items() if component is None])
+        return [(u.first, kernels[u.name].block) for u in self.layout.units]
+
+    def places(self, names: Iterable[str]) -> np.ndarray:
+        """Cells of parameters and free inputs, (n,); raises `BadInput`."""
+        return np.array([self._place_of(name) for name in names], dtype=np.intp)
 
     def end_at(self, t: float) -> None:
         """The run now ends at a time, s, to which units with a rate of their own take a shorter last step."""

@@ -43,6 +43,10 @@ class Extended:
         """The mean of the live cells, (l,)."""
         return self.model.block[self.model.live]
 
+    def put(self, cells: np.ndarray, numbers: np.ndarray) -> None:
+        """Inputs that are known from here on, (n,)."""
+        self.model.numbers[cells] = self.model.block[cells] = numbers
+
     def predict(self, dt: float) -> None:
         """Over a macro step, dt, s: columns of disturbances come behind those that there are."""
         moved, numbers = self.model.kicks(False, dt)
@@ -134,6 +138,9 @@ class Ensemble:
     @property
     def Tq(self) -> np.ndarray:
         return (self._q - self.q).T / np.sqrt(len(self._q) - 1.0)
+
+    def put(self, cells: np.ndarray, numbers: np.ndarray) -> None:
+        self.model.numbers[cells] = self._blocks[:, cells] = numbers
 
     def predict(self, dt: float) -> None:
         model, step = self.model, self.model.step

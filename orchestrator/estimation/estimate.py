@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from ..scene.scene import Scene, read_toml
+from ..scene.scene import Scene
 from ..scene.shorter_steps import shorter
 from ..settings.estimate import EstimateSettings
-from ..settings.messages import validated
-from .answer import Estimate, Parameter
-from .beliefs import Belief, Ensemble, Extended, Unscented
+from .answer import Estimate
+from .filtered_scene import ENSEMBLE, EXTENDED, UNSCENTED, FilteredScene, PlanLike, plan_of
 from .filtering import Filter, history
 from .measurements import Data, Measurements, measurements_of
-from .model import Model
 from .observability import Observability, observability
-from .suspects import Suspected, judged, suspected
+from .suspects import judged
 from .verdict import verdict
 
 NOISE_ROUNDS, NOISE_AGREES = 8, 0.02  # of the search for the noise; relative
 WORSE = 2.0  # log units that the error of the steps may take from the likelihood
-EXTENDED, UNSCENTED, ENSEMBLE = "extended", "unscented", "ensemble"
 HOW = {EXTENDED: "extended Kalman filter", UNSCENTED: "unscented Kalman filter", ENSEMBLE: "ensemble of {}"}
-PlanLike = EstimateSettings | Mapping[str, Any] | str | Path
 
 
 def estimate(
@@ -46,58 +41,37 @@ def estimate(
     values in SI units), in the place of files.  halved: the numerical error, by another filter with half of all steps.  say: is told
     beforehand what the measurements cannot tell. Raises `BadInput`, and `StepFailed` where the scene cannot go on from an estimate.
     """
-    where, folder = "plan", Path(folder)
-    if isinstance(plan, str | Path):
-        where, folder = Path(plan).name, Path(plan).parent
-        plan = read_toml(Path(plan), where, "plan")
-    wanted = validated(EstimateSettings, plan, where)
+    wanted, where, folder = plan_of(plan, folder)
     measured = measurements_of(wanted, scene, folder, data or {}, where)
     with ExitStack() as stack:
-        course = _Course(scene, wanted, measured, stack, where)
+        course = _Record(scene, wanted, measured, stack, where)
         for text in course.observable.texts:
             say(text)
         answer = course.answer()
     return _with_numerical_errors(answer, scene, wanted, measured, where) if halved else answer
 
 
-class _Course:
-    """One opening of a scene, from the survey of its cells to the answer."""
+class _Record:
+    """A record of measurements, from the survey of the scene's cells to the answer."""
 
     def __init__(
         self, scene: Scene, plan: EstimateSettings, measured: Measurements, stack: ExitStack, where: str, again: bool = False
     ):
         """again: with other steps, for the numbers alone."""
-        self.again = again
-        self.plan, self.where = plan, where
+        self.again, self.plan = again, plan
         step, first = scene.master.step, scene.start_time
         if not measured.time[-1] > first:
             raise BadInput(f"{where}: measured", f"times up to {measured.time[-1]:g} s", f"some behind the start, {first:g} s")
         scene = scene.with_changes({"stop_time": first + step * (np.ceil((measured.time[-1] - first) / step) + 2.0)})
-        self.model = model = Model(scene, plan, stack, int((measured.time[-1] - first) / step), where)
-        self.name = plan.filter or (ENSEMBLE if model.large else EXTENDED)
-        self.measured = measured.within(model.step.time, np.inf)
-        self.left_out = int(measured.time.size - self.measured.time.size)
-        self.noise = self.measured.rough_noise()
+        self.filtered = filtered = FilteredScene(scene, plan, measured, stack, where, int((measured.time[-1] - first) / step))
+        self.measured, self.left_out = filtered.measured, int(measured.time.size - filtered.measured.time.size)
+        self.noise = filtered.noise = self.measured.rough_noise()
         self.observable = Observability((), np.zeros(0), ())
-        if not (again or model.large):
-            self.observable = observability(model, self.measured, self.noise)
-        self._suspected: Suspected | None = None
-        self.rows = np.concatenate([model.y_rows, model.state_rows])
-
-    def _belief(self, doubts: bool) -> Belief:
-        if self.name == ENSEMBLE:
-            return Ensemble(self.model, self.plan.members, self.plan.inflation, self.plan.seed)
-        if self.name == UNSCENTED:
-            return Unscented(self.model)
-        belief = Extended(self.model)
-        if doubts:
-            some = self._suspected = suspected(self.model, self.plan.suspected, self.measured.signals, self.noise, self.where)
-            belief = Extended(self.model, some.cells, some.by)
-            belief.sensitivities = some.start.copy()
-        return belief
+        if not (again or filtered.model.large):
+            self.observable = observability(filtered.model, self.measured, self.noise)
 
     def _run(self, doubts: bool, smooth: bool) -> Filter:
-        filtered = Filter(self.model, self._belief(doubts), self.measured.signals, self.noise, self.rows, smooth)
+        filtered = self.filtered.filter(doubts, smooth)
         filtered.run(self.measured)
         return filtered
 
@@ -117,35 +91,29 @@ class _Course:
     def answer(self) -> Estimate:
         """Filter, smooth and judge."""
         self._find_noise()
-        doubts = self.name == EXTENDED and not self.again
+        doubts = self.filtered.name == EXTENDED and not self.again
         done = self._run(doubts, self.plan.smooth)
-        model, innovations = self.model, done.innovations
+        filtered, model, innovations = self.filtered, self.filtered.model, done.innovations
         q, deviations = done.belief.q, np.sqrt((done.belief.Tq**2).sum(axis=1))
-        suspects = (
-            judged(model, self._suspected, self.measured.signals, self.measured.units, innovations)
-            if doubts and self._suspected
-            else []
-        )
-        names = model.state_names()
+        some, sensors = filtered.suspected, self.measured
+        suspects = judged(model, some, sensors.signals, sensors.units, innovations) if doubts and some else []
         interfaces = model.scene.coupling.interfaces
         units = {".".join(end): interfaces[end[0]].outputs[end[1]].unit for end in model.tangents.signals}
-        cells = model.live[model.state_rows]
-        columns = [*model.signals, *(names.get(int(c), "") for c in cells)]
-        kept = [k for k, n in enumerate(columns) if n and n not in columns[:k]]
+        kept, names = list(filtered.columns), tuple(filtered.columns.values())
         seen = history(done.track, self.plan.smooth)
         seen = replace(seen, values=seen.values[:, kept], deviations=seen.deviations[:, kept])
         judgement = verdict(self.measured, innovations, model.unknowns, q, deviations, suspects)
         remarks = [f"{self.left_out} measurements lie before the first step, and are left out"] * bool(self.left_out)
-        how = HOW[self.name].format(self.plan.members)
+        how = HOW[filtered.name].format(self.plan.members)
         why = "as asked for" if self.plan.filter else f"by default, {len(model.state)} states"
         return Estimate(
             model.scene,
             self.measured,
             f"{how} ({why}){', smoothed' if self.plan.smooth else ''}",
             self.observable,
-            tuple(Parameter.of(u, v, d) for u, v, d in zip(model.unknowns, q, deviations, strict=True)),
-            tuple(columns[k] for k in kept),
-            {columns[k]: units.get(columns[k], "") for k in kept},
+            filtered.parameters(done.belief),
+            names,
+            {n: units.get(n, "") for n in names},
             seen,
             history(done.track, False),
             innovations,
@@ -161,7 +129,7 @@ def _with_numerical_errors(
     known = replace(measured, noise=answer.noise)
     try:
         with ExitStack() as stack:
-            halved = _Course(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, again=True).answer()
+            halved = _Record(scene.with_changes(shorter(scene, 2)), plan, known, stack, where, again=True).answer()
     except (BadInput, StepFailed) as error:
         remarks = (*answer.verdict.remarks, f"no numerical error: with half of all steps, {error}")
         return replace(answer, verdict=replace(answer.verdict, remarks=remarks))

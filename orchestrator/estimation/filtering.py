@@ -52,13 +52,32 @@ class Innovations:
     sensitivities: list[np.ndarray] = field(default_factory=list)
     log_likelihood: float = 0.0
 
+    def forget(self, kept: int) -> None:
+        """All but the last ones."""
+        for name, values in vars(self).items():
+            if name != "log_likelihood":
+                del values[:-kept]
+
 
 class Filter:
     """A belief that goes on from step to step of a scene and takes what was measured meanwhile."""
 
-    def __init__(self, model: Model, belief: Belief, seen: Sequence[str], noise: np.ndarray, rows: np.ndarray, smooth: bool):
-        """seen: measured signals, with noise (k,).  rows: of the live cells that the track keeps.  smooth: keep the way back."""
+    def __init__(
+        self,
+        model: Model,
+        belief: Belief,
+        seen: Sequence[str],
+        noise: np.ndarray,
+        rows: np.ndarray,
+        smooth: bool,
+        most: int | None = None,
+    ):
+        """seen: measured signals, with noise (k,).  rows: of the live cells that the track keeps.  smooth: keep the way back.
+
+        most: innovations that are kept, with the last instant of the track alone; None: all of both.
+        """
         self.model, self.belief, self.noise, self.rows, self._smooth = model, belief, noise, rows, smooth
+        self._most, self._waiting = most, [np.zeros(0), np.zeros(0, dtype=np.intp), np.zeros(0)]
         self._y = np.array([model.y_rows[model.signals.index(n)] for n in seen], dtype=np.intp)
         self._kept = np.unique(np.concatenate([model.state_rows, self._y]))
         self.dt = model.step.h
@@ -119,19 +138,38 @@ class Filter:
 
     def _note(self) -> None:
         track, belief = self.track, self.belief
+        if self._most is not None:
+            self.track = track = Track()
+            self.innovations.forget(self._most)
         track.time.append(self.model.step.time)
         track.values.append(belief.live[self.rows])
         track.columns.append(belief.T[self.rows] if self._smooth else np.sqrt((belief.T[self.rows] ** 2).sum(axis=1))[:, None])
         track.q.append(belief.q.copy())
         track.q_columns.append(belief.Tq.copy())
 
+    def assimilate(self, horizon: float, time: np.ndarray, which: np.ndarray, values: np.ndarray) -> None:
+        """Take measurements, (m,), and go on over all macro steps that end at a horizon, s, or before it.
+
+        All that was measured up to there has come; what was measured behind the last of these steps waits.
+        """
+        given = (time, which, values) if not self._waiting[0].size else map(np.append, self._waiting, (time, which, values))
+        time, which, values = given
+        tolerance = SAME * self.dt
+        while (end := self.model.step.time + self.dt) <= horizon + tolerance:
+            now = time <= end + tolerance
+            order = np.argsort(time[now], kind="stable")
+            self.step(time[now][order], which[now][order], values[now][order])
+            time, which, values = time[~now], which[~now], values[~now]
+        self._waiting = [time, which, values]
+
     def run(self, measured: Measurements) -> None:
-        """All measurements behind the present instant, step by step."""
-        tolerance, start = SAME * self.dt, self.model.step.time
-        steps = int(np.ceil((measured.time[-1] - start) / self.dt - SAME)) if measured.time.size else 0
-        ends = np.searchsorted(measured.time, start + self.dt * np.arange(steps + 1) + tolerance, side="right")
-        for first, last in pairwise(ends):
-            self.step(measured.time[first:last], measured.which[first:last], measured.values[first:last])
+        """All measurements behind the present instant, one after the other as they have come, and on to the end of the last step."""
+        time, tolerance = measured.time, SAME * self.dt
+        ends = [*(np.flatnonzero(np.diff(time) > tolerance) + 1), time.size]
+        for first, last in pairwise([0, *ends]):
+            self.assimilate(time[last - 1], time[first:last], measured.which[first:last], measured.values[first:last])
+        if self._waiting[0].size:
+            self.assimilate(self.model.step.time + self.dt, time[:0], measured.which[:0], measured.values[:0])
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +47,7 @@ class Measurements:
         return noise
 
 
-def amount(given: float | str, unit: str, where: str, of: float = 0.0) -> float:
+def amount(given: float | str, unit: str, where: str, of: float = 0.0, finite: bool = True) -> float:
     """A number in SI units: as it is, of a text with its unit, or of a share of a value `of`; a share of 0 is refused."""
     if not isinstance(given, str):
         value = float(given)
@@ -59,7 +59,7 @@ def amount(given: float | str, unit: str, where: str, of: float = 0.0) -> float:
         value = number_in(given, unit or "1", where, relative=True)
     else:
         raise BadInput(where, repr(given), f"a number in {unit or '1'}, or a text with its unit")
-    if not np.isfinite(value):
+    if finite and not np.isfinite(value):
         raise BadInput(where, f"{value}", "a finite number")
     return value
 
@@ -71,13 +71,10 @@ def positive(given: float | str, unit: str, where: str, of: float = 0.0, least: 
     return value
 
 
-def measurements_of(plan: EstimateSettings, scene: Scene, folder: Path, data: Data, where: str) -> Measurements:
-    """All of a plan; `data` take the place of files. Raises `BadInput` with file, line and column."""
-    coupling = scene.coupling
+def sensors_of(plan: EstimateSettings, scene: Scene, where: str) -> Measurements:
+    """The signals of a plan, with no sample so far; raises `BadInput` for names and units."""
+    coupling, noise, none = scene.coupling, [], np.zeros(0)
     known = {".".join(end): coupling.interfaces[end[0]].outputs[end[1]].unit for end in coupling.signals}
-    if strangers := sorted(data.keys() - {m.signal for m in plan.measured}):
-        raise BadInput(f"{where}: data", ", ".join(strangers), "signals of [[measured]]", nearest(strangers[0], known))
-    parts, noise = [], []
     for k, one in enumerate(plan.measured):
         place = f"{where}: measured[{k + 1}]"
         if one.signal not in known:
@@ -87,16 +84,27 @@ def measurements_of(plan: EstimateSettings, scene: Scene, folder: Path, data: Da
                     f"{place}.signal", f"{one.signal!r}, which is not recorded", "a recorded output", "Add it to record.signals."
                 )
             raise BadInput(f"{place}.signal", repr(one.signal), "a recorded output of the scene", nearest(one.signal, known))
-        unit = known[one.signal]
+        given = one.noise
+        noise.append(np.nan if given is None else positive(given, known[one.signal], f"{place}.noise", least=1e-300))
+    names = tuple(m.signal for m in plan.measured)
+    return Measurements(names, tuple(known[n] for n in names), none, none.astype(np.intp), none, np.array(noise))
+
+
+def measurements_of(plan: EstimateSettings, scene: Scene, folder: Path, data: Data, where: str) -> Measurements:
+    """All of a plan; `data` take the place of files. Raises `BadInput` with file, line and column."""
+    sensors, parts = sensors_of(plan, scene, where), []
+    if strangers := sorted(data.keys() - set(sensors.signals)):
+        remedy = nearest(strangers[0], sensors.signals)
+        raise BadInput(f"{where}: data", ", ".join(strangers), "signals of [[measured]]", remedy)
+    for k, (one, unit) in enumerate(zip(plan.measured, sensors.units, strict=True)):
+        place = f"{where}: measured[{k + 1}]"
         time, values = _given(data[one.signal], place) if one.signal in data else _read(one, unit, folder, place)
         if time.size < LEAST:
             raise BadInput(f"{place}: {one.file or one.signal}", f"{time.size} numbers", f"{LEAST} or more")
         parts.append((time - one.delay, np.full(time.size, k), values))
-        noise.append(np.nan if one.noise is None else positive(one.noise, unit, f"{place}.noise", least=1e-300))
     time, which, values = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.argsort(time, kind="stable")
-    names = tuple(m.signal for m in plan.measured)
-    return Measurements(names, tuple(known[n] for n in names), time[order], which[order], values[order], np.array(noise))
+    return replace(sensors, time=time[order], which=which[order], values=values[order])
 
 
 def _given(pair: tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray], where: str) -> tuple[np.ndarray, np.ndarray]:

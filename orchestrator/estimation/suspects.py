@@ -62,7 +62,8 @@ def suspected(model: Model, wanted: Sequence[str] | None, signals: Sequence[str]
     """The numbers that a plan names, or those that the signals, with noise (k,), see most."""
     taken = {u.name for u in model.unknowns}
     known = [n for n in model.tangents.parameters() if n not in taken]
-    known = [n for n in known if n not in numerical_of(model.scene, known)]
+    numerical = numerical_of(model.scene, known)
+    known = [n for n in known if n not in numerical]
     if wanted is None:
         names = [n for n in known if "[" not in n]
     else:

@@ -30,6 +30,7 @@ from ..scene.scene import Scene
 from ..units.discarded import warnings_of as of_discarded
 from ..units.interface import Signal, SimulationEnded
 from ..verified_file import verified_bytes, verified_content
+from .estimating import Estimating
 
 if TYPE_CHECKING:
     from ..derivatives.continuation import Orbits
@@ -42,7 +43,7 @@ Value = float | int | bool | str | np.ndarray | Sequence[float]
 SHOWN = 40  # outputs in a notebook
 
 
-class Session:
+class Session(Estimating):
     """A scene in the hand. Its steps are bit-identical to those of `run`.
 
         with cosimo.open("en50318-2002") as sim:
@@ -165,7 +166,7 @@ class Session:
         self._initialized, self._unseen, self._failure, self._ended = False, False, "", ""
         self._inputs.clear()
         self._readers.clear()
-        self._observers, self._watch = [], None
+        self._observers, self._watch, self._live = [], None, None
         if self._open_scene is not None and not self._open_scene.takes({}):
             self._close_units()
         if seed is not None:
@@ -189,7 +190,7 @@ class Session:
 
     def _close_units(self) -> None:
         self._stack.close()
-        self._open_scene, self._unseen = None, False
+        self._open_scene, self._unseen, self._live = None, False, None
         self._readers.clear()
 
     def __enter__(self) -> Session:
@@ -376,8 +377,7 @@ class Session:
 
         self._alive()
         scene = self._scene.with_changes(self._changes) if self._changes else self._scene
-        given = {".".join(end): value for end, value in self._inputs.items() if isinstance(value, float)}
-        return trim(scene, free, want, at=self.place, given=given, **options).points[0][1]
+        return trim(scene, free, want, at=self.place, given=self._known_inputs, **options).points[0][1]
 
     def orbit(self, *forcing: Any, **options: Any) -> Orbits:
         """Periodic orbits from the scene's start, as of `derivatives.continuation.orbits`; the session stays where it is."""

@@ -67,6 +67,7 @@ READS_CLOCKS = {
     "orchestrator/harness/many": {"execute", "store"},
     "orchestrator/harness/studies": {"component_accuracy", "reference", "trial"},
     "orchestrator/judgement": {"advice", "verification"},
+    "orchestrator/systems/rov": {"twin"},  # whose vehicle is in real time
     "orchestrator/units": {"channel", "fmi2", "folders", "process"},
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from ctypes import CFUNCTYPE, c_double, c_int32, c_void_p
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,14 @@ class Records:
         """The cell of a field of the k-th record of an array."""
         offset: int = getattr(self.memory, array).dtype.fields[field][1]
         return self.block.cell("s", array) + (k * getattr(self.memory, array).dtype.itemsize + offset) // CELL
+
+    @cached_property
+    def changing(self) -> np.ndarray:
+        """Cells that steps change: fields that `records` marks, and the table of signals, (n,)."""
+        first, marked = self.block.cell("s", "signals"), {"units": UNIT_STATE, "links": LINK_STATE, "pasts": PAST_STATE}
+        sizes = {array: getattr(self.memory, array).size for array in marked}
+        cells = [self.place(array, k, name) for array, names in marked.items() for k in range(sizes[array]) for name in names]
+        return np.array([*cells, *range(first, first + self.memory.signals.size)], dtype=np.intp)
 
     def ask(self, **fields: int) -> None:
         """Write into the request."""
