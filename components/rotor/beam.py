@@ -1,4 +1,4 @@
-"""Flexible rotor: a uniform Timoshenko shaft with disks, on springs or on bearings that attach through ports."""
+"""Flexible rotor: a Timoshenko shaft, uniform or of sections, with disks, on springs or on bearings that attach through ports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.linear import add_product
-from ..core.variables import input_, output, parameter
+from ..core.variables import input_, output, parameter, text
 from .elements import Disk, solid_disk
 from .frame import FrameRotation
 from .initialization import (
@@ -25,13 +25,32 @@ from .initialization import (
 from .integration import NODES, rotor_outputs, rotor_step
 from .model import DOFS, WIDTH, Matrices, dense, most_nodes
 from .ports import Bearing
+from .sections import sections_of
 from .spin import RunUp
 
 MAX_DISKS = 4
 STEEL = 7810.0  # kg/m³
-ON_SHAFT = "a place on the shaft, 0 to {length} m"
+ON_SHAFT = "a place on the shaft, 0 to {extent} m"
 NO_DISK = Disk(0.0, 0.0, 0.0)
 DEFAULT_DISKS = (solid_disk(0.28, 0.05, 0.07, STEEL), solid_disk(0.35, 0.05, 0.07, STEEL), NO_DISK, NO_DISK)
+
+
+class ShaftTable(Effect):
+    """A shaft of sections, as drawings and other programs list them, in the place of a uniform one.
+
+    A CSV table with a header, a row for each section from the left end: `length`, `outer_diameter`, and, where needed,
+    `inner_diameter`, `youngs_modulus`, `shear_modulus` and `density`; the last three are the parameters' where the table has none.
+    Such as `length [mm];outer_diameter [mm]`. Each section begins with a node.
+    """
+
+    explicit_only = True
+    replaces = ("length", "outer_diameter", "inner_diameter")
+    read_by = ("initialize",)
+
+    table = text(
+        "length [mm],outer_diameter [mm]\n500,50\n500,60\n500,50\n",
+        "sections of the shaft as a CSV table; a scene may name its file",
+    )
 
 
 class Gyroscopic(Effect):
@@ -161,6 +180,7 @@ class BeamRotor(KernelComponent):
         BEARING_BEYOND: Refusal("a bearing at {refused} m", ON_SHAFT),
     }
 
+    shaft_table = ShaftTable
     gyroscopic = Gyroscopic
     disks = Disks
     unbalance = Unbalance
@@ -238,14 +258,17 @@ class BeamRotor(KernelComponent):
         frame about x and y.  `levers`: (k,) of ports to the frame's axes, m.
         `prepared`, `fixed`, `now`, `tangents`: see `integration`; (k, 2, 4, 4) the ports' tangents to which `now` belongs.
         `room`: right-hand side; displacement, velocity and acceleration between zeros.  `matrix`, `places`: work, of an element
-        and of the nodes.  `refused`: numbers for a message.
+        and of the nodes.  `refused`: numbers for a message.  `shaft`: (n, 6) rows of a table, see `sections_of`; None without one.
+        `sections`: see `assemble_shaft`.  `extent`: length of the shaft, m.
         """
         p: Any = self.parameters
         on = self.on
         ports = np.zeros((sum(name in on for name in ("bearing_a", "bearing_b")), 3), dtype=np.int64)
         supports = 2 if "linear_supports" in on else 0
-        fixed = 1 + (MAX_DISKS if "disks" in on else 0) + supports + len(ports)
-        nodes = most_nodes(p["length"], p["element"], fixed)
+        shaft = sections_of(p["shaft_table.table"], f"{self.name}: shaft_table.table") if "shaft_table" in on else None
+        sections, extent = (1, p["length"]) if shaft is None else (len(shaft), float(shaft[:, 0].sum()))
+        fixed = sections + (MAX_DISKS if "disks" in on else 0) + supports + len(ports)
+        nodes = most_nodes(extent, p["element"], fixed)
         N = DOFS * nodes
         band = (N, WIDTH)
         return {
@@ -271,6 +294,9 @@ class BeamRotor(KernelComponent):
             "room": (4, N + WIDTH - 1),
             "tangents": (len(ports), 2, DOFS, DOFS),
             "refused": 1,
+            "shaft": shaft,
+            "sections": (sections, 5),
+            "extent": 1,
         }
 
     @property

@@ -53,6 +53,8 @@ def _backwards(speed: float, phase: str, **steps: float) -> tuple[Like, Like]:
 SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in (1, 2)}
 
 
+BORED = "length [m],outer_diameter [mm],inner_diameter [mm]\n1.5,50,{}\n"
+
 HARD_CASES = {
     "JeffcottRotor": {
         "undamped at the critical speed": HardCase(
@@ -175,6 +177,19 @@ HARD_CASES = {
             Refused("a place on the shaft", accepted={"disks.position[1]": 1.5}),
             effects=("disks",),
             parameters={"disks.position[1]": 1.6},
+        ),
+        "sections thinner than a millionth": HardCase(
+            "A collar of a tenth of a micrometre shares a node with its neighbours, and the shaft is as if it were not there.",
+            (Ends("displacement_x", 1e-7, value=0.0),),
+            effects=("shaft_table", "linear_supports"),
+            parameters={"shaft_table.table": "length [m],outer_diameter [m]\n0.75,0.05\n1e-7,0.5\n0.7499999,0.05\n"},
+            run=(2e-3, 1e-4),
+        ),
+        "a section without a wall": HardCase(
+            "Bored as wide as it is thick.",
+            Refused("and a wall", accepted={"shaft_table.table": BORED.format(49)}),
+            effects=("shaft_table",),
+            parameters={"shaft_table.table": BORED.format(50)},
         ),
         "steel that shrinks sideways": HardCase(
             "A shear modulus with which Poisson's ratio has no value.",

@@ -20,7 +20,7 @@ HOLLOW, NO_MATERIAL, UNBALANCE_LOST, WATCHED_BEYOND, DISK_BEYOND, SUPPORT_BEYOND
 @kernel
 def rotor_initialize(t, s, p, e):
     """Matrices, loads and places of the parameters; equilibrium at the start, but for the unbalance."""
-    status = section_status(s, p)
+    status = set_sections(s, p, e)
     if status == DONE:
         status = mesh_status(s, p, e)
     if status != DONE:
@@ -53,15 +53,35 @@ def rotor_initialize(t, s, p, e):
 
 
 @kernel
-def section_status(s, p):
-    """Whether the shaft has a wall, of an isotropic material."""
-    if p.inner_diameter >= p.outer_diameter:
-        return HOLLOW
-    poisson = 0.5 * p.youngs_modulus / p.shear_modulus - 1.0
-    if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
-        s.refused[0] = poisson
-        return NO_MATERIAL
+def set_sections(s, p, e):
+    """The sections of the shaft; whether each has a wall, of an isotropic material. A table's numbers that are none are the parameters'."""
+    end = 0.0
+    for k in range(s.sections.shape[0]):
+        outer, inner, length = p.outer_diameter, p.inner_diameter, p.length
+        youngs_modulus, shear_modulus, density = p.youngs_modulus, p.shear_modulus, p.density
+        if e.shaft_table is not None:
+            row = s.shaft[k]
+            length, outer, inner = row[0], row[1], row[2]
+            youngs_modulus = given(row[3], youngs_modulus)
+            shear_modulus, density = given(row[4], shear_modulus), given(row[5], density)
+        if inner >= outer:
+            return HOLLOW
+        poisson = 0.5 * youngs_modulus / shear_modulus - 1.0
+        if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
+            s.refused[0] = poisson
+            return NO_MATERIAL
+        section = circular_section(outer, inner, youngs_modulus, shear_modulus, density)
+        end += length
+        s.sections[k, 0], s.sections[k, 1], s.sections[k, 2] = end, section.bending, section.shear
+        s.sections[k, 3], s.sections[k, 4] = section.mass, section.inertia
+    s.extent[0] = end
     return DONE
+
+
+@kernel
+def given(number, otherwise):
+    """The number of a table, or another where the table has none."""
+    return otherwise if math.isnan(number) else number
 
 
 @kernel
@@ -71,11 +91,11 @@ def has_disk(disks, k):
 
 
 @kernel
-def add_place(position, count, s, p):
+def add_place(position, count, s):
     """Note a place of the shaft at which there is to be a node; False: it is beyond the shaft."""
     s.refused[0] = position
     s.places[count] = position
-    return 0.0 <= position <= p.length * (1.0 + 1e-12)
+    return 0.0 <= position <= s.extent[0] * (1.0 + 1e-12)
 
 
 @kernel
@@ -87,29 +107,32 @@ def mesh_status(s, p, e):
                 s.refused[0] = k + 1.0
                 return UNBALANCE_LOST
     count = 2  # behind the ends
-    if not add_place(p.watched_position, count, s, p):
+    for k in range(s.sections.shape[0] - 1):
+        s.places[count] = s.sections[k, 0]
+        count += 1
+    if not add_place(p.watched_position, count, s):
         return WATCHED_BEYOND
     count += 1
     if e.disks is not None:
         for k in range(e.disks.mass.size):
             if has_disk(e.disks, k):
-                if not add_place(e.disks.position[k], count, s, p):
+                if not add_place(e.disks.position[k], count, s):
                     return DISK_BEYOND
                 count += 1
     if e.linear_supports is not None:
         for k in range(2):
-            if not add_place(e.linear_supports.position[k], count, s, p):
+            if not add_place(e.linear_supports.position[k], count, s):
                 return SUPPORT_BEYOND
             count += 1
     if e.bearing_a is not None:
-        if not add_place(e.bearing_a.position, count, s, p):
+        if not add_place(e.bearing_a.position, count, s):
             return BEARING_BEYOND
         count += 1
     if e.bearing_b is not None:
-        if not add_place(e.bearing_b.position, count, s, p):
+        if not add_place(e.bearing_b.position, count, s):
             return BEARING_BEYOND
         count += 1
-    s.mesh[NODES] = place_nodes(p.length, s.places[:count], p.element, s.nodes)
+    s.mesh[NODES] = place_nodes(s.extent[0], s.places[:count], p.element, s.nodes)
     s.mesh[WATCHED] = DOFS * nearest_node(s.nodes[: s.mesh[NODES]], p.watched_position)
     return DONE
 
@@ -120,8 +143,7 @@ def set_matrices(s, p, e):
     nodes = s.nodes[: s.mesh[NODES]]
     N = DOFS * nodes.size
     mass, damping, stiffness, rotary = s.mass[:N], s.damping[:N], s.stiffness[:N], s.now[0, :N]
-    section = circular_section(p.outer_diameter, p.inner_diameter, p.youngs_modulus, p.shear_modulus, p.density)
-    assemble_shaft(section, nodes, mass, rotary, stiffness, s.matrix)
+    assemble_shaft(s.sections, nodes, mass, rotary, stiffness, s.matrix)
     add_band(1.0, rotary, mass)
     if s.gyroscopic is not None:
         turn(rotary, 2.0, s.gyroscopic[:N])

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import kernel
-from .elements import element_mass, element_rotary_inertia, element_stiffness
+from .elements import Section, element_mass, element_rotary_inertia, element_stiffness
 
 DOFS = 4  # of a node
 HALF = 2 * DOFS - 1  # half bandwidth: an element joins neighbouring nodes
@@ -87,16 +87,21 @@ def nearest_node(nodes, position):
 
 
 @kernel
-def assemble_shaft(section, nodes, deflection, rotary, stiffness, matrix):
-    """Bands of a bare uniform shaft with these nodes, m: deflection's and tilting's inertia, stiffness.
+def assemble_shaft(sections, nodes, deflection, rotary, stiffness, matrix):
+    """Bands of a bare shaft with these nodes, m: deflection's and tilting's inertia, stiffness.
 
-    deflection, rotary, stiffness: (N, 15), written.  matrix: (4, 4), work.
+    sections: (n, 5) of each the end, m, at which there is a node, and the numbers of `Section`.  deflection, rotary, stiffness: (N, 15),
+    written.  matrix: (4, 4), work.
     """
     deflection[:] = 0.0
     rotary[:] = 0.0
     stiffness[:] = 0.0
+    k = 0
     for node in range(nodes.size - 1):
         L = nodes[node + 1] - nodes[node]
+        while k < sections.shape[0] - 1 and 0.5 * (nodes[node] + nodes[node + 1]) > sections[k, 0]:
+            k += 1
+        section = Section(sections[k, 1], sections[k, 2], sections[k, 3], sections[k, 4])
         element_mass(section, L, matrix)
         add_element(deflection, node, matrix)
         element_rotary_inertia(section, L, matrix)

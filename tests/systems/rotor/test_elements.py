@@ -29,7 +29,7 @@ def nodes_of(length: float, fixed: list[float], element: float) -> np.ndarray:
 def bands_of(section: Section, nodes: np.ndarray) -> np.ndarray:
     """Deflection's and tilting's inertia and stiffness of a bare shaft, (3, N, 15)."""
     bands = np.full((3, DOFS * nodes.size, WIDTH), np.nan)
-    assemble_shaft(section, nodes, *bands, np.zeros((4, 4)))
+    assemble_shaft(np.array([[nodes[-1], *section]]), nodes, *bands, np.zeros((4, 4)))
     return bands
 
 
